@@ -1,8 +1,8 @@
 """The slave, which pythonfmu's wrapper calls in the importing process; it passes each call on to the kernel.
 
-It needs only Python 3.8 and its standard library. The kernel is also the binary of native FMUs: it knows the
-states of an instance and checks each call. A refused call raises a SlaveError and is fatal, because the slave
-could otherwise only discard a step, at which fmpy ends without a message.
+The slave needs only Python 3.8 and its standard library. The kernel is also the binary of native FMUs: the
+kernel knows the states of an instance and checks each call. A refused call raises a SlaveError and is fatal;
+the only alternative would be to discard a step, at which fmpy ends without a message.
 """
 
 from __future__ import annotations
@@ -23,14 +23,15 @@ from xml.etree import ElementTree
 
 from pythonfmu.fmi2slave import Fmi2Slave, Fmi2Status
 
-# values of fmi2Status: the worst status of a call that succeeded, and the status of an unfinished step
+# values of fmi2Status: WARNING is the worst status of a successful call, PENDING the status of an unfinished
+# step
 WARNING, PENDING = 1, 5
-# messages of the kernel in each thread: status and text, which is a format of printf
+# the messages of the kernel, separate for each thread: status and text; the text is a format of printf
 SAID = threading.local()
-WRAPPERS: set[Path] = set()  # the libraries of pythonfmu that have made instances
-RESOURCES = Path(__file__).absolute().parent  # a process imports this module once
+WRAPPERS: set[Path] = set()  # the libraries of pythonfmu that have made instances in this process
+RESOURCES = Path(__file__).absolute().parent  # the folder of this module; a process imports this module once
 NAME, GUID = (RESOURCES / "slavemodule.txt").read_text(encoding="utf-8").split()[1:]
-with suppress(OSError):  # the wrapper does not pass on the GUID, but importers have it from this file
+with suppress(OSError):  # the wrapper does not pass on the GUID, but importers read it from this file
     GUID = ElementTree.parse(RESOURCES.parent / "modelDescription.xml").getroot().attrib["guid"]
 KERNEL = ctypes.CDLL(str(RESOURCES / f"kernel-{'win64.dll' if os.name == 'nt' else 'linux64.so'}"))
 KERNEL.fmi2Instantiate.restype = KERNEL.another_fmi2_instance.restype = c_void_p
@@ -40,14 +41,15 @@ _log = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)(
 
 
 class SlaveError(Exception):
-    """A refused call of slaves, with the kernel's last message or with another reason."""
+    """Raised for a refused call of slaves, with the kernel's last message or another reason."""
 
     def __init__(self, *slaves: ChainImpact, reason: str = "") -> None:
         super().__init__(reason or vars(SAID).pop("messages")[-1][1])
-        # pythonfmu 0.7.0 drops its references at an exception, and again when the importer frees the slave
+        # pythonfmu 0.7.0 drops its references at an exception, and a second time when the importer frees the
+        # slave, so keep one more
         for kept in [kept for slave in slaves for kept in (slave, type(slave), slave.log_queue)]:
             ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
-        # Python writes this to stderr; by default a user of fmpy would only see "status 4 (fatal)"
+        # Python writes this text to stderr; by default a user of fmpy would only see "status 4 (fatal)"
         text = str(self).replace("%%", "%").replace("##", "#")
         logging.getLogger("chain_impact.fmu").error("%s: %s", NAME, text)
 
@@ -57,16 +59,18 @@ class SlaveError(Exception):
 _functions = (_log, ctypes.pythonapi.PyMem_RawCalloc, ctypes.pythonapi.PyMem_RawFree)
 _callbacks = (c_void_p * 5)(*(ctypes.cast(function, c_void_p).value for function in _functions))
 _given = (b"first", 1, GUID.encode(), RESOURCES.as_uri().encode(), _callbacks, 0, 1)
-FIRST = c_void_p(KERNEL.fmi2Instantiate(*_given))  # all other instances share the table of this one
+# the first instance; all other instances use the function table of this instance
+FIRST = c_void_p(KERNEL.fmi2Instantiate(*_given))
 if not FIRST:
     raise SlaveError
 
 
 @atexit.register
 def _release() -> None:
-    """Release at the end of the process the data that pythonfmu 0.7.0 would release in freed memory."""
+    """Release, at the process's end, the data that pythonfmu 0.7.0 would release in freed memory."""
     for wrapper in WRAPPERS:
-        with suppress(AttributeError, OSError):  # on Windows, or when the library has been unloaded
+        # the call fails on Windows, or when the library has been unloaded
+        with suppress(AttributeError, OSError):
             ctypes.CDLL(str(wrapper), mode=os.RTLD_NOLOAD).finalizePythonInterpreter()
 
 
@@ -78,7 +82,10 @@ class State(c_void_p):
 
 
 def _access(function: str, code: str = "") -> Any:
-    """Return a method that gets or sets values of a type; ``code`` is the type's code in ``array``."""
+    """Return a method that gets or sets values of a type.
+
+    ``code`` is the type's code in the module ``array``.
+    """
     getattr(KERNEL, function).argtypes = (c_void_p, c_void_p, c_size_t, c_void_p)
     zero = array(code or "i", [0])
 
@@ -91,14 +98,14 @@ def _access(function: str, code: str = "") -> Any:
 
 
 class ChainImpact(Fmi2Slave):  # type: ignore[misc]
-    """One instance of the FMU; a reset makes a new one."""
+    """One instance of the FMU; a reset makes a new instance."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         WRAPPERS.add(Path(self.resources).parent / "binaries" / "linux64" / f"{NAME}.so")
         self.component = c_void_p(KERNEL.another_fmi2_instance(FIRST, self.instance_name.encode()))
         if not self.component:
-            raise SlaveError  # the wrapper has no slave yet
+            raise SlaveError  # pythonfmu's wrapper has no slave yet
 
     def __del__(self) -> None:
         KERNEL.fmi2FreeInstance(self.component)
@@ -107,7 +114,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         """Call a function of the kernel with this instance, and pass on the kernel's messages."""
         call, status = getattr(KERNEL, function), PENDING
         try:
-            while status == PENDING:  # Python handles signals, such as that of Ctrl-C, between two calls
+            while status == PENDING:  # Python handles signals, for example of Ctrl-C, between two calls
                 status = call(self.component, *arguments)
         except KeyboardInterrupt:
             raise SlaveError(self, reason=f"{function}: interrupted") from None
@@ -122,7 +129,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         self._call("fmi2SetupExperiment", *given, stop is not None, c_double(stop or 0.0))
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance from the present communication point by a step; both are in seconds."""
+        """Advance by a step from the present communication point; both arguments are in seconds."""
         self._call("fmi2DoStep", c_double(current_time), c_double(step_size), 0)
         return True
 
@@ -146,7 +153,8 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         return data.raw
 
     @staticmethod
-    def _fmu_state_from_bytes(data: bytes) -> State:  # the calling instance is not known here
+    # a static method: the calling instance is not known in this call
+    def _fmu_state_from_bytes(data: bytes) -> State:
         if KERNEL.fmi2DeSerializeFMUstate(FIRST, data, c_size_t(len(data)), byref(state := State())):
             raise SlaveError(*(one for one in gc.get_objects() if isinstance(one, ChainImpact)))
         return state

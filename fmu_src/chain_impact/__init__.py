@@ -82,14 +82,14 @@ _MODULES = {
     "studies.sweep.sweep": ("sweep",),
     "studies.sweep.table": ("Sweep",),
 }
-"""Module → its public names, as above."""
+"""Module → the public names that the module defines."""
 _HOMES = {name: f"chain_impact.{module}" for module, names in _MODULES.items() for name in names}
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - the names of the table
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name."""
+    """Import a public name at its first use."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = found = getattr(import_module(_HOMES[name]), name)
@@ -97,5 +97,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """Return the public names only; the modules can still be imported."""
+    """Return only the public names; modules can still be imported."""
     return list(__all__)

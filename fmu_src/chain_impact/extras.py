@@ -1,4 +1,4 @@
-"""Packages that only some users need: the extras of pyproject.toml."""
+"""Optional packages, which only some users need: the extras of pyproject.toml."""
 
 from __future__ import annotations
 
@@ -14,11 +14,14 @@ from chain_impact.system import quoted
 
 
 class MissingExtraError(ImportError):
-    """A package is not installed; the message is one line and says how to get it."""
+    """Raised when an optional package is not installed.
+
+    The message is one line and says how to install it.
+    """
 
 
 def require(package: str, extra: str) -> Any:
-    """Import a package of an extra.
+    """Import a package that belongs to an extra.
 
     Raises:
         MissingExtraError: when the package is not installed.
@@ -26,7 +29,7 @@ def require(package: str, extra: str) -> Any:
     try:
         return import_module(package)
     except ModuleNotFoundError as error:
-        if error.name != package.partition(".")[0]:  # a fault inside the package is raised unchanged
+        if error.name != package.partition(".")[0]:  # an error from inside the package is raised unchanged
             raise
         how = how_to_install(extra)
         raise MissingExtraError(f"{package} is not installed: {how}", name=package) from None

@@ -1,7 +1,7 @@
 """All code that depends on the operating system or the processor.
 
-Two more places depend on them but cannot use this module, because they run without this package: the slave of
-an FMU (slave.py), and the C interface of native FMUs (compilation/c_interface/).
+Two other parts also depend on system and processor, but cannot use this module because they run without this
+package: the slave of an FMU (slave.py), and the C interface of native FMUs (compilation/c_interface/).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SYSTEM = {"win32": WINDOWS, "darwin": "Darwin", "linux": "Linux"}.get(sys.platfo
 
 
 class Platform(NamedTuple):
-    """A system and a processor that kernels are made for.
+    """A system and a processor for which kernels can be compiled.
 
     Attributes:
         system: Python's name of the system.
@@ -54,22 +54,22 @@ PLATFORMS = {
 
 
 def _host(system: str, machine: str, word: int) -> str:
-    """Return the platform of a Python whose addresses have ``word`` bytes; "" if no kernels exist for it."""
+    """Return the platform of a Python with addresses of ``word`` bytes; "" if no kernels exist for it."""
     found = (name for name, one in PLATFORMS.items() if (one.system, one.machine) == (system, machine))
     return next(found, "") if word == struct.calcsize("q") else ""
 
 
 def _machine() -> str:
-    """Return the processor that this Python is made for; Windows on ARM may run a Python for x86-64."""
+    """Return the processor for which this Python is made; Windows on ARM may run a Python for x86-64."""
     return sysconfig.get_platform().partition("-")[2] if SYSTEM == WINDOWS else platform.machine()
 
 
 HOST = _host(SYSTEM, _machine(), struct.calcsize("P"))
-"""The platform that this Python runs on; empty if there are no kernels for it."""
+"""The platform on which this Python runs; "" if no kernels exist for it."""
 
 
 def nowhere() -> str:
-    """Return the sentence for a machine without kernels, with a remedy."""
+    """Return the sentence, with a remedy, for a machine for which no kernels exist."""
     known = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
     return (
         f"chain-impact runs on {known}, not on {platform.platform()} ({sysconfig.get_platform()}): use such "
@@ -79,7 +79,7 @@ def nowhere() -> str:
 
 def cores() -> int:
     """Return the number of cores that this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)  # exists on Linux
+    affinity = getattr(os, "sched_getaffinity", None)  # this function exists on Linux only
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
@@ -87,7 +87,7 @@ def cores() -> int:
 
 
 def cache_folder() -> Path:
-    """Return the user's folder for files that can be made again.
+    """Return the user's folder for files that the program can make again.
 
     Raises:
         RuntimeError: when the user has no home folder.
@@ -100,8 +100,8 @@ def cache_folder() -> Path:
 def others_can_write(found: os.stat_result) -> bool:
     """Return whether another user of this machine, except root, can put files into a folder.
 
-    A group with the user's own number contains only this user on many systems. On Windows, other users cannot
-    write to the user's own folder.
+    On many systems a group with the same number as the user contains only this user. On Windows, other users
+    cannot write to the user's own folder.
     """
     if SYSTEM == WINDOWS:
         return False
@@ -112,13 +112,13 @@ def others_can_write(found: os.stat_result) -> bool:
 def remove_lock(lock: Any) -> None:
     """Release a lock of filelock and remove its file.
 
-    Windows removes no open file. On other systems the file is removed first, so that no other process takes
-    the lock in between.
+    Windows does not remove an open file. On other systems the file is removed first, so that no other process
+    takes the lock in between.
     """
     file = Path(lock.lock_file)
     if SYSTEM == WINDOWS:
         lock.release()
-        with suppress(OSError):  # another process may hold the lock by now
+        with suppress(OSError):  # another process may hold the lock now
             file.unlink()
     else:
         file.unlink(missing_ok=True)
@@ -127,10 +127,10 @@ def remove_lock(lock: Any) -> None:
 
 @contextmanager
 def removal() -> Iterator[None]:
-    """Explain why kernels cannot be removed: Windows keeps each library that a program has loaded.
+    """Turn an error of a removal into an explanation: Windows keeps each library that a program has loaded.
 
-    On other systems a loaded library stays until its program ends. A kernel is never replaced by another one,
-    because the folder's name identifies the sources, and the file's name the rest.
+    On other systems a loaded library stays valid until the program ends. A kernel file is never replaced by
+    another kernel, because the names of its folder and its file identify all of its contents.
 
     Raises:
         PermissionError: with a remedy.
@@ -146,18 +146,22 @@ def removal() -> Iterator[None]:
 
 # --- the console -------------------------------------------------------------------------------------------
 
-LISTEN = 0.2  # s
+LISTEN = 0.2  # [s] time after which a program that waits notices Ctrl-C
 
 
 def has_screen() -> bool:
-    """Return whether a window can be opened: on Linux the environment names a display server."""
+    """Return whether the program can open a window.
+
+    On Linux, whether the environment names a display server.
+    """
     return SYSTEM != "Linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def prepare_console() -> None:
-    """Print a question mark for a character that the encoding lacks, which would otherwise end the program.
+    """Let the console print a question mark for each character that its encoding lacks, in place of an error.
 
-    In the locale POSIX, standard output accepts bytes of file names, but other characters end the program.
+    In the locale POSIX, standard output accepts bytes of file names, but any other character would end the
+    program.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
@@ -165,7 +169,7 @@ def prepare_console() -> None:
 
 
 def quoted(word: str) -> str:
-    """Return a word of a command in the form that this system's shell needs."""
+    """Return a word of a command as the shell of this system needs it."""
     return subprocess.list2cmdline([word]) if SYSTEM == WINDOWS else shlex.quote(word)
 
 
@@ -174,7 +178,7 @@ def written_whole(path: Path) -> Iterator[Path]:
     """Yield a path to write to; the written file appears at ``path`` when it is complete, or not at all."""
     try:
         if path.is_symlink() or (path.exists() and not path.is_file()):
-            yield path  # /dev/stdout and similar files cannot be replaced
+            yield path  # /dev/stdout and similar files cannot be replaced, so write to them directly
             return
         with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
             fresh = Path(scratch, path.name)
@@ -183,5 +187,5 @@ def written_whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         if error.filename and f".{path.name}-" not in str(error.filename):
             raise
-        # the error names the user's path, not the scratch folder; some libraries give no number
+        # the error names the user's path, not the scratch folder; some libraries set no error number
         raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None

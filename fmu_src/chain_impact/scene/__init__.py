@@ -1,1 +1,1 @@
-"""The scene: a chain, its walls and how it starts, read from TOML into frozen dataclasses."""
+"""The scene: a chain, walls and an initial state, read from TOML into frozen dataclasses."""

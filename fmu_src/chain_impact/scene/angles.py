@@ -7,29 +7,35 @@ import re
 from typing import Any
 
 DEGREES = {"rad": "deg", "rad/s": "deg/s", "rad/s2": "deg/s2"}
-"""Units of angles, angular velocities and accelerations → the same units in degrees."""
+"""Units of angles, angular velocities and angular accelerations → the same units in degrees."""
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 
 def degrees_pattern(unit: str) -> str | None:
-    """Return the regular expression for the text of an angle, ``"90 deg"``; None for a unit of no angle."""
+    """Return the regular expression for an angle as text, ``"90 deg"``.
+
+    None if the unit is not one of angles.
+    """
     return rf"\s*({_NUMBER})\s*{DEGREES[unit]}\s*" if unit in DEGREES else None
 
 
 def in_radians(value: Any, unit: str) -> Any:
-    """Return a value in a unit, with the text of an angle, ``"90 deg"``, in radians."""
+    """Return a value in its unit; an angle as text, ``"90 deg"``, is converted to radians."""
     pattern = degrees_pattern(unit) if isinstance(value, str) else None
     found = re.fullmatch(pattern, value) if pattern else None
     return math.radians(float(found[1])) if found else value
 
 
 def or_degrees(unit: str) -> str:
-    """Say in words that a value may also be text in degrees; return "" if the unit is not one of angles."""
+    """Return the words that a value may also be text in degrees; "" if the unit is not one of angles."""
     return f', or text in degrees as "90 {DEGREES[unit]}"' if unit in DEGREES else ""
 
 
 def radians_hint(name: str, value: float, unit: str) -> str | None:
-    """Return a hint that an angle of more than one turn may be meant in degrees; None for a smaller angle."""
+    """Return a hint that an angle of more than one turn may be in degrees by mistake.
+
+    None for a smaller angle.
+    """
     if unit != "rad" or not abs(value) > 2.0 * math.pi:
         return None
     turns = f"{name} = {value:g} rad is {abs(value) / (2.0 * math.pi):.3g} turns"

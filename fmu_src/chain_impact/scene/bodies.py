@@ -1,4 +1,4 @@
-"""Bodies as they are drawn: the outlines of links with points, and the line along which a base slides."""
+"""The shapes that drawings show: outlines of links with points, and the line along which a base slides."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
 ROUND = 24  # number of corners of the polygon that is drawn for a circle
-TICK = 0.06  # length of a stop's mark and half the length of the carriage, as a part of the drawing's size
-# how far a line without a stop is drawn beyond the carriage's places, as a part of the drawing's size
+TICK = 0.06  # length of a stop's mark, and half the length of the carriage, over the size of the drawing
+# how far a line without a stop is drawn beyond the positions of the carriage, over the size of the drawing
 AHEAD = 0.12
 Disc = tuple[float, float, float]
-"""A place along a link and to the left of it, and a radius [m]."""
+"""A disc: the coordinates of its centre along a link and to the left of the link, and its radius [m]."""
 
 
 def outline(discs: Iterable[Disc]) -> np.ndarray:
@@ -33,7 +33,7 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
 
 
 def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return one half of the hull, from the first of the sorted places to the last one, which is left out."""
+    """Return one half of the hull, from the first of the sorted corners up to the last, which is left out."""
     found: list[tuple[float, float]] = []
     for x, y in corners:
         while len(found) > 1:
@@ -46,7 +46,7 @@ def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def outlines_of(scene: Contents) -> dict[int, np.ndarray]:
-    """Return the outline of each link of a scene that has points: number → corners in the link's axes."""
+    """Return the outline of each link that has points: number of the link → corners in the link's axes."""
     radius, points = scene.contact.radius, scene.contact.points
     found = {}
     for n, link in enumerate(scene.chain.links, 1):
@@ -58,7 +58,7 @@ def outlines_of(scene: Contents) -> dict[int, np.ndarray]:
 
 
 def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Turn places in the axes of a link into places in space, shape (C, 2) [m].
+    """Return the positions in space, shape (C, 2) [m], of corners that are given in the axes of a link.
 
     Args:
         corners: x along the link and y to its left, shape (C, 2) [m].
@@ -74,10 +74,10 @@ class Rail:
     """The line along which a base slides.
 
     Attributes:
-        origin: where the base is at the position 0, shape (2,) [m].
+        origin: the point of the line with the position 0, shape (2,) [m].
         angle: direction of the line, from +x [rad].
-        low: the least position [m], −∞ without a stop.
-        high: the largest position [m], ∞ without a stop.
+        low: the least position [m]; −∞ without a stop.
+        high: the largest position [m]; ∞ without a stop.
     """
 
     origin: np.ndarray
@@ -87,19 +87,19 @@ class Rail:
 
     @property
     def direction(self) -> np.ndarray:
-        """Unit vector along the line, shape (2,)."""
+        """The unit vector along the line, shape (2,)."""
         return np.array([math.cos(self.angle), math.sin(self.angle)])
 
     @property
     def stops(self) -> dict[str, HalfPlane]:
-        """The existing stops, by their names among the walls, as half-planes in which the base stays."""
+        """The half-planes in which stops keep the base, by the names of the stops among the walls."""
         (x, y), start = self.direction, float(self.origin @ self.direction)
         planes = (HalfPlane((x, y), start + self.low), HalfPlane((-x, -y), -start - self.high))
         found = zip(SLIDER_STOPS, planes, strict=True)
         return {name: plane for name, plane in found if math.isfinite(plane.offset)}
 
     def lines(self, bases: np.ndarray, size: float) -> list[np.ndarray]:
-        """Return the part of the line that is drawn, and the marks of the stops, each of shape (2, 2) [m].
+        """Return the visible part of the line, and the marks of the stops, each of shape (2, 2) [m].
 
         Args:
             bases: the positions of the base, shape (T, 2) [m].
@@ -124,7 +124,7 @@ class Rail:
 
 
 def rail_of(scene: Contents) -> Rail | None:
-    """Return the line along which the base of a scene slides; None if the base is on no slider."""
+    """Return the line along which the base of a scene slides; None if the base does not slide."""
     slider = scene.chain.slider
     if slider is None:
         return None

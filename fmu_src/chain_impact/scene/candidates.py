@@ -9,22 +9,21 @@ from chain_impact.scene.scene import Scene
 
 
 def candidates(scene: Scene) -> list[tuple[int, int]]:
-    """Return the pairs (point, index into ``scene.wall_names``) that can touch.
+    """Return the pairs (point, index in ``scene.wall_names``) that can touch.
 
-    The pairs of a listed point and an existing wall come first. Then come the stops, as pairs (joint, index
-    into ``scene.wall_names``), where a joint has the number of its link. The stops of a slider are at point
-    0.
+    The pairs of a listed point and an existing wall come first. The stops follow, as pairs (joint, index in
+    ``scene.wall_names``); a joint has the number of its link. The stops of a slider belong to point 0.
     """
     pairs, names = point_wall_pairs(scene), scene.wall_names
-    # the values of the stops exist only in a scene with stops
+    # ``scene.stops`` has values only in a scene with stops
     joints = [] if scene.stops.exponent is None else stop_pairs(scene)
     return [*pairs, *joints, *((0, names.index(stop)) for stop in scene.slider_stops)]
 
 
 def places(scene: Scene) -> list[str]:
-    """Return the words for all places at which a simulation can be refused.
+    """Return words for each place that can be the reason why a simulation is refused.
 
-    These are the candidates, the links, and the base at the wall of each pair of a point and a wall.
+    These places are the candidates, the links, and the base at the wall of each pair of a point and a wall.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)
@@ -38,7 +37,7 @@ def places(scene: Scene) -> list[str]:
 
 
 def stop_pairs(scene: Scene) -> list[tuple[int, int]]:
-    """Return the stops, as pairs (joint, index into ``scene.wall_names``)."""
+    """Return the stops as pairs (joint, index in ``scene.wall_names``)."""
     names = scene.wall_names
     return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 

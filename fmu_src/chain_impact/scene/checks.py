@@ -25,12 +25,12 @@ from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 PACKAGE = __name__.partition(".")[0]
-# [m] largest penetration at the start that counts as round-off; a deeper point is refused
+# [m] the largest penetration at the start that counts as round-off; a deeper point is refused
 START_TOLERANCE = 1e-12
 
 
 def check(scene: Contents) -> None:
-    """Check conditions on several keys together, and warn of angles that may be meant in degrees."""
+    """Check conditions on several keys together, and warn of angles that may be in degrees by mistake."""
     try:
         check_together(scene)
         check_stops(scene)
@@ -43,7 +43,7 @@ def check(scene: Contents) -> None:
 
 
 def check_masses(chain: Chain) -> None:
-    """Refuse links without inertia that could turn without moving any mass; see kernel/chain/inertia.py."""
+    """Refuse links without inertia that can turn without kinetic energy; see kernel/chain/inertia.py."""
     columns = {name: [getattr(link, name) for link in chain.links] for name in _MASSES}
     massless = chain.slider is not None and chain.slider.mass == 0.0
     first, last = loose_links(SimpleNamespace(pinned=chain.has_base_joint, **columns), massless)
@@ -62,7 +62,7 @@ def check_masses(chain: Chain) -> None:
 
 
 def check_together(scene: Contents) -> None:
-    """Refuse values that are valid alone but not together."""
+    """Refuse values that are each valid, but not together."""
     check_masses(scene.chain)
     contact, box, movable = scene.contact, scene.box, scene.chain.movable_points
     for point in contact.points:
@@ -88,7 +88,7 @@ def check_together(scene: Contents) -> None:
 
 
 def check_slider(scene: Contents) -> None:
-    """Refuse values that a base on a slider cannot have, and values that only such a base has."""
+    """Refuse values that a sliding base cannot have, and values that only a sliding base can have."""
     slider, start, place = scene.chain.slider, scene.initial, ("initial", "slider_velocity")
     if scene.chain.base != "slider" or slider is None:
         needed = 'only a base on a slider has it: chain.base = "slider"'
@@ -121,7 +121,7 @@ def check_slider(scene: Contents) -> None:
 
 
 def check_reach(scene: Contents) -> None:
-    """Refuse a wall out of reach if the walls outnumber the pairs that can touch: the record has no room."""
+    """Refuse a wall that no point can reach, if the walls outnumber the pairs that can touch."""
     if scene.chain.slider is None or not scene.may_touch:
         return
     points, planes = scene.touching_points, scene.half_planes
@@ -173,7 +173,7 @@ def check_stops(scene: Contents) -> None:
 
 
 def _check_names(scene: Contents, taken: tuple[str, ...], reason: str) -> None:
-    """Refuse a wall with the name of a stop."""
+    """Refuse a wall that has the name of a stop."""
     for number, wall in enumerate(scene.walls, 1):
         if wall.name in taken:
             needed = f"must be none of {', '.join(taken)}, {reason}"
@@ -212,9 +212,9 @@ def check_friction(scene: Contents) -> None:
 def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
     """Return the coefficients of sliding and of static friction at a wall.
 
-    The static one is 0 if it equals the sliding one.
+    A static coefficient of 0 means that it equals the sliding coefficient.
 
-    A wall with a coefficient of sliding of its own takes no static friction from the other walls.
+    A wall with its own sliding coefficient does not use the static coefficient of `contact`.
     """
     own = material.friction is not None
     sliding = contact.friction if material.friction is None else material.friction
@@ -268,7 +268,7 @@ def check_joint_angles(scene: Contents) -> None:
 
 
 def _turns_hint(joint: float, low: float, high: float) -> str:
-    """Name the angle within a joint's stops that has the same direction; return "" if there is none."""
+    """Return a hint: the angle within a joint's stops that has the same direction; "" if there is none."""
     turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
     same = joint + turns * math.tau
     return (
@@ -279,7 +279,7 @@ def _turns_hint(joint: float, low: float, high: float) -> str:
 
 
 def angle_hints(scene: Contents) -> list[str]:
-    """Return sentences on angles of more than a turn, which may be meant in degrees."""
+    """Return sentences on angles of more than a turn, which may be in degrees by mistake."""
     links, angles = enumerate(scene.chain.links, 1), enumerate(scene.initial.angles, 1)
     found = {f"initial.angle[{i}]": angle for i, angle in angles}
     found |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
@@ -303,7 +303,10 @@ def hints(scene: Contents) -> list[str]:
 
 
 def base_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each wall that contains a pinned base, which is allowed as it cannot touch."""
+    """Return a sentence for each wall that contains a pinned base.
+
+    This is allowed, because the base cannot touch.
+    """
     if scene.chain.base != "pinned":
         return []
     x, y = scene.base_at_start
@@ -317,9 +320,9 @@ def base_hints(scene: Contents) -> list[str]:
 
 
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
-    """Return a sentence if one absolute angle is changed in a scene with joint angles.
+    """Return a sentence if a single absolute angle is changed in a scene with joint angles.
 
-    The links behind that one keep their absolute angles, which users may not expect.
+    The links beyond the changed link keep their absolute angles, which users may not expect.
     """
     if not scene.has_joint_angles:
         return []
@@ -330,7 +333,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
 
 
 def law_hints(scene: Contents) -> list[str]:
-    """Return a sentence on a law of the user's own that is not the law of the scene."""
+    """Return a sentence on a user's own law that the scene names but does not use."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model
@@ -340,7 +343,7 @@ def law_hints(scene: Contents) -> list[str]:
 
 
 def warn(source: str, hints: list[str]) -> None:
-    """Warn of probable mistakes, with the line of the caller's code outside this package."""
+    """Warn of probable mistakes, with the line of the code outside of this package that called it."""
     if not hints:
         return
     frame, level = inspect.currentframe(), 1
@@ -351,7 +354,7 @@ def warn(source: str, hints: list[str]) -> None:
 
 
 def has_counts(data: Any) -> bool:
-    """Return whether an entry of the links stands for several, so that entries and links differ in number."""
+    """Return whether an entry of the links stands for several links, so that the numbers of both differ."""
     chain = data.get("chain") if isinstance(data, Mapping) else None
     links = chain.get("links") if isinstance(chain, Mapping) else None
     tables = links if isinstance(links, list | tuple) else []

@@ -1,4 +1,4 @@
-"""Completion of a scene after it is read: shapes, radii, angles and materials that follow from other keys."""
+"""Completion of a scene that was read: shapes, radii, angles and materials that follow from other keys."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ ANGLES = ("initial", "angles")
 def completed(scene: AnyScene, folder: Path) -> AnyScene:
     """Return the scene with the values that follow from other keys.
 
-    Relative files are sought in ``folder``.
+    Relative paths of files begin at ``folder``.
     """
     scene = with_radii(with_shapes(with_angles(with_law_path(scene, folder))))
     return with_signals(with_materials(with_absolute_angles(scene)), folder)
 
 
 def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the full path of the law's file, after a check that the file exists."""
+    """Return the scene with the full path of the user's law file, after a check that the file exists."""
     file = scene.contact.law_file
     if not file:
         return scene
@@ -39,7 +39,7 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with an angle for each wall that is given by a normal; the normal is then None."""
+    """Return the scene with an angle for each wall that is given by a normal; the normal becomes None."""
     walls = []
     for wall in scene.walls:
         if (wall.angle is None) == (wall.normal is None):
@@ -52,7 +52,7 @@ def with_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_radii(scene: AnyScene) -> AnyScene:
-    """Return the scene with ``contact.radius`` as the radius of each point of a link that has no radius."""
+    """Return the scene with ``contact.radius`` as the radius of each point of a link without a radius."""
     links, places = [], [*scene.derived_places]
     for i, link in enumerate(scene.chain.links):
         points = []
@@ -70,7 +70,7 @@ def with_radii(scene: AnyScene) -> AnyScene:
 
 
 def with_absolute_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with absolute initial angles, also where the file gives joint angles."""
+    """Return the scene with absolute initial angles, also if the file gives joint angles."""
     initial, places = scene.initial, scene.derived_places
     if initial.joint_angles is None:
         return scene
@@ -82,7 +82,7 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_materials(scene: AnyScene) -> AnyScene:
-    """Return the scene with a material for each existing wall; a value that is not given is None."""
+    """Return the scene with a material for each existing wall; values that are not given are None."""
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}
     if given:

@@ -1,6 +1,6 @@
-"""The contents of a scene file: its top level, and values that follow from its tables alone.
+"""The contents of a scene file: the top level of its tables, and values that follow from the tables alone.
 
-Modules that check, change and describe a scene use ``Contents``; users get the ``Scene`` of ``scene.py``.
+Modules that check, change or describe a scene use ``Contents``; users get ``Scene`` from ``scene.py``.
 """
 
 import math
@@ -31,7 +31,8 @@ from chain_impact.scene.tables import (
     Wall,
 )
 
-# cosine between a slider's line and a wall's normal, below which they count as perpendicular: round-off
+# the largest cosine between a slider's line and a wall's normal at which both count as perpendicular:
+# round-off
 PARALLEL = 1e-12
 
 
@@ -58,14 +59,15 @@ class Contents:
     solver: Solver
     simulation: Simulation
     derived_places: tuple[Place, ...] = field(default=(), metadata=NO_KEY)
-    has_joint_angles: bool = field(default=False, compare=False, metadata=NO_KEY)  # in place of angles
+    # whether joint angles were given in place of absolute angles
+    has_joint_angles: bool = field(default=False, compare=False, metadata=NO_KEY)
 
     @property
     def wall_names(self) -> tuple[str, ...]:
-        """The names of the walls in the order of their numbers: the walls of the box, then ``walls``.
+        """The names of the walls in the order of their numbers: first the walls of the box, then ``walls``.
 
         In a scene with stops in joints, ``joint_min`` and ``joint_max`` follow; the stops of a slider come
-        last. Where no point can touch a wall, ``walls`` have no numbers.
+        last. If no point can touch a wall, ``walls`` have no numbers.
         """
         walls = self.walls if self.may_touch else ()
         return (
@@ -82,7 +84,7 @@ class Contents:
 
     @property
     def may_touch(self) -> bool:
-        """Whether some point may touch some wall."""
+        """Whether any point may touch any wall."""
         if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
         planes = self.half_planes.values()
@@ -102,7 +104,7 @@ class Contents:
         return *self.contact.points, *moving
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
-        """Return whether a point slides on a line parallel to a wall, so that it can never reach the wall."""
+        """Return whether a point slides parallel to a wall, so that it can never reach the wall."""
         slider, sites = self.chain.slider, self.chain.sites
         behind = point - len(self.chain.links) - 1
         at_base = point == 0 or (behind >= 0 and sites[behind][0] == 0 and sites[behind][1].is_at_joint)
@@ -142,7 +144,7 @@ class Contents:
 
     @property
     def is_driven(self) -> bool:
-        """Whether energy may be supplied, by inputs or by springs and motors whose torque is limited."""
+        """Whether inputs, or springs and motors with a limited torque, may supply energy."""
         limits = [link.joint_torque_limit for link in self.chain.links]
         limits += [self.chain.slider.force_limit] if self.chain.slider else []
         return self.inputs.any or any(limit is not None for limit in limits)
@@ -175,20 +177,23 @@ class Contents:
 
     @property
     def base_at_start(self) -> tuple[float, float]:
-        """The position x, y of the base at the start [m]: where signals have it, if they drive it."""
+        """The position x, y [m] of the base at the start; signals that drive the base determine it."""
         x, y = self.initial.position
         return self._at_start("base.x", x), self._at_start("base.y", y)
 
     @property
     def walls_at_start(self) -> dict[str, HalfPlane]:
-        """The free side of each wall at the start, by its name: where signals have it, if they drive it."""
+        """The free side of each wall at the start, by name; signals that drive the wall determine it."""
         return {
             name: replace(plane, offset=plane.offset + self._at_start(f"wall.{name}.displacement", 0.0))
             for name, plane in self.half_planes.items()
         }
 
     def _at_start(self, name: str, otherwise: float) -> float:
-        """Return the value of an input at the start, which is ``otherwise`` unless a signal drives it."""
+        """Return the value of an input at the start.
+
+        Without a signal that drives the input, ``otherwise``.
+        """
         for signal in self.signals.values():
             if name in signal.input:
                 return value_at_start(signal, name, self.simulation.stop_time)
@@ -196,18 +201,18 @@ class Contents:
 
     @property
     def point_names(self) -> dict[int, str]:
-        """The names of the named points, by their numbers."""
+        """The names of points that have names, by the numbers of the points."""
         sites = enumerate(self.chain.sites, len(self.chain.links) + 1)
         return {number: site.name for number, (_, site) in sites if site.name}
 
     def point_label(self, number: int) -> str:
-        """Return the words for a point in a sentence: its number, and its name if it has one."""
+        """Return the words for a point in a sentence: the number, and the name if the point has one."""
         return point_label(number, self.point_names)
 
     def stop_name(self, wall: int) -> str:
-        """Return the name of the wall with this number if it stands for stops of joints or of a slider.
+        """Return the name of the wall with a number if the wall is a stop of joints or of a slider.
 
-        Else "".
+        Returns "" for any other wall.
         """
         name, stops = self.wall_names[wall], STOPS if self.chain.stops else ()
         return name if name in (*stops, *self.slider_stops) else ""

@@ -1,7 +1,7 @@
 """Derived values of a scene: defaults that follow from other values.
 
-A value stays derived until it is given: a scene is changed, written and compared by its given values, and
-``Scene.derived_places`` has the paths of the derived ones. The kernel treats the parameters of a record in
+A value stays derived until it is given: only given values are changed, written and compared.
+``Scene.derived_places`` has the paths of the derived values. The kernel treats the parameters of a record in
 the same way: kernel/chain/inertia.py.
 """
 
@@ -18,7 +18,7 @@ from chain_impact.scene.names import Place
 
 
 def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[Place]:
-    """Yield the paths in the scene of the values that are derived in its data.
+    """Yield the paths, in the scene, of the values that were derived in the data of a file.
 
     In the data an entry can stand for several links; in the scene each link has its own entry.
     """
@@ -33,7 +33,7 @@ def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[P
 
 
 def without_derived(data: Any, derived: Iterable[Place], kept: Container[Place] = ()) -> None:
-    """Remove the derived values from the data of a scene, except those at the paths ``kept``."""
+    """Remove the derived values from the data of a scene, except values at the paths ``kept``."""
     for path in derived:
         if path not in kept:
             *parents, key = path
@@ -43,7 +43,7 @@ def without_derived(data: Any, derived: Iterable[Place], kept: Container[Place] 
 def above(paths: Iterable[Any]) -> set[Place]:
     """Return the paths of all tables and lists that contain a value at one of some paths.
 
-    A name in place of a path is passed over.
+    The function ignores a name in place of a path.
     """
     proper = [
         path for path in paths if isinstance(path, tuple) and all(isinstance(one, str | int) for one in path)
@@ -52,7 +52,7 @@ def above(paths: Iterable[Any]) -> set[Place]:
 
 
 def rule_at(rule: Derived, path: Place, links: Sequence[Any]) -> Derived:
-    """Return the rule that derives the value at a path of a scene; a link with a shape has its own rules."""
+    """Return the rule that derives the value at a path; a link with a shape has its own rules."""
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
             return rule.of_box
@@ -60,7 +60,7 @@ def rule_at(rule: Derived, path: Place, links: Sequence[Any]) -> Derived:
 
 
 def rule_of(path: Place, rules: Mapping[str, Any]) -> Derived:
-    """Return the rule that derives a value; ``rules`` are the fields of all keys."""
+    """Return the name of the rule that derives a value; ``rules`` are the metadata of all keys."""
     key = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
     rule: Derived = rules[key].metadata["default"]
     return rule

@@ -1,4 +1,4 @@
-"""A scene as a small drawing for a notebook: the chain at its start, and the walls, as SVG."""
+"""A small SVG drawing of a scene for a notebook: the chain at its start, and the walls."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ import numpy as np
 from chain_impact.scene.bodies import outlines_of, placed, rail_of
 from chain_impact.scene.contents import Contents
 
-LONGER_SIDE = 240  # pixels
-# as parts of the chain's size: free border around the drawing, and distance beyond which no wall is drawn
+LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
+# MARGIN: the free border around the drawing; NEAR: the distance beyond which no wall is drawn; both over the
+# size of the chain
 MARGIN, NEAR = 0.15, 1.0
-# as parts of the drawing's size: widths of links and of other lines, radius of a point
+# LINE, THIN: widths of links and of other lines; POINT: radius of a point; all over the size of the drawing
 LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 
 def svg(scene: Contents) -> str:
-    """Return the drawing, in the colours of the page that shows it."""
+    """Return the drawing as SVG, in the colours of the page that shows it."""
     places = np.array([place[:2] for place in scene.start.values()])
     points = places[: len(scene.chain.links) + 1]
     size = max(np.ptp(places, axis=0).max(), scene.contact.radius, 1e-6)
@@ -53,5 +54,5 @@ def svg(scene: Contents) -> str:
 
 
 def _listed(points: np.ndarray | list[np.ndarray]) -> str:
-    """Return points as the text of an SVG list; the y axis of SVG points down."""
+    """Return points as the text of an SVG list; the y axis of SVG points downward."""
     return " ".join(f"{x:.6g},{-y:.6g}" for x, y in points)

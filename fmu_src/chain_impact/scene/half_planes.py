@@ -1,4 +1,7 @@
-"""Walls as half-planes, for checks and pictures. The kernel computes its own in rows/geometry.py."""
+"""Walls as half-planes, for checks and pictures.
+
+The kernel computes its own half-planes in rows/geometry.py.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ class HalfPlane:
     offset: float
 
     def clearance(self, x: float, y: float) -> float:
-        """Return the distance [m] of a point from the wall, negative beyond it."""
+        """Return the distance [m] of a point from the wall; negative beyond the wall."""
         return self.normal[0] * x + self.normal[1] * y - self.offset
 
 
@@ -32,7 +35,7 @@ def half_planes(
     """Return the free side of each wall, by name and in the order of the walls' numbers.
 
     Args:
-        box: name → position [m] of the walls of the box that are there.
+        box: the existing walls of the box: name → position [m].
         slopes: name → x [m], y [m] and angle [rad] of the walls at any angle.
     """
     planes = {}
@@ -46,5 +49,8 @@ def half_planes(
 
 
 def direction(normal: tuple[float, float]) -> float:
-    """Return the angle [rad] of the wall with a normal of any length: its left is the normal's side."""
-    return math.atan2(-normal[0], normal[1]) + 0.0  # not −0
+    """Return the angle [rad] of the wall with a normal of any length.
+
+    The normal points to the wall's left.
+    """
+    return math.atan2(-normal[0], normal[1]) + 0.0  # adding 0.0 turns −0 into 0

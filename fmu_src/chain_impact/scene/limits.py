@@ -1,4 +1,4 @@
-"""The limits of the keys of a scene file: the metadata of the fields of its dataclasses."""
+"""The limits of the keys of a scene file, which are metadata of the fields of dataclasses."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any, TypedDict, Unpack, get_args
 
-_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # limit → test whether a value keeps it
+_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # limit → test whether a value keeps the limit
     "minimum": operator.ge,
     "above": operator.gt,
     "maximum": operator.le,
@@ -27,13 +27,15 @@ class Limits(TypedDict, total=False):
     above: float  # value > above
     maximum: float  # value <= maximum
     choices: tuple[str, ...]
-    matching: tuple[str, str]  # regular expression for the whole text, and its meaning in words
+    # regular expression for the whole text, and the meaning of this expression in words
+    matching: tuple[str, str]
     per_link: bool  # the list has one value for each link
     entries: tuple[int, int]  # lowest and highest number of entries of a list
-    or_true: bool  # in a list of names, `true` stands for all names and is read as the name *
+    or_true: bool  # in a list of names, `true` stands for all names and is read as the name "*"
     or_one: bool  # a single value stands for a list with this value
     file_only: bool  # the key is a short form of other keys, which replace it when a file is read
-    # another key, of the same table or as "table.key", that names a file; this file is one more choice
+    # name of another key, of the same table or as "table.key"; the file that this key names is one more
+    # choice
     extended_by: str
 
 
@@ -43,7 +45,7 @@ class Derived:
 
     Attributes:
         text: the rule in words.
-        value: computes the default from the values read before; None where there is no default.
+        value: function that returns the default from the values read before, or None if there is no default.
         terms: for a parameter of the FMU: the default is the sum of the products of these keys, divided by
             the divisor. A key without a dot belongs to the same table.
         divisor: divides the sum of the terms.
@@ -60,7 +62,7 @@ class Derived:
 
 
 NO_KEY = {"key": False}
-"""The metadata of a field that is no key of the scene file."""
+"""The metadata of a field that is not a key of the scene file."""
 
 
 @functools.cache
@@ -72,12 +74,12 @@ def keys(table: Any) -> tuple[Field[Any], ...]:
 def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpack[Limits]) -> Any:
     """Return a dataclass field with the metadata of one key of the scene file.
 
-    Its keys are `unit` ("1" for a pure number, "" for other values), `description`, `default` (a value,
+    The metadata are `unit` ("1" for a pure number, "" for other values), `description`, `default` (a value,
     a `Derived`, or `dataclasses.MISSING` if it must be given) and the keys of `Limits`, None for no limit.
     """
     metadata = {"unit": unit, "description": description, "default": default}
     metadata |= dict.fromkeys(Limits.__annotations__) | limits
-    if isinstance(default, Mapping):  # the tables by name are empty by default
+    if isinstance(default, Mapping):  # tables by name are empty by default
         return field(default_factory=dict, hash=False, metadata=metadata)
     return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
 
@@ -89,7 +91,7 @@ def without_none(kind: Any) -> Any:
 
 
 def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
-    """Return whether one value keeps all limits of the metadata `rule`."""
+    """Return whether a value keeps all limits in the metadata `rule`."""
     for limit, keep in _KEEPS.items():
         bound = rule[limit]
         if bound is not None and not keep(value, bound):
@@ -98,7 +100,7 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
 
 
 def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the metadata `rule` with one more choice, if the value of another key adds it."""
+    """Return the metadata `rule` with one more choice if the value of another key adds a choice."""
     extended_by = rule.get("extended_by")
     if not extended_by:
         return rule
@@ -108,7 +110,7 @@ def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, 
 
 
 def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
-    """Say which values of type `kind` the metadata `rule` allow: "a finite number > 0 [m]"."""
+    """Return in words which values of type `kind` the metadata `rule` allow: "a finite number > 0 [m]"."""
     if rule["choices"] is not None:
         return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
     if kind is str:

@@ -1,4 +1,4 @@
-"""Lines of a scene file: the line of a key, and hints for a line that is no valid TOML."""
+"""Lines of a scene file: the line of a key, and hints for a line that is not valid TOML."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)
 
 
 def line_of(text: str, place: Place) -> int | None:
-    """Return the number of the line, from 1, of a key, else of the nearest table around it.
+    """Return the number of a key's line, from 1, else of the line of the nearest table around the key.
 
-    None if not found.
+    Returns None if neither is found.
 
     Args:
         text: a scene file.
         place: the path of the key, ``("chain", "links", 0, "mass")``.
     """
-    # number of the path's steps that a line has, and the number of that line
+    # the largest number of steps of the path that a line has, and the number of this line
     best: tuple[int, int | None] = (0, None)
     table: Place = ()
     counts: dict[Place, int] = {}
-    inside = ""  # the quotes of a text over several lines
+    inside = ""  # the quotes of a text that continues over several lines
     for number, line in enumerate(text.splitlines(), 1):
         if not inside and (head := _HEAD.match(line)):
             table = _steps(head[2])
@@ -56,9 +56,9 @@ def _steps(dotted: str) -> Place:
 
 
 def fault_hint(text: str, fault: str) -> str:
-    """Say how the line of a TOML file that a parser's fault names has to be written.
+    """Return a hint how to write the line of a TOML file at which the parser found a fault.
 
-    Return "" if not known.
+    Returns "" if no hint is known.
     """
     named = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()

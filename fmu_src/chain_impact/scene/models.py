@@ -1,4 +1,4 @@
-"""The models that come with the package, and the files of their scenes."""
+"""The models that come with the package, and their scene files."""
 
 import os
 from pathlib import Path
@@ -7,7 +7,7 @@ SCENE_FILE = "scene.toml"
 
 
 def models_folder() -> Path:
-    """Return the folder of the models: in an installed package, or in the repository."""
+    """Return the folder of the models: in the installed package, or in the repository."""
     packaged = Path(__file__).parents[1] / "models"
     return packaged if packaged.is_dir() else Path(__file__).parents[3] / "models"
 
@@ -18,7 +18,7 @@ def model_names() -> list[str]:
 
 
 def scene_path(source: str | os.PathLike[str]) -> Path:
-    """Return the scene file that `load_scene` reads."""
+    """Return the path of the scene file that `load_scene` reads for a source."""
     path = Path(source)
     if path.is_dir() and (path / SCENE_FILE).exists():
         return path / SCENE_FILE

@@ -1,7 +1,8 @@
-"""The names of the values of a scene, which are the same wherever a user meets them.
+"""The names of the values of a scene, which are the same everywhere for users.
 
-A parameter of the FMU has its name in the FMU: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. Other
-values have their dotted key: ``simulation.stop_time``, ``contact.points``. Links count from 1, at the base.
+A parameter has the name of the FMU's variable: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. Other
+values have the dotted key of the file: ``simulation.stop_time``, ``contact.points``. Links count from 1, at
+the base.
 """
 
 from __future__ import annotations
@@ -10,27 +11,30 @@ from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 
 Place = tuple[str | int, ...]
-"""A path into nested tables and lists; lists count from 0."""
+"""A path in nested tables and lists; indices of lists count from 0."""
 AT = "{at}"
-"""Any index in a template of a path or place; the template of the name has {n}, or {name} for a wall."""
+"""Stands for any index in the template of a path; in the template of a name, {n} or {name} of a wall."""
 LINK_AT, ENTRY_AT = "{link}", "{entry}"
-"""The indices of a link and of a point on it in such a template; in the name, {of} and {n}."""
+"""Stand for the indices of a link and of a point on the link in a template of a path.
+
+In names, {of} and {n}.
+"""
 AXES = ("x", "y")
 STOPS = ("joint_min", "joint_max")
-"""The stops of a joint: keys of a link, and names among the walls."""
+"""The stops of a joint: keys of a link in the file, and names among the walls."""
 SLIDER_STOPS = ("slider_min", "slider_max")
 """The names of a slider's stops among the walls."""
 
 
 def point_label(number: int, names: Mapping[int, str]) -> str:
-    """Return the words for a point in a sentence: its number, and any name that it has, "point 5 (heel)"."""
+    """Return the words for a point: its number, and its name if it has one, "point 5 (heel)"."""
     return f"point {number} ({names[number]})" if number in names else f"point {number}"
 
 
 def name_of(path: Place, walls: Sequence[object] = ()) -> str:
     """Return the name of the value at a path of the scene; ``walls`` are the names of the walls at any angle.
 
-    A path that is a template gives the template of the name.
+    For the template of a path, return the template of the name.
     """
     match path:
         case "gravity", int(j):
@@ -61,7 +65,7 @@ def name_of(path: Place, walls: Sequence[object] = ()) -> str:
 
 
 def _of_signal(path: Place) -> Place:
-    """Return the path from which the name of a signal's number is made.
+    """Return, for the path of a number of a signal, the path that its name shows.
 
     Any other path is returned unchanged.
     """
@@ -72,35 +76,35 @@ def _of_signal(path: Place) -> Place:
 
 
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:
-    """Return the name of a wall at any angle, None if it has none.
+    """Return the name of a wall at any angle, or None if the wall has no name.
 
-    For the template of a wall, the template.
+    For the template of a wall, return the template of the name.
     """
     name = "{name}" if number == AT else walls[int(number)]
     return name if isinstance(name, str) else None
 
 
 def fmu_name(name: str) -> str:
-    """Return the FMU's name of a value for the name that a user typed, such as its key in the file.
+    """Return the FMU's name of a value for a name that a user typed, such as the key in the file.
 
     For example ``stop.stiffness`` for ``stops.stiffness``, ``link[1].mass`` for ``chain.links[1].mass``.
     """
     steps = name.replace("[", ".").replace("]", "").split(".")
     try:
         return name_of(tuple(int(step) - 1 if step.isdecimal() else step for step in steps)) or name
-    except (IndexError, ValueError):  # a number that no list has, or of too many digits
+    except (IndexError, ValueError):  # the number is no index of the list, or has too many digits
         return name
 
 
 def other_names(name: str) -> set[str]:
-    """Return the other names of a value, from its name in the FMU and its key in the file."""
+    """Return the other names of a value: from its FMU name and its key in the file."""
     of_fmu = fmu_name(name)
     in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu
     return {of_fmu, in_file} - {name}
 
 
 def place_in_file(path: Place) -> str:
-    """Say where the value at a path is in the scene file: "mass in [[chain.links]]"."""
+    """Return the words for the place of a value in the scene file: "mass in [[chain.links]]"."""
     *head, last = path
     if isinstance(last, int):
         return f"entry {last + 1} of {place_in_file(tuple(head))}"
@@ -121,11 +125,11 @@ INPUTS_OF = {
         f"wall.{{name}}.{key}" for key in ("displacement", "velocity", "acceleration", "belt_speed")
     ),
 }
-"""Key of `[inputs]` → templates of the names of its inputs: {n} is a number, {name} a wall."""
+"""Key of `[inputs]` → templates of the names of its inputs; {n} stands for a number, {name} for a wall."""
 
 
 def is_like(name: str, template: str) -> bool:
-    """Return whether a template stands for a name, with any number for {n} and any word for {name}."""
+    """Return whether a name matches a template, with any number for {n} and any word for {name}."""
     steps, forms = name.split("."), template.split(".")
     return len(steps) == len(forms) and all(map(_fits, steps, forms))
 
@@ -138,12 +142,12 @@ def _fits(step: str, form: str) -> bool:
 
 
 def input_key(name: str) -> str | None:
-    """Return the key of `[inputs]` that makes an input exist; None if no input has this name."""
+    """Return the key of `[inputs]` that gives the scene an input; None if no input has this name."""
     return next((key for key, names in INPUTS_OF.items() if any(is_like(name, one) for one in names)), None)
 
 
 def input_asked(name: str) -> str | None:
-    """Return the line of a scene file that makes an input exist; None if no input has this name."""
+    """Return the line of a scene file that gives the scene an input; None if no input has this name."""
     key = input_key(name)
     if key == "wall_motion":
         return f'inputs.wall_motion = ["{name.split(".")[1]}"]'
@@ -151,7 +155,7 @@ def input_asked(name: str) -> str | None:
 
 
 SENSITIVITY = "sensitivity."
-"""The names of derivatives begin with this text."""
+"""The text with which the names of derivatives begin."""
 
 
 def sensitivity_name(output: str, parameter: str) -> str:
@@ -163,7 +167,7 @@ JOINT_ANGLES = "initial.joint_angles"
 
 
 def parameter_hint(name: str, links: int) -> str | None:
-    """Say what to use in place of a name that is no parameter of a chain of some links; None if not known."""
+    """Return a hint: a name to use instead of ``name``, which is no parameter; None if none is known."""
     if input_key(name):
         return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
     if name.startswith(JOINT_ANGLES):
@@ -174,9 +178,9 @@ def parameter_hint(name: str, links: int) -> str | None:
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
-    """Return the name that is most like another one.
+    """Return the name that is most similar to another name.
 
-    None if no name reaches the ratio ``at_least`` (0 to 1).
+    Returns None if no name has at least the similarity ``at_least`` (0 to 1).
     """
     return next(iter(get_close_matches(name, list(names), n=1, cutoff=at_least)), None)
 

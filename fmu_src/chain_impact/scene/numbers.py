@@ -1,4 +1,4 @@
-"""The quick way of ``with_values``: numbers of a scene that only a few checks depend on.
+"""The fast path of ``with_values`` for numbers that only a few checks depend on.
 
 Reading a whole scene again takes longer than a short simulation.
 """
@@ -21,7 +21,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
 
 LARGEST = sys.float_info.max
-LINKS = 64  # number of links that can be changed in the quick way; a longer chain is read as a whole
+LINKS = 64  # number of links up to which the fast path applies; a longer chain is read as a whole
 _KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
     ("contact",): (Contact, ("stiffness", "restitution", "minimum_impact_speed")),
     ("solver",): (Solver, ("method", "tolerance", "work_limit")),
@@ -31,14 +31,14 @@ _KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
         for i in range(LINKS)
     },
 }
-"""Path of a table → its keys with numbers; numbers in lists are in ``_LISTS``."""
+"""Path of a table → keys of the table with numbers; ``_LISTS`` has the lists of numbers."""
 _LISTS = {"position": 2, "velocity": 2, "angles": LINKS, "angular_velocities": LINKS}
-"""The lists of the initial state, and how many entries they may have."""
+"""List of the initial state → how many entries the list may have."""
 
 
 @functools.cache
 def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
-    """Return the path and the rule of each number, by its path and by its name."""
+    """Return the path and the metadata of each number, by path and by name."""
     found: dict[Place, Mapping[str, Any]] = {}
     for path, (table, names) in _KEYS.items():
         rules = {entry.name: entry.metadata for entry in keys(table)}
@@ -52,8 +52,8 @@ def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> AnyScene | None:
     """Return the scene with some numbers changed, as ``with_values`` makes it.
 
-    Return None where ``with_values`` must read the whole scene: for other values, where a fault or a hint is
-    possible, and with the file of a law, which is read again.
+    Returns None if ``with_values`` must read the whole scene: for other values, if a fault or a hint is
+    possible, and for a scene with a user's law file, which must be read again.
     """
     start, found = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():
@@ -67,12 +67,12 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, An
 def _with_number(scene: AnyScene, path: Place, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
     """Return the scene with one number changed.
 
-    None if there is no path, or if the number breaks its rule.
+    Returns None if the path does not exist, or the number is outside its limits.
     """
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):
         return None
-    # one changed entry of a derived list makes all of its entries given
+    # if one entry of a derived list is changed, all entries of the list become given
     is_derived = path in scene.derived_places or path[:-1] in scene.derived_places
     return None if is_derived else _changed(scene, path, value)
 
@@ -87,7 +87,7 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
 
 
 def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
-    """Return the scene with the number at a path changed; None if other values would have to be checked."""
+    """Return the scene with the number at a path changed; None if other values must be checked, too."""
     match path:
         case "chain", "links", int(i), str(key):
             return _with_link(scene, i, key, value)
@@ -105,7 +105,7 @@ def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
 
 
 def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | None:
-    """Return the scene with a number of a link changed, and the inertia if it follows from that number."""
+    """Return the scene with a number of a link changed, and with the inertia that follows from the number."""
     links = scene.chain.links
     if i >= len(links):
         return None
@@ -127,7 +127,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
 
 
 def _starts(scene: Contents) -> bool:
-    """Return whether the changed start is free of faults and hints."""
+    """Return whether the changed start has no faults and gives no hints."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles):
         return False
     try:

@@ -1,4 +1,4 @@
-"""Reading plain data, such as TOML gives, into a dataclass by the rules in the metadata of its fields."""
+"""Reads plain data, such as the content of a TOML file, into a dataclass by the metadata of its fields."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.names import Place, fmu_name, nearest, other_names
 
-# ratio of likeness, 0 to 1, from which a name may be meant for another; lower gives useless proposals
+# the least similarity, 0 to 1, of a name that a message proposes; with less, proposals are useless
 ALIKE = 0.7
-_SHOWN = 60  # number of characters of a value that a message shows
+_SHOWN = 60  # largest number of characters of a value that a message shows
 
 
 class SceneError(ValueError):
-    """A scene that cannot be used.
+    """Raised when a scene cannot be used.
 
     The message is one line that names the file, the key, the value and what is allowed.
 
@@ -30,14 +30,14 @@ class SceneError(ValueError):
     """
 
     def __init__(self, message: str, place: Place = ()) -> None:
-        """Keep the message to one line, whatever names and values it quotes."""
+        """Store the message as a single line, whatever names and values it quotes."""
         super().__init__(" ".join(message.splitlines()))
         self.place = place
 
 
 @contextmanager
 def as_typed(names: Iterable[Any]) -> Iterator[None]:
-    """Let errors use the name that the user typed for a value that has two names."""
+    """Let errors use the name that a user typed, for values that have two names."""
     try:
         yield
     except SceneError as error:
@@ -51,13 +51,13 @@ def as_typed(names: Iterable[Any]) -> Iterator[None]:
 
 
 class SceneWarning(UserWarning):
-    """A value or a motion of a scene that is valid, but probably a mistake: one line."""
+    """Warns of a value or motion of a scene that is valid, but probably a mistake; one line."""
 
 
 class UnknownNameError(SceneError, KeyError):
-    """A name that does not exist; the message gives the nearest name."""
+    """Raised for a name that does not exist; the message gives the most similar name."""
 
-    __str__ = Exception.__str__  # the one of KeyError adds quotes
+    __str__ = Exception.__str__  # the message as it is; KeyError would add quotes
 
     def __init__(
         self,
@@ -71,7 +71,8 @@ class UnknownNameError(SceneError, KeyError):
     ) -> None:
         """Say that ``name`` is ``what``, for example "no parameter", and add the ``hint``.
 
-        Without a hint, say the nearest of the ``names``, or ``otherwise`` where no name is near.
+        Without a hint, the message gives the most similar of the ``names``, or ``otherwise`` if no name is
+        similar.
         """
         if hint is None:
             near = nearest(name, names) if isinstance(name, str) else None
@@ -87,9 +88,9 @@ def matching(
     what: str,
     hint: Callable[[str], str | None],
 ) -> list[str]:
-    """Return the names that equal ``name``, or that match it if it has a ``*``, which stands for any text.
+    """Return the names that equal ``name``, or match it if it has a ``*``, which stands for any text.
 
-    If there is no such name, ``hint`` gives the rest of the error's sentence; else the nearest name is told.
+    If no name matches, the error ends with ``hint``, or without a hint with the most similar name.
 
     Raises:
         UnknownNameError: when no name matches.
@@ -99,8 +100,8 @@ def matching(
         found = [fmu_name(name)]
     if not found and isinstance(name, str) and "*" in name:
         first, *parts, last = map(re.escape, name.split("*"))
-        # each part matches at the first place where it occurs, so that the time does not grow with the number
-        # of ways
+        # Each part matches at the first position where it occurs, so that the time does not grow with the
+        # number of possible matches.
         like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
         found = [one for one in names if like.fullmatch(one)]
     if not found:
@@ -109,7 +110,7 @@ def matching(
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
-    """Yield every table and key of a dataclass, `chain.links[].mass` for one, with its field."""
+    """Yield every table and key of a dataclass, for example `chain.links[].mass`, with its field."""
     for entry in keys(table):
         key = prefix + entry.name
         yield key, entry
@@ -120,16 +121,16 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 
 def entry_type(kind: Any) -> Any:
-    """Return the type of the entries of a list, or of tables by name; for any other type, the type itself."""
+    """Return the type of the entries of a list, or of tables by name; for other types, the type itself."""
     item, *rest = get_args(kind) or (kind,)
     return rest[0] if get_origin(kind) is Mapping else item
 
 
 class Reader:
-    """Reads data into the dataclass ``root`` and its inner dataclasses; ``label`` names the value at a path.
+    """Reads data into the dataclass ``root`` and its inner dataclasses; ``label`` names a path in errors.
 
     Attributes:
-        derived: the paths of the values that defaults have derived, in the data.
+        derived: the paths, in the data, of the values that defaults have derived.
     """
 
     def __init__(self, root: Any, label: Callable[[Place], str]) -> None:
@@ -137,11 +138,11 @@ class Reader:
         self.derived: list[Place] = []
 
     def read(self, data: Any) -> Any:
-        """Return the dataclass of the data, or raise a SceneError."""
+        """Return the dataclass for the data, or raise a SceneError."""
         return self._table(self.root, data, (), {})
 
     def _table(self, table: Any, data: Any, path: Place, known: Mapping[str, Any]) -> Any:
-        """Return `data` as a `table`; `known` are the values read before."""
+        """Return `data` as a dataclass `table`; `known` are the values that were read before."""
         if not isinstance(data, Mapping):
             raise self._refusal(path, data, "a table")
         entries = {entry.name: entry for entry in keys(table)}
@@ -155,7 +156,7 @@ class Reader:
             rule = extended(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
-                value = rule.get("default", {})  # a table has only the defaults of its keys
+                value = rule.get("default", {})  # a table has no default, only its keys have defaults
             if isinstance(value, Derived):
                 value = value.value(scope)
                 if value not in (None, MISSING):
@@ -163,7 +164,7 @@ class Reader:
             if value is MISSING:
                 meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
                 raise SceneError(f"{self.label(where)} is missing{meaning}", where)
-            # a value that is still None does not exist, such as a wall
+            # a value that is still None does not exist, for example a wall
             read = None if value is None else self._value(entry.type, rule, value, where, scope)
             values[entry.name] = scope[entry.name] = read
         return table(**values)
@@ -171,7 +172,7 @@ class Reader:
     def _value(
         self, kind: Any, rule: Mapping[str, Any], value: Any, path: Place, known: Mapping[str, Any]
     ) -> Any:
-        """Return `value` as a `kind` that keeps the `rule`."""
+        """Return `value` as the type `kind` if it keeps the `rule`; else raise a SceneError."""
         kind = without_none(kind)
         if is_dataclass(kind):
             return self._table(kind, value, path, known)
@@ -213,7 +214,7 @@ class Reader:
         return tuple(self._value(item, rule, one, (*path, i), known) for i, one in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: Place, known: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the tables of one kind, by name."""
+        """Return the tables of one kind as a dict, by name."""
         if not isinstance(value, Mapping):
             raise self._refusal(path, value, "a table of tables")
         return {name: self._table(entry_type(kind), one, (*path, name), known) for name, one in value.items()}
@@ -223,9 +224,9 @@ class Reader:
         return SceneError(f"{where} = {shown(value)} must be {needed}", path)
 
     def _unknown(self, table: Any, path: Place, name: Any) -> str:
-        """Say which key is most like the unknown `name`: one of the same table, else of another.
+        """Raise an error that names the key most similar to the unknown `name`, in this table or another.
 
-        Else list the table.
+        Without a similar key, the error lists the keys of the table.
         """
         name = shown(name).strip("'")
         what = f"{self.label((*path, name))} is unknown"
@@ -238,7 +239,7 @@ class Reader:
         return f"{what}; the keys here are {', '.join(here)}"
 
     def _one_table(self, item: Any, value: Mapping[Any, Any], path: Place) -> str:
-        """Say that a list of tables is expected, not one table, and which of its keys belong elsewhere."""
+        """Raise an error: a list of tables is expected, not one table; say which keys belong elsewhere."""
         name = self.label(path)
         moved = [
             self._keys()[key]
@@ -249,9 +250,9 @@ class Reader:
         return f"{name} is one table, must be a list of tables: write [[{name}]]{others}"
 
     def _keys(self) -> dict[str, str]:
-        """Return the last part of every key → the whole key.
+        """Return for the last part of every key the whole key.
 
-        The first of several keys with the same last part counts; keys in tables by name are left out.
+        Of several keys with the same last part, the first one counts; keys in tables by name are left out.
         """
         return {
             key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root))) if ".<" not in key
@@ -260,39 +261,40 @@ class Reader:
 
 @functools.cache
 def _origin(kind: Any) -> Any:
-    """Return the origin of a type. The cache is needed because typing's own function is slow."""
+    """Return the origin of a type. The cache is needed because the function of typing is slow."""
     return get_origin(kind)
 
 
 def _convert(kind: Any, value: Any) -> Any:
-    """Return `value` as a bool, str, int or finite float; None if it cannot be converted."""
+    """Return `value` as a bool, str, int or finite float; None if it is not of the type `kind`."""
     if kind in (bool, str):
         return value if isinstance(value, kind) else None
     if isinstance(value, bool) or not isinstance(value, Integral if kind is int else Real):
         return None
     try:
         number = int(value) if kind is int else float(value)  # type: ignore[call-overload]
-    except OverflowError:  # an integer beyond the largest float
+    except OverflowError:  # the value is an integer larger than the largest float
         return None
     return number if kind is int or math.isfinite(number) else None
 
 
 def decimal_comma(value: Any) -> str:
-    """Say how to write a number whose text has a decimal comma; return "" for other values."""
+    """Return a hint how to write a number whose text has a decimal comma; "" for other values."""
     found = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
 
 
 def nearest_choice(value: Any, choices: Iterable[str] | None) -> str:
-    """Name the choice that is most like a wrong text; return "" if none is like it."""
+    """Return a hint that names the choice most similar to a wrong text; "" if none is similar."""
     near = nearest(value, choices or ()) if isinstance(value, str) else None
     return f"; the nearest is {near}" if near else ""
 
 
 def shown(value: Any) -> str:
-    """Return the text of a value for a message: one line, not too long."""
+    """Return the text of a value for a message: one line of limited length."""
     try:
         text = " ".join(repr(value).split())
-    except (ValueError, RecursionError):  # an integer of too many digits, or too deep a list
+    # the value is an integer of too many digits, or a list of too many levels
+    except (ValueError, RecursionError):
         text = f"<{type(value).__name__}>"
     return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

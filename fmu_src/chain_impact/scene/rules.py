@@ -9,7 +9,7 @@ from chain_impact.scene.limits import Derived
 
 
 def _product(text: str, *factors: str, divisor: int) -> Derived:
-    """Return the rule of a product of values in the same table, divided by a number."""
+    """Return the rule that multiplies values of the same table and divides the product by a number."""
     return Derived(
         text, lambda known: math.prod(known[key] for key in factors) / divisor, (factors,), divisor
     )
@@ -47,10 +47,11 @@ def of_contact(key: str) -> Derived:
 
 
 def with_stops(value: float) -> Derived:
-    """Return the rule that a scene with stops takes this value."""
+    """Return the rule that a scene with stops has this value."""
     return Derived(f"{value:g}", lambda known: value if known["chain"].stops else None, constant=True)
 
 
-# the scene fills the value in after everything is read, because contact.radius comes later in the file
+# ``completion.py`` fills in this value after the whole file is read, because contact.radius comes later in
+# the file
 CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
 CARRIAGE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)

@@ -1,8 +1,8 @@
 """The scene file: a chain, its box and its start, read from TOML into frozen dataclasses.
 
-The dataclass fields, here and in tables.py, are the one table of what a scene may hold. Unit, description,
-range and default are in each field's metadata, from which come the validation here, the scene reference in
-the docs and the parameters of the FMU. All values are in SI units, angles in radians from +x.
+The dataclass fields, here and in tables.py, define all keys of a scene. The metadata of a field have unit,
+description, range and default; the validation, the scene reference in the docs and the parameters of the FMU
+use these metadata. All values are in SI units, angles in radians from +x.
 """
 
 import functools
@@ -42,7 +42,7 @@ class Scene(Contents):
 
     @property
     def derived(self) -> dict[str, str]:
-        """The values that follow from others and are not given: name → rule, such as "length / 2"."""
+        """The derived values: name of a value that is not given → its rule, such as "length / 2"."""
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
         found = ((path, self._rule(path, rules)) for path in self.derived_places)
         return {name_of(path, walls): rule.text for path, rule in found if not rule.constant}
@@ -52,9 +52,9 @@ class Scene(Contents):
 
     @property
     def values(self) -> dict[str, Any]:
-        """Every single value by its name, as ``with_values`` takes it.
+        """Every single value by its name, for ``with_values``.
 
-        None for a value that does not exist.
+        The entry is None for a value that does not exist.
         """
         walls = [wall.name for wall in self.walls]
         return {name_of(path, walls): value for path, value in _leaves(self)}
@@ -67,7 +67,7 @@ class Scene(Contents):
         return with_values(self, changes)
 
     def __repr__(self) -> str:
-        """Return a description of the scene in a few lines."""
+        """Return a description of the scene in a few lines of text."""
         return scene_text.text(self)
 
     def _repr_html_(self) -> str:
@@ -76,12 +76,12 @@ class Scene(Contents):
 
 
 def scene_keys() -> Iterator[tuple[str, Field[Any]]]:
-    """Yield every table and key of the scene file, `chain.links[].mass` for one, with its dataclass field."""
+    """Yield every table and key of the scene file, such as `chain.links[].mass`, with its field."""
     return keys_of(Scene)
 
 
 def load_scene(source: str | os.PathLike[str]) -> Scene:
-    """Load a scene file, the scene file of a folder, or a model by its name; this is the order of search.
+    """Load a scene file, the scene file of a folder, or a model by its name, in this order of search.
 
     Raises SceneError when there is no such file, it cannot be read, or it does not hold a valid scene.
     """
@@ -100,15 +100,15 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
 
 
 def scene_of(source: SceneSource) -> Scene:
-    """Return the source itself if it is a scene, else the scene that `load_scene` reads from it."""
+    """Return ``source`` itself if it is a scene, else the scene that `load_scene` reads."""
     return source if isinstance(source, Scene) else load_scene(source)
 
 
 def parse_scene(text: str, source: str) -> Scene:
-    """Return the scene that the TOML `text` describes; errors (SceneError) name it `source`."""
+    """Return the scene that the TOML `text` describes; a SceneError names the text as `source`."""
     try:
         data = tomllib.loads(text.removeprefix("\ufeff"))
-    except (ValueError, RecursionError) as error:  # also Python's own limits on digits and nesting
+    except (ValueError, RecursionError) as error:  # ValueError includes Python's own limits on digits
         raise SceneError(f"{source}: not valid TOML: {error}{fault_hint(text, str(error))}") from None
     try:
         return scene_from_dict(data, source)
@@ -120,16 +120,16 @@ def parse_scene(text: str, source: str) -> Scene:
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
-    """Return the checked scene of the data of a scene file; errors (SceneError) name it `source`."""
+    """Return the checked scene of the data of a scene file; a SceneError names the data as `source`."""
     scene = _validated(data, source, in_file=True)
     checks.warn(source, checks.hints(scene))
     return scene
 
 
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
-    """Return the checked scene.
+    """Return the checked scene for data.
 
-    An error calls a key by its name and, for a file, by its place in the file.
+    An error gives the name of a key and, for a file, the place in the file.
     """
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
@@ -156,9 +156,10 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
 
 def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
-    """Return the scene as plain dicts, lists and values that TOML can hold, without what is missing.
+    """Return the scene as plain dicts, lists and values that TOML can hold, without missing keys.
 
-    With ``derived`` the data also have the values that the scene derives; reading the data makes them given.
+    With ``derived`` the data also contain the derived values; a scene that is read from these data has them
+    as given values.
     """
     data = _plain(scene)
     if not derived:
@@ -181,7 +182,7 @@ def _plain(value: Any) -> Any:
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene without empty stops, signals, materials and lists of points."""
+    """Return the data of a scene without empty tables of stops, signals, materials and lists of points."""
     data, contact, chain = dict(data), data["contact"], data["chain"]
     if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
         data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}
@@ -202,7 +203,7 @@ def _without_no_points(link: Any) -> Any:
 
 
 def _holds(table: Any) -> bool:
-    """Return whether a table contains a value; a value that is no table counts as one."""
+    """Return whether a table contains any value; a value that is not a table counts as one."""
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
 
@@ -214,8 +215,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     contact law and a solver method may be given by their number in the FMU. A path can replace a name:
     `("chain", "links", 0, "mass")`.
 
-    None removes the key, so that its default holds. All other given values stay, and derived values follow
-    the given ones, as after an edit of the scene file.
+    None removes the key, so that the default applies. All other given values stay, and derived values follow
+    the given values, as after an edit of the scene file.
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
@@ -231,11 +232,11 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
 
 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
-    """Return the scene with any values changed, by reading all of its data again."""
+    """Return the scene with any values changed; all of the scene's data are read again."""
     data, paths = _plain(scene), [path for path, _ in values]
     if JOINT_ANGLES in paths and completion.ANGLES not in above(paths):
         del data["initial"]["angles"]
-    # one given value of a derived list makes the whole list given
+    # if one value of a derived list is given, the whole list becomes given
     without_derived(data, scene.derived_places, kept=above(paths))
     shapes.set_corners_apart(data)
     for path, value in values:
@@ -251,11 +252,11 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
 
 
 JOINT_ANGLES = ("initial", "joint_angles")
-"""The key that can be given in place of the absolute angles."""
+"""The key for joint angles, which can replace the key for absolute angles."""
 
 
 def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
-    """Return the path of a change, which may be a name, and the value, with a list for an array."""
+    """Return the path and the value of a change; the change may be a name or a path."""
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
         return change, given
@@ -270,21 +271,21 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
 
 @functools.cache
 def _keys() -> dict[str, Place]:
-    """Return the path of every dotted key, without the keys inside lists of tables and tables by name."""
+    """Return the path of every dotted key, except keys inside lists of tables and tables by name."""
     return {key: tuple(key.split(".")) for key, _ in scene_keys() if not set("[<") & set(key)}
 
 
 def _names(scene: Scene) -> dict[str, Place]:
-    """Return the path of every single value by its name."""
+    """Return the path of every single value, by the value's name."""
     return {name: path for name, (path, _) in zip(scene.values, _leaves(scene), strict=True)}
 
 
 def _leaves(value: Any, path: Place = (), unit: str = "", apart: int = 0) -> Iterator[tuple[Place, Any]]:
     """Yield the path and the value of every single value.
 
-    The entries of a list of quantities are single values.
+    Each entry of a list of quantities is a single value.
 
-    The first ``apart`` entries of a list are left out: they follow from other values.
+    The first ``apart`` entries of a list are left out, because they follow from other values.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
@@ -302,7 +303,7 @@ def _leaves(value: Any, path: Place = (), unit: str = "", apart: int = 0) -> Ite
 
 
 def _chosen(scene: Scene, name: str, value: Any) -> Any:
-    """Return the value, or the choice whose number in the FMU it is, counted from 1."""
+    """Return the value; for the number of a choice in the FMU, counted from 1, return the choice."""
     if isinstance(value, bool) or not isinstance(value, Integral):
         return value
     laws = dict.fromkeys(("contact.model", "stops.model"), scene.law_names)

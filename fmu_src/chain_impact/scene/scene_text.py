@@ -9,12 +9,12 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.tables import Material
 
-LISTED = 6  # number of entries of a list that are shown
-WIDTH = 100  # number of characters of a line
+LISTED = 6  # largest number of entries of a list that the text shows
+WIDTH = 100  # largest number of characters of a line
 
 
 def text(scene: Contents) -> str:
-    """Return the scene in a few lines: its name, and the contents of each table of the file in short."""
+    """Return the scene in a few lines: its name, and a summary of each table of the file."""
     title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
     lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]
     return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)
@@ -52,7 +52,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
 
 
 def _material(name: str, material: Material) -> str:
-    """Say how a wall differs from the other walls; return "" if it does not."""
+    """Return words for how a wall's material differs from ``contact``; "" if it does not differ."""
     parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
     parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
     parts += _friction(material.friction, material.static_friction)

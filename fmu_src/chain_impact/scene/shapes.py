@@ -1,7 +1,7 @@
 """Links that are boxes: their first points are the corners, which follow from length and height.
 
-The scene contains the corners. A file and the plain data of a scene do not, so that a change of length or
-height moves the corners. The kernel treats the parameters of a record in the same way.
+The scene contains the corners. A file and the plain data of a scene do not contain the corners, so that a
+change of length or height moves them. The kernel treats the parameters of a record in the same way.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import CORNERS, Site
 
 _APART = object()
-"""Stands in a list of points in place of a corner that is not given."""
+"""Replaces a corner that is not given in a list of points."""
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
-    """Return the scene with the corners of each link that is a box, in front of the link's other points."""
+    """Return the scene with the corners of each link that is a box, before the link's other points."""
     links = []
     for i, link in enumerate(scene.chain.links):
         if (link.shape is None) != (link.height is None):
@@ -37,9 +37,9 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Mark the corners of boxes in the plain data of a scene; ``given`` makes them ordinary points instead.
+    """Mark the corners of boxes in the plain data of a scene; with ``given``, turn them into ordinary points.
 
-    With ``given`` the link is no box any more.
+    With ``given`` the link is then no longer a box.
     """
     for link in data["chain"]["links"]:
         if "shape" not in link:
@@ -61,7 +61,7 @@ def without_corners(data: Any) -> Any:
 
 
 def refuse_corner(scene: Contents, path: Place) -> None:
-    """Refuse to change a corner of a box alone, by its path."""
+    """Refuse a change of a single corner of a box, by its path."""
     links = scene.chain.links
     match path:
         case "chain", "links", int(i), "points", int(j), *_ if i < len(links) and j < links[i].corners:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from chain_impact.scene.limits import NO_KEY, quantity
 
 FORMS = ("constant", "sine", "ramp", "steps", "table")
-"""The forms, in the order of their numbers in the kernel."""
+"""The forms of signals, in the order of their numbers in the kernel."""
 SHAPES = ("smooth", "linear", "trapezoid")
 """The shapes of ramps, in the order of their numbers in the kernel."""
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
@@ -14,7 +14,7 @@ TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, fr
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """The contents of a table's file: times [s] and the values of each input, each of shape (T,)."""
+    """The contents of a table file: times [s] and the values of each input, each of shape (T,)."""
 
     times: tuple[float, ...]
     columns: tuple[tuple[str, tuple[float, ...]], ...]

@@ -1,4 +1,4 @@
-"""Refuse signals that cannot drive the inputs that they name (scene/signals.py)."""
+"""Checks that refuse signals that cannot drive the inputs that they name (scene/signals.py)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from chain_impact.scene.signal import Samples, Signal
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.signals import family, how_asked, inputs_of, unit_of
 
-# smallest speed that counts as motion, as a part of a sine's largest speed; below it is round-off
+# the smallest speed that counts as motion, over the largest speed of a sine; a smaller speed is round-off
 AT_REST = 1e-12
 
 
@@ -36,7 +36,7 @@ def check_signals(scene: Contents) -> None:
 
 
 def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
-    """Refuse inputs that the scene does not have, and inputs of different units in one signal."""
+    """Refuse inputs that the scene does not have, and a signal for inputs of different units."""
     there, what = list(inputs_of(scene)), f"signal.{name}.input"
     if not signal.input:
         raise SceneError(f"{what} = [] must name at least one input", ("signals", name, "input"))
@@ -53,7 +53,7 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
 
 
 def _check_numbers(name: str, signal: Signal) -> None:
-    """Refuse times that do not increase, and lists of times and values of different lengths."""
+    """Refuse times that do not increase, and lists of times and values with different lengths."""
     times, values = signal.times, signal.values
     if signal.samples is not None:
         _check_period(name, signal, signal.samples)
@@ -73,7 +73,7 @@ def _check_numbers(name: str, signal: Signal) -> None:
 
 
 def _check_period(name: str, signal: Signal, samples: Samples) -> None:
-    """Refuse a table that does not fit into its period, or does not return to its start."""
+    """Refuse a periodic table that is longer than its period, or whose last row differs from its first."""
     period, lasts = signal.period, samples.times[-1] - samples.times[0]
     if period is None:
         return
@@ -92,7 +92,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 
 
 def _check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse a table whose interpolation lets the position or velocity of base or wall jump."""
+    """Refuse a table whose interpolation makes the position or velocity of base or wall jump."""
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
         raise SceneError(
@@ -114,7 +114,7 @@ def _quoted(text: str) -> str:
 
 
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
-    """Refuse a motion whose position or velocity of base or wall jumps."""
+    """Refuse a motion signal that makes the position or velocity of base or wall jump."""
     order = family(driven).index(driven)
     if signal.form == "sine" and order > 0:
         _check_integrated(name, signal, driven, order)
@@ -140,7 +140,7 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
 
 
 def _check_integrated(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse a sine whose integral the kernel does not have: it is integrated ``order`` times."""
+    """Refuse a sine that must be integrated ``order`` times, if the kernel has no such integral."""
     frequency, rise, chirp = signal.frequency or 0.0, signal.rise or 0.0, signal.frequency_rate
     least = 1.0 / (math.tau * frequency) if frequency else math.inf
     if not frequency:

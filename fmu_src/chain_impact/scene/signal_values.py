@@ -1,6 +1,6 @@
-"""The rows of signals in the record, and the values of signals at the start, as the kernel computes them.
+"""The rows of signals in the record, and the values of signals at the start, by the kernel's functions.
 
-kernel/chain/signals.py has the fields of the record, and evaluates them.
+kernel/chain/signals.py evaluates the rows.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ NUMBERS = (
     *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
     *("start", "rise", "initial", "final", "duration"),
 )
-"""The keys of signals that are numbers. The record has 0 for a key that a form does not have."""
+"""The keys of signals that are numbers. The record has 0 for a key that the form does not use."""
 KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
-"""Form → number of polynomials that it needs; a ramp in the shape of a trapezoid needs two more."""
-# largest gap between the last row of a table and the end of its period, as a part of the period
+"""Form → number of polynomials of the form; a ramp with the shape of a trapezoid needs two more."""
+# the largest gap between the last row of a table and the end of the period, over the period
 CLOSED = 1e-9
 
 
@@ -35,12 +35,12 @@ def value_at_start(signal: Signal, driven: str, stop: float) -> float:
 
 
 def _fields(part: np.ndarray) -> SimpleNamespace:
-    """Return a part of a record with its fields as attributes, as the kernel reads them."""
+    """Return a part of a record with its fields as attributes, which the kernel's functions read."""
     return SimpleNamespace(**{name: part[name] for name in part.dtype.names or ()})
 
 
 def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> None:
-    """Write a signal to row j of a record that is all zeros but for the row's order and its first knot.
+    """Write a signal to row j of a record of zeros, in which only the row's order and first knot are set.
 
     Args:
         d: the parts ``signal`` and ``knot`` of the record.
@@ -75,22 +75,23 @@ def knots_of(signal: Signal) -> int:
 
 
 def joined_by(signal: Signal, driven: str) -> str:
-    """Return how the rows of a table for an input are joined: ``hold``, ``linear`` or ``spline``.
+    """Return how the rows of a table for an input are interpolated: ``hold``, ``linear`` or ``spline``.
 
-    The default is as for samples in Python: a spline for the motion of base and walls, which must not jump.
+    The default is the same as for samples in Python: a spline for motions of base and walls, which must not
+    jump.
     """
     return signal.interpolation or ("spline" if is_motion(driven) else "hold")
 
 
 def is_closed(signal: Signal) -> bool:
-    """Return whether the last row of a periodic table is one period after the first row, which it repeats."""
+    """Return whether the last row of a periodic table repeats the first row one period later."""
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
     return abs(last) <= CLOSED * (signal.period or 0.0)
 
 
 def is_motion(name: str) -> bool:
-    """Return whether an input moves the base or a wall, so that position and velocity must not jump."""
+    """Return whether an input moves the base or a wall; such an input must not jump."""
     return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
 
 
@@ -104,8 +105,8 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         stop: end of the run [s].
 
     Returns:
-        The start of each polynomial, shape (R,) [s], the coefficients of the powers of the time since its
-        start, shape (R, P), and the growth of the last integral in a period.
+        The start of each polynomial, shape (R,) [s]; the coefficients of the powers of the time since this
+        start, shape (R, P); and the growth of the last integral in a period.
     """
     assert signal.samples
     at, values = np.array(signal.samples.times), np.array(signal.samples.values(driven))
@@ -114,7 +115,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         at, values = np.append(at, at[0] + period), np.append(values, values[0])
     powers = _interpolated(signal, driven, at, values, stop)
     if not period:
-        # the first value holds before the table, and the last one from its own time on
+        # the first value also acts before the table, and the last value acts from its own time on
         held = np.zeros((2, powers.shape[1]))
         held[:, 0] = values[[0, -1]]
         at, powers = np.append(at[0], at), np.concatenate([held[:1], powers, held[1:]])
@@ -132,7 +133,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
 
 
 def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float) -> np.ndarray:
-    """Return the coefficients of the polynomials between rows, in rising powers of the time since the row."""
+    """Return the coefficients of the polynomials between rows, for powers of the time since the row."""
     kind, moves = joined_by(signal, driven), is_motion(driven)
     if kind == "hold" or len(at) == 1:
         return values[:-1, np.newaxis]
@@ -140,14 +141,14 @@ def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarra
         return np.stack([values[:-1], np.diff(values) / np.diff(at)], axis=1)
     from scipy.interpolate import CubicSpline
 
-    # base and walls are at rest where the table does not last for the whole run
+    # base and walls are at rest before and after a table that does not cover the whole run
     ends = ["clamped" if moves and inside else "not-a-knot" for inside in (at[0] > 0.0, at[-1] < stop)]
     spline = CubicSpline(at, values, bc_type="periodic" if signal.period else tuple(ends))
     return np.asarray(spline.c[::-1].T)
 
 
 def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the values of polynomials, one argument for each."""
+    """Return the values of polynomials at arguments, one argument for each polynomial."""
     total = np.zeros(len(x))
     for column in powers.T[::-1]:
         total = total * x + column

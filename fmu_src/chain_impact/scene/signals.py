@@ -1,4 +1,4 @@
-"""Signals: the functions of time that drive inputs of the scene, their checks and defaults, and their inputs.
+"""Signals, functions of time that drive inputs of the scene: their checks, defaults and inputs.
 
 kernel/chain/signals.py computes their values.
 """
@@ -27,7 +27,7 @@ REQUIRED: dict[str, tuple[str, ...]] = {
     "steps": ("times", "values"),
     "table": ("file",),
 }
-"""Form → the keys that must be given."""
+"""Form → keys that must be given."""
 OTHER: dict[str, dict[str, Any]] = {
     "constant": {},
     "sine": {"mean": 0.0, "frequency_rate": 0.0, "phase": 0.0, "start": 0.0, "rise": 0.0},
@@ -35,7 +35,7 @@ OTHER: dict[str, dict[str, Any]] = {
     "steps": {},
     "table": {"interpolation": None, "period": None},
 }
-"""Form → the keys that may be missing, and their defaults."""
+"""Form → keys that may be missing, with their defaults."""
 _UNITS = {
     "joint[{n}].torque": "N.m",
     "joint[{n}].target_angle": "rad",
@@ -60,10 +60,10 @@ class Driven(NamedTuple):
     Attributes:
         signal: the name of the signal.
         input: the name of the input.
-        outputs: the names of the driven quantities in order: the input's integrals, the input, its
-            derivatives.
+        outputs: the names of the driven quantities in order: the integrals of the input, the input, and the
+            derivatives of the input.
         knots: the number of polynomials that the signal needs.
-        is_steps: whether the signal's times and values are given one by one.
+        is_steps: whether the signal has lists of times and values.
     """
 
     signal: str
@@ -74,7 +74,7 @@ class Driven(NamedTuple):
 
     @property
     def order(self) -> int:
-        """How many times the signal has to be integrated for the first of the outputs."""
+        """How many times the signal must be integrated to give the first of the outputs."""
         return self.outputs.index(self.input)
 
 
@@ -91,14 +91,14 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
 
 
 def family(name: str) -> tuple[str, ...]:
-    """Return an input's integrals, the input and its derivatives, in order; "" for one that is no input."""
+    """Return the integrals of an input, the input and its derivatives, in this order; "" for missing ones."""
     head, _, last = name.rpartition(".")
     if head == "base":
         return tuple(f"base.{prefix}{last[-1]}" for prefix in ("", "v", "a"))
     if head.startswith("wall.") and last != "belt_speed":
         return tuple(f"{head}.{key}" for key in ("displacement", "velocity", "acceleration"))
     if last == "belt_speed":
-        return "", name  # its travel is no input
+        return "", name  # the travel of a belt is no input
     if last in ("target_angle", "target_position"):
         return name, f"{head}.target_velocity"
     return (name,)
@@ -110,9 +110,9 @@ def unit_of(name: str) -> str:
 
 
 def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the defaults of its signals and with the contents of their tables.
+    """Return the scene with defaults for its signals and with the contents of their table files.
 
-    Relative files are sought in ``folder``.
+    Relative paths of files begin at ``folder``.
     """
     if not scene.signals:
         return scene
@@ -126,12 +126,12 @@ def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any:
-    """Return the scene with one more signal: a table for each input that has a column in a file.
+    """Return the scene with one more signal: a table that drives each input with a column in a file.
 
     Args:
-        scene: with these inputs.
+        scene: the scene, which must have these inputs.
         file: CSV or Parquet, with the column ``time`` [s].
-        interpolation: ``hold``, ``linear`` or ``spline``; by default the usual one of each input.
+        interpolation: ``hold``, ``linear`` or ``spline``; by default the usual interpolation of each input.
 
     Raises:
         SceneError: when the table cannot drive the scene.
@@ -149,7 +149,7 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
 
 
 def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signal:
-    """Return the signal with the contents of its file and with the file's full path."""
+    """Return the signal with the contents of its file, and with the full path of the file."""
     path, where = (folder / (signal.file or "")).absolute(), f"signal.{name}.file = {signal.file!r}"
     try:
         status = path.stat()
@@ -172,13 +172,13 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
 @lru_cache(16)
 def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, dict[str, Numbers]]:
-    """Return the times and columns of a file, which is read again after a change."""
+    """Return the times and columns of a file; a changed file is read again."""
     times, columns = samples_of(read_table(path), stop)
     return tuple(times.tolist()), {name: tuple(column.tolist()) for name, column in columns.items()}
 
 
 def _completed(name: str, signal: Signal) -> Signal:
-    """Return the signal with its defaults; refuse a key that its form does not have, and a missing key."""
+    """Return the signal with its defaults. Refuse a missing key, and a key that the form does not have."""
     keys, what = (*REQUIRED[signal.form], *OTHER[signal.form]), f"signal.{name}"
     if not name.isidentifier():
         needed = "letters, digits and _, not beginning with a digit"
@@ -197,7 +197,7 @@ def _completed(name: str, signal: Signal) -> Signal:
 
 
 def how_asked(scene: Contents, name: str) -> str:
-    """Return the words for how a scene would have an input, or for the inputs that it has."""
+    """Return words that say how to give a scene an input, or which inputs the scene has."""
     key, there = input_key(name), list(inputs_of(scene))
     if key == "wall_motion" and (wall := name.split(".")[1]) not in scene.half_planes:
         return f"there is no wall {wall}"
@@ -211,7 +211,7 @@ def how_asked(scene: Contents, name: str) -> str:
 
 
 def inputs_of(scene: Contents) -> Iterator[str]:
-    """Yield the names of the inputs that the scene asks for, whether a signal drives them or not."""
+    """Yield the names of the inputs that the scene asks for, with or without a signal that drives them."""
     asked, slides = scene.inputs, scene.chain.base == "slider"
     joints = range(1 if scene.chain.has_base_joint else 2, len(scene.chain.links) + 1)
     for n in joints:

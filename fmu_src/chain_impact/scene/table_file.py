@@ -1,4 +1,4 @@
-"""A table of numbers over time as a user gives it: a file, or columns in Python."""
+"""A table of numbers over time that a user gives: a file, or columns in Python."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from chain_impact.scene.reading import SceneError, decimal_comma, shown
 from chain_impact.scene.text_file import check_separator, likely_time, text_of
 
 Source = str | Path | Mapping[str, Sequence[Any]]
-"""A CSV or Parquet file, or columns: name → cells, also as a table of pandas or polars."""
+"""A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
 TIME = "time"
-# [1] length of a table over the length of the run, beyond which its times are in another unit: 1000 where
-# they are in milliseconds
+# the least ratio of a table's duration to the duration of the run at which the table's unit of time must be
+# wrong: the ratio is 1000 if the times are in milliseconds
 TOO_LONG = 990.0
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
 
 def is_table(source: Any) -> bool:
-    """Return whether the source is a single table and not a list of tables."""
+    """Return whether the source is one table, not a list of tables."""
     return isinstance(source, str | Path) or hasattr(source, "items") or hasattr(source, "iter_columns")
 
 
 @dataclass(frozen=True)
 class Table:
-    """Cells by row and column.
+    """A table as cells by row and column.
 
     Attributes:
         source: the name of the table in errors.
         names: the names of the columns.
         rows: the cells of each row, text or numbers.
-        lines: the name of each row in errors, ``line 3`` for a file.
+        lines: the name of each row in errors, for example ``line 3`` of a file.
     """
 
     source: str
@@ -51,7 +51,10 @@ class Table:
         return f"{self.source}: {self.lines[row]}: {name}"
 
     def cell(self, row: int, name: str) -> Any:
-        """Return a cell without surrounding spaces; None if it is empty or there is no such column."""
+        """Return a cell without surrounding spaces.
+
+        None if the cell is empty or the column does not exist.
+        """
         if name not in self.names:
             return None
         value = self.rows[row][self.names.index(name)]
@@ -64,10 +67,10 @@ class Table:
         Args:
             row: the number of the row.
             name: the name of the column.
-            otherwise: what else than a number a cell may be, for the error.
+            otherwise: words for the error that say which other content the cell may have.
 
         Raises:
-            SceneError: when the cell is no number, or not finite.
+            SceneError: when the cell is not a finite number.
         """
         value = self.cell(row, name)
         if value is None:
@@ -88,12 +91,12 @@ def read_table(source: Source) -> Table:
     """Return the table of a CSV file with a head line, of a Parquet file, or of columns in Python.
 
     Raises:
-        SceneError: when the source is no such table.
+        SceneError: when the source is not a valid table.
         OSError: when the file cannot be read.
         MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
     """
     if not isinstance(source, str | Path):
-        if hasattr(source, "iter_columns"):  # polars
+        if hasattr(source, "iter_columns"):  # the source is a table of polars
             source = {one.name: one.to_list() for one in source.iter_columns()}
         columns = {str(name): list(cells) for name, cells in source.items()}
         lengths = {name: len(cells) for name, cells in columns.items()}
@@ -131,7 +134,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
         stop: end of the run [s].
 
     Raises:
-        SceneError: when the table is not one of inputs.
+        SceneError: when the table is not a valid table of inputs.
     """
     if TIME not in table.names:
         hint = likely_time(table.names) or f"; it has {', '.join(table.names)}"
@@ -150,7 +153,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
 
 
 def _column(table: Table, name: str) -> np.ndarray:
-    """Return a column; refuse an empty cell."""
+    """Return a column of numbers; refuse an empty cell."""
     for row in range(len(table.rows)):
         if table.cell(row, name) is None:
             raise SceneError(
@@ -162,7 +165,7 @@ def _column(table: Table, name: str) -> np.ndarray:
 def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
     """Return the table if it has a head line, rows, and the same number of cells in each row.
 
-    Else refuse it.
+    Refuse any other table.
     """
     for k, name in enumerate(names):
         if not name or name in names[:k]:

@@ -1,6 +1,6 @@
-"""The tables of a scene file, below the scene itself: dataclasses whose fields are its keys.
+"""The tables of a scene file: dataclasses whose fields are the keys of the tables.
 
-Unit, description, range and default are in each field's metadata; see scene.py.
+The metadata of each field have unit, description, range and default; see scene.py.
 """
 
 import math
@@ -32,7 +32,7 @@ IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning w
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)
 OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
-MODEL_NAME = (  # also for the names of files
+MODEL_NAME = (  # regular expression for names, which are also names of files
     rf"(?!(?:{_ANY_CASE})$){IDENTIFIER[0]}",
     f"{IDENTIFIER[1]}, and no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9",
 )
@@ -52,7 +52,7 @@ class Site:
 
     @property
     def is_at_joint(self) -> bool:
-        """Whether the point lies at the joint nearer to the base."""
+        """Whether the point lies at the proximal joint of its link."""
         return self.x == self.y == 0.0
 
 
@@ -98,7 +98,7 @@ class Link:
 
     @property
     def corners(self) -> int:
-        """How many points are corners of the shape; these come first."""
+        """The number of points that are corners of the shape; these points come first."""
         return CORNERS if self.shape else 0
 
 
@@ -120,7 +120,7 @@ class Slider:
 
     @property
     def stops(self) -> tuple[str, ...]:
-        """The names of the existing stops among the walls."""
+        """The names, among the walls, of the existing stops of the slider."""
         return tuple(stop for stop in SLIDER_STOPS if getattr(self, stop.removeprefix("slider_")) is not None)
 
 
@@ -138,7 +138,7 @@ class Chain:
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
-        """Replace a link with a `count` by so many equal links."""
+        """Replace a link that has a `count` by so many equal links."""
         if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
             raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
         links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
@@ -146,7 +146,7 @@ class Chain:
 
     @property
     def movable_points(self) -> range:
-        """The numbers of the joints and ends that can move: all except a pinned base."""
+        """The numbers of the joints and ends that can move: all points except a pinned base."""
         return range(1 if self.base == "pinned" else 0, len(self.links) + 1)
 
     @property
@@ -166,18 +166,18 @@ class Chain:
 
     @property
     def sites(self) -> tuple[tuple[int, Site], ...]:
-        """The points of links, which have the numbers from N + 1 on: index of the link, and the point."""
+        """The points of links, numbered from N + 1 on: the index of the link, and the point."""
         return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
 
     @property
     def stops(self) -> tuple[tuple[int, str], ...]:
-        """The existing stops: number of the joint's link, and ``joint_min`` or ``joint_max``."""
+        """The existing stops as pairs: the number of the joint's link, and ``joint_min`` or ``joint_max``."""
         links = enumerate(self.links, 1)
         return tuple((i, stop) for i, link in links for stop in STOPS if getattr(link, stop) is not None)
 
     @property
     def joint_ranges(self) -> dict[int, tuple[float, float]]:
-        """The joints with a stop → their joint_min and joint_max [rad], infinite where a stop is missing."""
+        """The joints with a stop → joint_min and joint_max [rad]; infinite for a missing stop."""
         links = {joint: self.links[joint - 1] for joint, _ in self.stops}
         none = (-math.inf, math.inf)
         return {
@@ -256,7 +256,7 @@ class Contact:
     wall: Mapping[str, Material] = quantity("", "materials of single walls, by the name of the wall", {})
 
     def __post_init__(self) -> None:
-        """Sort the points: their order means nothing, so equal sets make equal scenes."""
+        """Sort the points: the order of points has no meaning, so equal sets must make equal scenes."""
         object.__setattr__(self, "points", tuple(sorted(self.points)))
 
 

@@ -1,4 +1,4 @@
-"""Text files that others have written: their encoding, decimal mark and separator."""
+"""Text files from other programs: their encoding, decimal mark and separator."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def text_of(path: Path) -> str:
 
 
 def comma_in(text: str, fault: str) -> str:
-    """Say how to write a decimal comma in the line of a TOML file that a parser's fault names.
+    """Return a hint how to write a decimal comma in the line of a TOML file at which a parser found a fault.
 
-    Else return "".
+    Returns "" if the line has none.
     """
     line = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()
@@ -44,7 +44,7 @@ def comma_in(text: str, fault: str) -> str:
 
 
 def likely_time(names: Iterable[str]) -> str:
-    """Name the column that may be meant as the missing column ``time``; return "" if none may."""
+    """Return a hint that names the column that is probably the missing column ``time``; "" if none is."""
     for name in names:
         word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
         said = f"; the column {name} may be meant: call it time, in seconds"
@@ -58,10 +58,10 @@ SECONDS = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 
 def check_separator(head: str) -> None:
-    """Refuse a table whose columns are not separated by commas, by its head line.
+    """Refuse a table whose head line shows that the columns are not separated by commas.
 
     Raises:
-        ValueError: when another mark separates the columns.
+        ValueError: when another character separates the columns.
     """
     for mark, name in SEPARATORS.items():
         if mark in head and "," not in head:

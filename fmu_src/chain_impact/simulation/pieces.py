@@ -318,8 +318,7 @@ class Follower:
         """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
-        # Polynomials extrapolated over a distance distinguish the two sides of a break; polynomials close to
-        # the break locate it.
+        # polynomials extrapolated from afar distinguish the sides of a break; polynomials nearby locate it
         for until in (0.125 * quarter, self._shortest):
             left = self._simple(before - quarter, before)
             right = self._simple(after, after + quarter) if left is not None else None
