@@ -1,4 +1,5 @@
 """The kernel as a shared library, which needs neither Python nor numba.
 
-Other folders get kernels from library.py: ready, cached, or compiled when asked for.
+Other folders of the package get kernels from library.py, which finds a ready or a cached kernel, or compiles
+one.
 """

@@ -1,7 +1,7 @@
-"""Sizes and offsets in the record of an instance, which are affine in the record's counts.
+"""Sizes and offsets in the record of an instance, which are affine functions of the record's counts.
 
-They are a + bN + cC + dF + eL + fK + gP + hD + iR. A record has N links, C candidates, F elements that may
-have dry friction, L loads, K channels, P sites, D signals and R knots of these.
+Every size and offset is a + bN + cC + dF + eL + fK + gP + hD + iR. A record has N links, C candidates, F
+elements that may have dry friction, L loads, K channels, P sites, D signals and R knots of signals.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 COUNTS = ("links", "candidates", "elements", "loads", "channels", "sites", "signals", "knots")
-"""The fields of the instance with N, C, F, L, K, P, D and R."""
+"""The names of the instance's fields with N, C, F, L, K, P, D and R."""
 _FIRST = (5, 7, 4, 3, 3, 2, 2, 5)
 SAMPLES = (
     _FIRST,
     *(tuple(number + (k == n) for k, number in enumerate(_FIRST)) for n in range(len(_FIRST))),
     (7, 10, 9, 8, 5, 6, 4, 9),
 )
-"""The counts of the records from which all sizes and offsets are computed; the last record is a check."""
+"""The counts of records from which all coefficients are computed; the last record is a check."""
 
 
 class Affine(NamedTuple):
@@ -35,10 +35,10 @@ class Affine(NamedTuple):
 
 
 def affine(numbers: Sequence[int]) -> Affine:
-    """Return the affine number whose values for the records of ``SAMPLES`` are given.
+    """Return the affine number that has the given values for the records of ``SAMPLES``.
 
     Raises:
-        ValueError: when the values are not affine in the counts.
+        ValueError: when the values are not an affine function of the counts.
     """
     first, *others, last = numbers
     slopes = [number - first for number in others]

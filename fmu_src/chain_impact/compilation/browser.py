@@ -1,8 +1,8 @@
 """The kernel for a web page: a WebAssembly module for any number of links, which imports nothing.
 
-It has the same code as every library, without the C interface of FMUs. WebAssembly has no library of
-mathematical functions: the functions that the kernel calls are compiled into it (mathematics/), with the same
-digits as in the C library of Linux.
+The module has the same code as a native library, without the C interface of FMUs. WebAssembly has no library
+of mathematical functions, so the functions that the kernel calls are part of the module (mathematics/), and
+give the same digits as the C library of Linux.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"
 EXPORTS = ("initialize", "advance_awhile", "observe", "follow", "trajectory", "run_each", "__heap_base")
 MATHEMATICS = PACKAGE / "compilation" / "mathematics"
 STACK = 1 << 20  # [byte] size of the stack; the kernel needs a few thousand
-# 32 bits: zig has no headers for 64. Two numbers fit a vector, as on every x86 processor.
+# WebAssembly with addresses of 32 bits, because zig has no headers for 64 bits. A vector holds two numbers,
+# as on every x86 processor.
 TARGET = ("-target", "wasm32-wasi", "-msimd128", "-nostdlib", "-nostartfiles", "-s", "-fvisibility=hidden")
-# Roots and signs are instructions. What musl calls hidden is its own.
+# Roots and signs compile to instructions. Functions that musl calls hidden are private to the module.
 FLAGS = (*compilers.FLAGS, "-fno-math-errno", '-Dhidden=__attribute__((visibility("hidden")))')
 _MISSING = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
 
@@ -32,7 +33,7 @@ def compile_kernel(module: str, compiled: Path) -> None:
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
-        compiled: the file to write; temporary files are put beside it.
+        compiled: the file to write; temporary files are in the same folder.
 
     Raises:
         BuildError: when the compiler fails.
@@ -47,7 +48,7 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
 
     Args:
         compiled: the kernel, as ``compile_kernel`` writes it.
-        output: the file to write; temporary files are put beside it.
+        output: the file to write; temporary files are in the same folder.
         law: a user's law in LLVM's language, if there is one.
 
     Raises:

@@ -1,8 +1,8 @@
 """The cache of compiled kernels: a folder for each state of the sources and compilers.
 
-One process makes a file while other processes that need it wait. A file appears only when it is complete,
-with its checksum beside it: a file that is cut or damaged later is made again. Nothing is read from a folder
-that other users can write to (places.py).
+One process makes a file while other processes that need the file wait. A file appears only when it is
+complete, together with its checksum: a file that is cut or damaged later is made again. Nothing is read from
+a folder that other users can write to (places.py).
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ from chain_impact.progress import log
 from chain_impact.system import removal
 
 UNUSED = 30 * 24 * 3600.0  # [s] age after which an unused folder for other sources is removed
-LINKER = "chain-impact-zig-"  # first part of the name of the linker's own folder; its version follows
-# names of folders for some sources and compilers, and of linkers' own folders
+# first part of the name of the folder that the linker uses as a cache; the linker's version follows
+LINKER = "chain-impact-zig-"
+# regular expression for the names of the cache's folders: for some sources and compilers, or for a linker
 _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
-PATIENCE = 1.0  # [s] waiting time after which the user is told that another process makes the kernel
+PATIENCE = 1.0  # [s] waiting time after which a message says that another process is making the kernel
 
 
 def cache_folder() -> Path:
@@ -46,12 +47,12 @@ def _present() -> str:
 
 @functools.cache
 def _digest(compilers: tuple[str, ...]) -> str:
-    """Return 16 hexadecimal digits that identify the present sources and some compilers."""
+    """Return 16 hexadecimal digits that identify the present sources and the given compilers."""
     return hashlib.sha256("\n".join([fingerprint(), *compilers]).encode()).hexdigest()[:16]
 
 
 def linker_folder() -> Path:
-    """Return the folder that this version of the linker keeps for itself."""
+    """Return the folder that this version of the linker uses as its cache."""
     return writable(base_folder()) / f"{LINKER}{_version('ziglang')}"
 
 
@@ -65,17 +66,17 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """Return a file or folder in the cache folder, if it is complete and no other user can write there."""
+    """Return the path of a complete file or folder of the cache in which no other user can write."""
     folder = cache_folder()
     if not trusted(folder.parent) or not _is_whole(folder / name):
         return None
-    with suppress(OSError):  # another user's cache can be read, but not marked as used
-        os.utime(folder)  # marks the folder as used
+    with suppress(OSError):  # another user's cache can be read, but its folder cannot be marked as used
+        os.utime(folder)  # sets the time of the last use of the folder
     return folder / name
 
 
 def _is_whole(path: Path) -> bool:
-    """Return whether a folder exists, or a file exists with the bytes that it was made with."""
+    """Return whether a folder exists, or a file exists and is unchanged since it was made."""
     try:
         return path.is_dir() or _mark(path).read_bytes() == _checksum(path)
     except OSError:
@@ -83,7 +84,7 @@ def _is_whole(path: Path) -> bool:
 
 
 def _mark(file: Path) -> Path:
-    """Return the path of the file with another file's checksum."""
+    """Return the path of the file that holds the checksum of another file."""
     return file.with_name(f".{file.name}.crc32")
 
 
@@ -92,19 +93,19 @@ def _checksum(file: Path) -> bytes:
 
 
 def holds(file: Path) -> bool:
-    """Return whether a file is in the cache, from where it may be removed."""
+    """Return whether a file is in the cache, which means that it may be removed."""
     return base_folder() in file.parents
 
 
 def made(name: str, make: Callable[[Path], None]) -> Path:
-    """Return the file or folder with a name in the cache folder, and make it if it does not exist.
+    """Return the file or folder with a name in the cache folder; make it if it does not exist.
 
     Args:
         name: the name of the file or folder.
-        make: writes the file or folder to a given path, in a temporary folder of its own.
+        make: function that writes the file or folder to a given path in a temporary folder.
 
     Raises:
-        BuildError: when another process clears the cache meanwhile, or when nothing can be kept there.
+        BuildError: when another process clears the cache meanwhile, or when no file can be written there.
     """
     found = find(name)
     if found:
@@ -126,7 +127,7 @@ def made(name: str, make: Callable[[Path], None]) -> Path:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold a lock, which the system releases when the process is killed."""
+    """Hold a lock; the operating system releases the lock if the process is killed."""
     from filelock import FileLock, Timeout
 
     lock = FileLock(path)
@@ -143,9 +144,9 @@ def _locked(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _scratch(folder: Path, name: str) -> Iterator[Path]:
-    """Give a temporary folder to make a file in.
+    """Give a temporary folder in which a file can be made.
 
-    The folder is removed at the end, as are folders that killed processes have left under the same lock.
+    The folder is removed at the end, and so are folders that killed processes have left under the same lock.
 
     Raises:
         BuildError: when another process has removed the folder meanwhile.
@@ -163,9 +164,9 @@ def _scratch(folder: Path, name: str) -> Iterator[Path]:
 
 
 def _prune(present: Path) -> None:
-    """Remove the folders for other sources or of other linkers that have not been used for long."""
+    """Remove unused folders for other sources or of other linkers."""
     for folder in present.parent.iterdir():
-        with suppress(FileNotFoundError):  # another process removes old folders as well
+        with suppress(FileNotFoundError):  # another process may remove old folders at the same time
             old = folder.stat().st_mtime < time.time() - UNUSED
             if old and _OURS.fullmatch(folder.name) and folder not in (present, linker_folder()):
                 shutil.rmtree(folder, ignore_errors=True)
@@ -179,7 +180,7 @@ class Entry:
         path: the folder.
         size: the size of all files in the folder [bytes].
         used: the time of the last use [s since 1970].
-        files: the names of the finished files, without the linker's own.
+        files: the names of the finished files, without files of the linker.
     """
 
     path: Path
@@ -189,14 +190,14 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """Return the folders of the cache: those for some sources and compilers, and the linkers' own."""
+    """Return the folders of the cache: folders for some sources and compilers, and folders of linkers."""
     base = base_folder()
     folders = sorted(base.iterdir()) if trusted(base) else []
     return [_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
 
 
 def clear() -> int:
-    """Remove everything in the cache; return the number of bytes."""
+    """Remove everything in the cache, and return the number of removed bytes."""
     found = entries()
     for entry in found:
         with removal():
@@ -207,7 +208,7 @@ def clear() -> int:
 def _entry(path: Path) -> Entry:
     size = 0
     for file in path.rglob("*"):
-        with suppress(FileNotFoundError):  # a compiler at work may remove its file
+        with suppress(FileNotFoundError):  # a running compiler may remove its file at the same time
             size += file.lstat().st_size if not file.is_dir() else 0
     kernels = () if path.name.startswith(LINKER) else (p.name for p in path.iterdir() if p.name[0] != ".")
     return Entry(path, size, path.stat().st_mtime, tuple(sorted(kernels)))

@@ -1,11 +1,12 @@
-"""numba's front end alone: every function is lowered once, and not optimised.
+"""A changed numba that only lowers functions: every function is lowered once, and not optimised.
 
-When numba compiles a function it optimises it, links all that it calls to it, optimises the whole and makes
-machine code of that. For a kernel of hundreds of functions this takes a minute, and none of it is used here:
-zig's compiler optimises all functions, in one pass over one module. numba has no public way to
-leave these steps out. So this file replaces private parts of numba: the libraries in which it keeps the
-code of functions, and the way in which one function calls another. Where numba would raise, a
-function returns a number only: an exception would be pickled into the code, with the path of a file.
+When numba compiles a function, it optimises the function, links all called functions to it, optimises the
+result and makes machine code. For a kernel of hundreds of functions these steps take a minute, and their
+results are not used: zig's compiler optimises all functions in one pass over one module. numba has no public
+way to leave these steps out. So this module replaces private parts of numba: the libraries in which numba
+keeps the code of functions, and the way in which one function calls another. Where numba would raise an
+exception, a function only returns a number: an exception would be pickled into the code, with the path of a
+file.
 """
 
 from __future__ import annotations
@@ -22,41 +23,41 @@ from numba.np import arrayobj
 IDLE = frozenset(
     {"inline_closure_likes", "inline_inlinables", "inline_overloads", "nopython_rewrites", "with_lifting"}
 )
-"""Steps of numba that look for what a kernel does not have, and take a tenth of the time: closures,
-expressions of whole arrays, functions that numba inlines, ``with``. Without them the lowered kernel has the
-same bytes."""
+"""Steps of numba that look for features that a kernel does not use: closures, expressions of whole arrays,
+functions that numba inlines, ``with``. These steps take a tenth of the time; without them the lowered kernel
+has the same bytes."""
 
 USUAL_REGISTERS, PUT_BACK = "usual_registers", "put_registers_back"
-"""C functions around each call of the kernel: c_interface/common/registers.c."""
+"""The names of the C functions that are called before and after each call of the kernel: registers.c."""
 WORD = ir.IntType(64)
 
 
 class Library(codegen.JITCodeLibrary):
-    """The code of a function as numba writes it, neither optimised nor turned into machine code."""
+    """The code of a function in LLVM's language, neither optimised nor compiled."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
         self.modules: list[llvm.ModuleRef] = []
 
     def add_ir_module(self, module: ir.Module) -> None:
-        """Keep a module of code, whose functions are not lost when it is linked before they are called."""
+        """Add a module of code, so that linking before a call does not lose its functions."""
         for symbol in module.functions:
             if not symbol.is_declaration and symbol.linkage in ("", "external", "common"):
                 symbol.linkage = "weak_odr"
         self.modules.append(llvm.parse_assembly(cgutils.normalize_ir_text(str(module))))
 
     def finalize(self) -> None:
-        """Leave the code unchanged; a caller of the function finds this library among its own."""
+        """Leave the code unchanged; a caller of the function finds this library among its own libraries."""
         self._raise_if_finalized()
         self._finalized = True
 
     def get_pointer_to_function(self, _name: str) -> int:
-        """Return 0: the function is never called here."""
+        """Return 0, because the function is never called in this process."""
         self._ensure_finalized()
         return 0
 
     def and_those_it_calls(self) -> Iterator[Library]:
-        """Yield this library and all libraries that it needs, each once."""
+        """Yield this library and all libraries that it needs, each library once."""
         found: dict[Library, None] = {}
         waiting = [self]
         while waiting:
@@ -75,24 +76,24 @@ class Convention(callconv.MinimalCallConv):
     """
 
     def decorate_function(self, fn: Any, args: Any, fe_argtypes: Any, noalias: bool = False) -> None:
-        """Tell LLVM that no other pointer leads to the place of the result."""
+        """Tell LLVM that no other pointer points to the result."""
         super().decorate_function(fn, args, fe_argtypes, noalias)
         for attribute in ("captures(none)", "noalias"):
             fn.args[0].add_attribute(attribute)
 
     def return_user_exc(self, builder: ir.IRBuilder, *_: Any, **__: Any) -> None:
-        """Return a code, whatever the exception is."""
+        """Let the function return the same code for every exception."""
         self._return_errcode_raw(builder, callconv.RETCODE_USEREXC)
 
 
 def collect_only(*, any_python: bool, guarded: bool) -> None:
-    """Make numba, in this process, lower functions and do nothing else.
+    """Make numba, in this process, only lower functions.
 
     Args:
-        any_python: whether the functions may use everything that numba knows, or only what the kernel's
-            functions use.
+        any_python: whether the functions may use all features that numba supports, or only those of the
+            kernel.
         guarded: whether the C functions set the floating-point registers; functions that only the kernel
-            calls need not.
+            calls need not set them.
     """
     codegen.JITCPUCodegen._library_class = Library
     codegen.JITCPUCodegen.set_env = _nothing
@@ -106,18 +107,19 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
     compiler_machinery.PassManager._runPass = _runs_passes(frozenset() if any_python else IDLE)
     if not any_python:
         arrayobj.fix_integer_index = _plain_index
-    gc.disable()  # collecting garbage would not pay in a compiler that ends soon
+    gc.disable()  # garbage collection takes longer than it saves in a compiler that ends soon
 
 
 def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) -> Any:
-    """Return an index as it is: no index of the kernel is negative, so none counts from the end."""
+    """Return an index unchanged: the kernel has no negative indices, which would count from the end."""
     return context.cast(builder, index, kind, types.intp)
 
 
 def _entry_point(context: Any, library: Library, description: Any, *_: Any, guarded: bool, **__: Any) -> None:
-    """Make the C function that returns the result of a function itself, or 0 where Python would raise.
+    """Make the C function that returns the result itself, or 0 where Python would raise an exception.
 
-    A guarded C function computes with the usual floating-point registers, whatever its caller has set.
+    A guarded C function computes with the usual settings of the floating-point registers, whatever its caller
+    has set.
     """
     module = context.create_module("entry point")
     result, arguments = description.restype, description.argtypes
@@ -131,7 +133,7 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
     if held:
         builder.call(_external(module, ir.VoidType(), PUT_BACK, WORD), [held])
-        # an inlined function could compute before the registers are set, or after they are put back
+        # an inlined function could compute before the registers are set, or after they are restored
         for call in builder.block.instructions:
             if isinstance(call, ir.CallInstr):
                 call.attributes.add("noinline")
@@ -144,7 +146,7 @@ def _external(module: ir.Module, result: ir.Type, name: str, *arguments: ir.Type
 
 
 def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
-    """Return a function that runs one pass over a function, without timing and without analysing it again."""
+    """Return a function that runs one pass over a function, without timing and without a new analysis."""
 
     def run(manager: Any, _index: int, step: Any, state: Any) -> None:
         if step.name() not in leave_out:
@@ -155,7 +157,7 @@ def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
 
 
 def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method that remembers its results; ``key`` of the arguments distinguishes results.
+    """Return a method that remembers its results; ``key`` of the arguments distinguishes the results.
 
     numba asks for the same results thousands of times.
     """
@@ -171,4 +173,4 @@ def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable
 
 
 def _nothing(*_: Any) -> None:
-    """Do nothing in place of storing a Python object's address, which only functions called here need."""
+    """Do nothing; numba would store a Python object's address, which only calls in this process need."""

@@ -1,9 +1,9 @@
-"""The two programs that make a library: numba's front end, run once, and zig's C compiler, run for each.
+"""The two programs that make a library: numba's front end, which runs once, and zig's C compiler.
 
-lower.py writes the kernel in LLVM's language, without sizes. The prelude has the sizes; the kernel is
-compiled with it. Then the kernel is linked with the C interface of native FMUs (c_interface/), the same for
-every scene, and with the functions that it leaves open: the hooks, which carry derivatives or do nothing, and
-a user's contact law, or none.
+lower.py writes the kernel in LLVM's language, without sizes. A prelude of LLVM code adds the sizes. The
+compiled kernel is linked with the C interface of native FMUs (c_interface/), which is the same for every
+scene, and with the functions that the kernel declares but does not define: the hooks, which carry derivatives
+or do nothing, and a user's contact law or a substitute.
 """
 
 from __future__ import annotations
@@ -31,48 +31,54 @@ _TARGETS = {
     "aarch64-darwin": "aarch64-macos.11.0",
 }
 ZIG_TARGETS = {name: (target, PLATFORMS[name].suffix) for name, target in _TARGETS.items()}
-"""Platform → zig's target and the file suffix."""
+"""Platform → zig's target, and the suffix of a library's file."""
 PORTABLE_CPU = "x86-64-v2"
-BAD_LAW = 3  # exit code of lower.py for a faulty law; the reason is on standard error
-# For every x86 processor since 2009 and every 64-bit ARM, so that all processors of a kind give equal bits.
+BAD_LAW = 3  # exit code of lower.py for a faulty law; the reason is then on standard error
+# The processors for which code is made: every x86 since 2009 and every 64-bit ARM. So all processors of a
+# kind give equal bits.
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
 KERNEL, DERIVATIVES = "kernel", "derivatives"
-"""What is lowered and compiled by itself: the kernel, and the hooks that carry derivatives. Also the kinds of
-libraries: the kernel, and the kernel with these hooks."""
-# ARM's instruction that multiplies and adds is not used: it rounds once where the two instructions of x86
-# round twice. Without LLVM's loop strength reduction, linking takes less time, and kernels are no slower.
+"""The two parts of a kernel that are lowered and compiled separately: the kernel itself, and the hooks that
+carry derivatives. The names also stand for the kinds of libraries: the kernel, and the kernel with these
+hooks."""
+# ARM's instruction for a multiplication with an addition is not used, because it rounds once, where the two
+# instructions of x86 round twice. Without LLVM's loop strength reduction linking takes less time, and kernels
+# are no slower.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
-# Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. Derivatives do without
-# it: they would be no faster, and take longer to compile.
+# A doubled limit for inlining makes steps of four links up to 4 % faster. Derivatives have the usual limit:
+# with the doubled limit they would be no faster, and would take longer to compile.
 INLINE_MORE = ("-mllvm", "-inline-threshold=500")
-# LLVM's vectors of straight code make runs of one link up to a tenth slower, and runs of two links a tenth
-# faster.
+# LLVM's vectors for code without loops make runs of one link up to a tenth slower, and runs of two links a
+# tenth faster.
 SCALAR = ("-fno-slp-vectorize",)
-# numba's code refers to these only on its error paths, which the kernel never takes because it does not
-# allocate
+# numba's code refers to these functions only on error paths, which the kernel never takes because it does not
+# allocate memory
 PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
 INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
-# Runs lower.py with these sources. The variable PYTHONPATH would not work: where pip builds a wheel, it hides
-# the folder of an editable installation of the same sources.
+# A program that runs lower.py with these sources. The variable PYTHONPATH would not work: where pip builds a
+# wheel, pip hides the folder of an editable installation of the same sources.
 LOWER = """import runpy, sys
 sys.path.insert(0, sys.argv.pop(1))
 runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sys=True)"""
-# Parts of the C runtime that Windows has since version 10. Without them zig would first build its own, which
-# takes a minute. Functions that Windows lacks are in zig's compiler-rt and in c_interface/common/windows.c.
+# The parts of the C runtime that Windows has since version 10. Without this list zig would first build its
+# own parts, which takes a minute. Functions that Windows lacks are in zig's compiler-rt and in
+# c_interface/common/windows.c.
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
 GENERAL = 0
-"""In place of a number of links: a kernel for any number of links and for all that few scenes have, such as
-walls that move, points of links, a slider, or signals. The other kernels do without these at no cost."""
+"""Replaces a number of links: a kernel for any number of links and for all rare features, such as moving
+walls, points of links, a slider, or signals. The other kernels lack these features, and so do not pay for
+them."""
 _FEW = tuple(f"chain_{name}" for name in ("channels", "sites", "signals", "knots", "skewed", "slides"))
 _SIZES = ("chain_links", "chain_candidates", "chain_elements", "chain_loads", *_FEW)
-"""The functions for the numbers at the start of a record, in their order there."""
+"""The functions that return the numbers at the start of a record, in the order of these numbers."""
 Sizes = int | tuple[int, ...] | None
-"""What a kernel is for: a number of links, None for any, GENERAL for any with all features; or all numbers at
-the start of a record, for scenes of these very sizes."""
+"""The scenes that a kernel can run: a number of links; None for any number; GENERAL for any number with all
+features; or all numbers at the start of a record, for scenes of exactly these sizes."""
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
-# A number that the instance holds does not change while the kernel works on it, and has a sensible size.
+# LLVM code for a number that the instance holds. The number does not change while the kernel runs, and has a
+# plausible size.
 HELD = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   %place = getelementptr i64, ptr %instance, i64 {word}
   %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 1048576}}
@@ -84,8 +90,8 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
 }}
 """
 Open = dict[str, tuple[str, tuple[str, ...], int]]
-"""What a kernel leaves open: C function → LLVM's types of its result and its arguments, and the result of the
-function that stands for it where there is none. In numba, one that returns nothing returns a pointer."""
+"""The functions that a kernel declares but does not define: C function → LLVM's types of its result and its
+arguments, and the result of its substitute. A function that returns nothing returns a pointer in numba."""
 LAW: Open = {
     "user_law_present": ("i64", (), 0),
     "user_law_force": ("double", ("double",) * 7, 0),
@@ -106,7 +112,7 @@ HOOKS: Open = {
 REGISTERS = """declare hidden i64 @usual_registers()
 declare hidden void @put_registers_back(i64)
 """
-# WebAssembly has no such registers: it always computes in the usual way
+# WebAssembly has no such registers: it always computes with the usual settings
 NO_REGISTERS = """define internal i64 @usual_registers() alwaysinline {
   ret i64 0
 }
@@ -125,13 +131,13 @@ _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
-    """Return a lowered kernel with the functions that it leaves open.
+    """Return a lowered kernel together with the declarations and sizes that it needs.
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
-        sizes: what it is for.
-        registers: the functions that set the floating-point registers: declared, as the C interface has them,
-            or those that do nothing.
+        sizes: the scenes that the kernel can run.
+        registers: LLVM code of the functions that set the floating-point registers: declarations if the C
+            interface has the functions, else functions that do nothing.
     """
     if isinstance(sizes, tuple):
         fixed = dict(zip(_SIZES, sizes, strict=True))
@@ -141,7 +147,8 @@ def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
         CONSTANT.format(name=name, number=fixed[name]) if name in fixed else HELD.format(name=name, word=word)
         for word, name in enumerate(_SIZES)
     )
-    hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)  # private to a library, and called without a table
+    # hidden: private to a library, and called without a table of addresses
+    hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)
     return _DECLARED_ABOVE.sub("", hidden) + prelude + registers
 
 
@@ -151,13 +158,13 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
     Args:
         module: the file to write.
         what: KERNEL, DERIVATIVES, or "law".
-        law: the file of the user's law, if it is that.
+        law: the file of the user's law, if ``what`` is "law".
 
     Raises:
         LawError: when the law cannot be compiled.
-        BuildError: when numba fails, or the sources are other ones by now.
+        BuildError: when numba fails, or the sources have changed meanwhile.
     """
-    # numba takes the features of this machine unless told otherwise, and orders by hash
+    # by default numba uses the features of this machine's processor, and orders by hash
     cpu = CPUS["aarch64"] if HOST.startswith("aarch64") else PORTABLE_CPU
     settings = {"NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
     given = [str(law)] if law else []
@@ -168,14 +175,14 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
 
 
 def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: Sizes) -> None:
-    """Compile a lowered part of a kernel, KERNEL or DERIVATIVES. What it leaves open, ``link`` adds.
+    """Compile a lowered part of a kernel, KERNEL or DERIVATIVES.
 
     Args:
         module: the part in LLVM's language, as lower.py writes it.
-        compiled: the file to write; temporary files are put beside it.
-        platform: of ``ZIG_TARGETS``.
-        what: the part.
-        sizes: what it is for.
+        compiled: the file to write; temporary files are in the same folder.
+        platform: a key of ``ZIG_TARGETS``.
+        what: KERNEL or DERIVATIVES.
+        sizes: the scenes that the kernel can run.
 
     Raises:
         BuildError: when the compiler fails.
@@ -183,13 +190,13 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(complete(module, sizes))
     flags = ["-c", *_tuning(what, sizes)]
-    if "windows" not in ZIG_TARGETS[platform][0]:  # Windows code is always position-independent
+    if "windows" not in ZIG_TARGETS[platform][0]:  # code for Windows is always position-independent
         flags.append("-fPIC")
     _zig(platform, compiled, kernel, flags=flags)
 
 
 def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
-    """Return the flags that make a part of a kernel for these sizes faster."""
+    """Return compiler flags that make a part of a kernel for these sizes faster."""
     if what == DERIVATIVES:
         return ()
     links = sizes[0] if isinstance(sizes, tuple) else sizes
@@ -201,12 +208,12 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
 
     Args:
         parts: the compiled kernel and, in one that carries derivatives, the compiled hooks.
-        library: the file to write; temporary files are put beside it.
+        library: the file to write; temporary files are in the same folder.
         platform: a key of ``ZIG_TARGETS``.
         law: a user's law in LLVM's language, if there is one.
 
     Raises:
-        LawError: when the law calls a function that only numba has.
+        LawError: when the law calls a function that only numba provides.
         BuildError: when the compiler fails.
     """
     prepare_zig(platform)
@@ -226,9 +233,9 @@ def zig_is_prepared(platform: str) -> bool:
 
 
 def prepare_zig(platform: str) -> None:
-    """Make sure that zig has the libraries that it makes for itself at its first link for a platform.
+    """Make sure that zig has the libraries that it builds at its first link for a platform.
 
-    Later zig only reads these libraries, so several links can run at once.
+    Later links only read these libraries, so several links can run at once.
     """
     if zig_is_prepared(platform):
         return
@@ -238,7 +245,8 @@ def prepare_zig(platform: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(folder / f"{platform}.lock"), TemporaryDirectory() as scratch:
         if not zig_is_prepared(platform):
-            something = Path(scratch, "something.c")  # zig crashes at an empty library for macOS
+            # a library with some code, because zig crashes at an empty library for macOS
+            something = Path(scratch, "something.c")
             something.write_text(STUB.replace("hidden", "default").format("something"), encoding="utf-8")
             _zig_library(platform, Path(scratch, "library"), something)
             (folder / f"prepared-{platform}").touch()
@@ -250,23 +258,24 @@ def interface_sources() -> list[Path]:
 
 
 def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
-    """Compile the parts that are not compiled yet, and link a library."""
+    """Compile the parts that are not compiled yet, and link them to a library."""
     target, _ = ZIG_TARGETS[platform]
     options = ["-shared", "-s"]
     if "linux" in target:
-        # a called function must not be found in another library that the same process has loaded, nor be
-        # missing
+        # called functions must be found inside the library, not in another library of the same process; a
+        # missing function is an error
         options += ["-Wl,-Bsymbolic", "-Wl,-z,defs"]
-    if "macos" in target:  # otherwise the library names the folder in which it was made
+    # without this option the library would contain the name of the folder in which it was made
+    if "macos" in target:
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
-    # Without start files and, except for Windows, zig's runtime, which it would first have to build. Nothing
-    # calls them.
+    # no start files and, except for Windows, no runtime of zig, which zig would first have to build; nothing
+    # calls them
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
     _zig(platform, library, *inputs, flags=options, libraries=libraries)
 
 
 def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
-    """What a kernel needs of others: a user's law, and functions that do nothing for all that is missing."""
+    """Write the other functions that a kernel needs: a user's law, and substitutes for missing functions."""
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
     text = "".join(map(STUB.format, PYTHON_SYMBOLS))
     for name, (result, arguments, nothing) in missing.items():
@@ -289,7 +298,7 @@ def _zig(
 
 
 def run_zig(arguments: Iterable[str], output: Path) -> None:
-    """Run zig in a cache that no other program uses; temporary files are put beside the output.
+    """Run zig with a cache that no other program uses; temporary files are in the folder of the output.
 
     Raises:
         BuildError: when zig fails.
@@ -300,7 +309,7 @@ def run_zig(arguments: Iterable[str], output: Path) -> None:
 
 
 def _from_windows() -> list[str]:
-    """Return zig's options for a library that takes C's functions from Windows, and for their headers."""
+    """Return zig's options for a library that uses Windows' C functions, and for their headers."""
     headers = files("ziglang") / "lib" / "libc" / "include" / "any-windows-any"
     options = ["-Wl,--no-entry", "-rtlib=compiler-rt"]
     options += [f"-isystem{headers}", "-D__MSVCRT_VERSION__=0xE00"]
@@ -308,7 +317,7 @@ def _from_windows() -> list[str]:
 
 
 def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
-    """Run Python independently of the user's settings of numba and of the files in the present folder."""
+    """Run Python without the user's settings of numba, and without modules from the present folder."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     with TemporaryDirectory() as nowhere:
         return subprocess.run(

@@ -2,8 +2,8 @@
 
 A function of the kernel that is compiled for dual numbers gives exact derivatives with its values: the chain
 rule carries them through each operation. The values are the same, bit for bit, as without derivatives.
-Comparisons look at values only. The derivatives of one number are one vector, so that the processor works on
-several at once.
+Comparisons use only the values. The derivatives of one number form a vector, so that the processor computes
+several derivatives at once.
 
 Source: W. K. Clifford 1873, Preliminary sketch of biquaternions, Proc London Math Soc 4:381; for derivatives
 A. Griewank and A. Walther 2008, Evaluating Derivatives, SIAM, chapter 3.
@@ -31,17 +31,17 @@ VECTOR = ir.VectorType(ir.DoubleType(), DIRECTIONS)
 
 
 class Dual(types.Type):
-    """The type of a dual number."""
+    """numba's type of a dual number."""
 
     def __init__(self) -> None:
         super().__init__(name=f"dual{DIRECTIONS}")
 
     def can_convert_from(self, _context: Any, other: types.Type) -> Conversion | None:
-        """Return a promotion for a number, which becomes a dual number without derivatives."""
+        """Return how numba converts another number: it becomes a dual number without derivatives."""
         return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
 
     def unify(self, _context: Any, other: types.Type) -> types.Type | None:
-        """Return this type for a variable that is an ordinary number in some places."""
+        """Return this type for a variable that is a dual number or an ordinary number, by place."""
         return self if isinstance(other, types.Number | types.Boolean) else None
 
 
@@ -50,7 +50,7 @@ DUAL = Dual()
 
 @register_model(Dual)
 class _Model(models.PrimitiveModel):
-    """The layout in memory and in registers: the value, then the derivatives, without a gap."""
+    """The layout of a dual number in memory and in registers: first the value, then the derivatives."""
 
     def __init__(self, manager: Any, kind: Dual) -> None:
         super().__init__(manager, kind, ir.LiteralStructType([ir.DoubleType(), VECTOR], packed=True))
@@ -70,7 +70,7 @@ def _parts(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
 
 
 def _all(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
-    """Return a vector with the number in each place."""
+    """Return a vector with the number in each entry."""
     one = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
     places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
     return builder.shuffle_vector(one, ir.Constant(VECTOR, ir.Undefined), places)
@@ -96,7 +96,7 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
 
 
 def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:
-    """Let numba accept a function for dual numbers, with ordinary ones as ``number``, or unchanged."""
+    """Declare to numba that a function accepts dual numbers; ordinary arguments become ``number`` or stay."""
 
     class _Template(AbstractTemplate):
         key = function
@@ -116,7 +116,7 @@ Code = Callable[..., ir.Value]
 
 
 def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
-    """Let ``code(context, builder, *arguments)`` be the code of a function for arguments of some kinds."""
+    """Make ``code(context, builder, *arguments)`` the code of a function for arguments of some types."""
 
     def lowered(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         return code(context, builder, *arguments)
@@ -125,7 +125,7 @@ def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
 
 
 def _of_numbers(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
-    """Return the result of the function of ordinary numbers."""
+    """Return the result of the function for ordinary numbers."""
     typed = context.typing_context.resolve_function_type(function, (float64,) * len(numbers), {})
     return context.get_function(function, typed)(builder, numbers)
 
@@ -142,9 +142,9 @@ _ONE = ir.Constant(ir.DoubleType(), 1.0)
 
 
 def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
-    """Return the code of a sum, difference or product for each of ``_KINDS``.
+    """Lower a sum, difference or product for each pair of types in ``_KINDS``.
 
-    ``slopes(a, b)`` are the derivatives with respect to a and b.
+    ``slopes(a, b)`` returns the derivatives of the result with respect to a and b.
     """
 
     def code(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
@@ -205,7 +205,7 @@ def _power_of_number(context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Val
 def _power(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
     (a, _), (b, db) = _parts(builder, x), _parts(builder, y)
     value, slopes = _parts(builder, _power_of_number(context, builder, x, b))
-    # … + aᵇ ln a b′
+    # the second term, aᵇ ln a b′
     slope = builder.fmul(value, _of_numbers(context, builder, math.log, a))
     return _made(builder, value, builder.fadd(slopes, _times(builder, slope, db)))
 
@@ -242,7 +242,7 @@ def _extreme(relation: str) -> Any:
     def lowered(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         best, *others = arguments
         for one in others:
-            # as in Python, which keeps the first of equal numbers
+            # Python keeps the first of equal numbers, and so does this code
             a, b = (builder.extract_value(number, 0) for number in (one, best))
             best = builder.select(builder.fcmp_ordered(relation, a, b), one, best)
         return best
@@ -268,7 +268,7 @@ def _chain(function: Any, slope: Code) -> None:
 
 
 def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Value) -> ir.Value:
-    """Return ½/√a, and 0 at 0: there the kernel has the root of a clearance that stays 0."""
+    """Return ½/√a, and 0 at a = 0: the kernel takes the root of a clearance that stays 0."""
     slope = builder.fdiv(ir.Constant(root.type, 0.5), root)
     zero = ir.Constant(root.type, 0.0)
     return builder.select(builder.fcmp_ordered(">", root, zero), slope, zero)

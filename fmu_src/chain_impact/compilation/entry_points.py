@@ -15,9 +15,9 @@
                    const double* stops, int64 runs, const int64* output_indices, int64 columns,
                    double* rows, int32 continuing)
 
-What they do, kernel/entry.py and kernel/advance.py tell. In a kernel that carries derivatives they take the
-instances of dual numbers along that are behind theirs: a kernel calls the hooks, which are C functions, too,
-and linked to it (kernel/hooks.py, kernel/tangent/entry.py).
+kernel/entry.py and kernel/advance.py describe these functions. In a kernel that carries derivatives, the
+functions also advance the instances of dual numbers that follow the instance in memory: the kernel calls the
+hooks, which are C functions, too, and are linked to the kernel (kernel/hooks.py, kernel/tangent/entry.py).
 """
 
 from __future__ import annotations
@@ -43,18 +43,18 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 
 
 def follow(d):
-    """Follow the contacts up to the communication point, and log the active ones after the finished ones."""
+    """Update the contacts to the communication point, and log the active contacts after the finished ones."""
     update_to_output_time(d)
     return 0
 
 
 def record_words(d):
-    """Return the number of words of 8 bytes in the record of an instance with these sizes, and after it."""
+    """Return the number of words of 8 bytes in the record of an instance and in the data after the record."""
     return len(words(d)) + hooks.words_behind(d)
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns):  # noqa: PLR0917
-    """Fill rows with numbers of the record; return the number of filled rows."""
+    """Fill rows with numbers of the record, and return the number of filled rows."""
     wanted = matrix(spans, span_count, 2)
     return entry.trajectory(d, words(d), vector(times, count), wanted, matrix(rows, count, columns))
 
@@ -62,7 +62,7 @@ def trajectory(d, times, count, spans, span_count, rows, columns):  # noqa: PLR0
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
     d, places, parameters, values, stops, runs, output_indices, columns, rows, continuing
 ):
-    """Run again and again with other parameters; return the number of finished runs."""
+    """Run repeatedly with different parameters, and return the number of finished runs."""
     return entry.run_each(
         d,
         words(d),
@@ -76,7 +76,7 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 
 
 def hook_entries() -> Entries:
-    """Return the hooks that carry derivatives."""
+    """Return the hooks that carry derivatives, as C functions."""
     return {hook.__name__: (kind, _HOOKS[hook]) for hook, kind in HOOK_SIGNATURES.items()}
 
 
@@ -95,6 +95,6 @@ def entry_points() -> Entries:
         "follow": (int32(INSTANCE), follow),
         "trajectory": (int64(INSTANCE, reals, int64, indices, int64, reals, int64), trajectory),
         "run_each": (int64(*runs), run_each),
-        # for the C interface, which reads a record from a file
+        # the C interface calls this function when it reads a record from a file
         "record_words": (int64(INSTANCE), record_words),
     }

@@ -2,7 +2,7 @@
 
 
 class BuildError(RuntimeError):
-    """The kernel could not be compiled, or the FMU is not valid.
+    """Raised when the kernel cannot be compiled, or the FMU is not valid.
 
-    The message holds the compiler's own message.
+    The message contains the compiler's message.
     """

@@ -1,4 +1,4 @@
-"""The way in which numba compiles the kernel and a user's law: as ordinary functions of Python."""
+"""How numba compiles the kernel and a user's law: as ordinary functions of Python."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.rules import RULES
 
-# error_model="numpy": a division by zero gives inf, which the step control rejects, and does not raise. So
-# the compiled kernel needs nothing of Python. Strict IEEE arithmetic (no fastmath) gives equal bits on every
-# machine. No array of the kernel owns its memory: there are no references to count (_nrt).
+# error_model="numpy": a division by zero gives inf, which the step control rejects, in place of an exception,
+# so the compiled kernel needs nothing from Python. Strict IEEE arithmetic (no fastmath) gives equal bits on
+# every machine. No array of the kernel owns its memory, so no references are counted (_nrt).
 OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 MODULES = {f"{chain_impact.kernel.__name__}."}
-"""Packages and modules, with a dot at the end, whose functions are compiled when another one calls them."""
+"""Packages and modules whose functions numba compiles when another function calls them; each name ends with a
+dot."""
 LAW_PRESENT, LAW_FORCE = "user_law_present", "user_law_force"
 _TYPES = {"ptr": INSTANCE, "double": float64, "i64": int64}
 HOOK_SIGNATURES: dict[FunctionType, Any] = {
@@ -34,7 +35,7 @@ HOOK_SIGNATURES: dict[FunctionType, Any] = {
     )
     for name, (result, arguments, _) in HOOKS.items()
 }
-# functions that a library gets when it is linked
+# functions that are linked to a library, with their types
 EXTERNAL: dict[Any, types.Type] = {
     user_law.present: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
@@ -42,7 +43,7 @@ EXTERNAL: dict[Any, types.Type] = {
 }
 _RULES: dict[Any, Any] = RULES
 _COMPLEX: dict[Any, Any] = COMPLEX
-# functions that dual_numbers.py and record_type.py have declared to numba
+# functions that dual_numbers.py and record_type.py declare to numba
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.sloped, duals.carried, duals.varies),
     *(duals.block, duals.words, duals.copy_values, duals.copy_given, functions.clear),
@@ -51,29 +52,29 @@ BUILT_IN: set[Any] = {
 
 @cache
 def compiled(function: FunctionType) -> Any:
-    """Return the function as one that numba compiles."""
+    """Return the function in a form that numba compiles."""
     return njit(forceinline=getattr(function, "inlined", False), **OPTIONS)(function)
 
 
 class Function(types.Dispatcher):
-    """The type of a function of the kernel, or of its replacement for some arguments."""
+    """numba's type of a function of the kernel, or of its replacement for some arguments."""
 
     def __init__(self, function: FunctionType) -> None:
         self._function = function
         super().__init__(compiled(function))
 
     def _for(self, arguments: Any) -> types.Dispatcher:
-        """Return the dispatcher that takes these arguments."""
+        """Return the compiled function, or its replacement, that takes these arguments."""
         rules = _RULES if any(carries_derivatives(one) for one in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules
         return types.Dispatcher(compiled(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """Return the signature for some arguments."""
+        """Return the signature of the function for some arguments."""
         return self._for(args).get_call_type(context, args, kws)
 
     def get_overload(self, sig: Any) -> Any:
-        """Return the compiled code for a signature."""
+        """Return the compiled code of the function for a signature."""
         return self._for(sig.args).get_overload(sig)
 
 
@@ -92,11 +93,11 @@ register_model(Function)(models.OpaqueModel)
 @typeof_impl.register(FunctionType)
 def _type_of_function(function: FunctionType, _context: object) -> types.Type | None:
     if function in BUILT_IN or not f"{function.__module__}.".startswith(tuple(MODULES)):
-        return None  # numba knows some functions itself
+        return None  # numba itself knows how to compile some functions
     return EXTERNAL[function] if function in EXTERNAL else Function(function)
 
 
 @lower_constant(Function)
 def _no_value(context: Any, _builder: object, _type: Function, _value: object) -> Any:
-    # numba would write the address of its object in this process into the code
+    # numba would write the address of the function's object in this process into the code
     return context.get_dummy_value()

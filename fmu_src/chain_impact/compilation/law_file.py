@@ -1,6 +1,7 @@
-"""A user's own contact law: a Python file with a function of its name, which is linked to the kernel.
+"""A user's own contact law: a Python file with a function of the same name.
 
-A scene is validated by a look at the file (law_syntax.py); the build of a kernel compiles the law (law.py).
+The validation of a scene only reads the file (law_syntax.py); the build of a kernel compiles the law
+(law.py), and links it to the kernel.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ __all__ = ["LawError", "UserLaw", "parse_law", "read_law", "source_of"]
 
 @dataclass(frozen=True)
 class UserLaw:
-    """The law in a file.
+    """A user's law and its file.
 
     Attributes:
         id: the name of the law, of the file and of the function in the file.
@@ -38,10 +39,10 @@ class UserLaw:
 
 
 def read_law(path: Path) -> UserLaw:
-    """Read the law of a file, without running it.
+    """Return the law of a file; the file is read, but not run.
 
     Raises:
-        LawError: when the file holds no law.
+        LawError: when the file does not contain a valid law.
     """
     try:
         source = path.read_text(encoding="utf-8")
@@ -56,7 +57,7 @@ def parse_law(name: str, source: str) -> UserLaw:
     """Return the law with a name in the text of its file.
 
     Raises:
-        LawError: when the text holds no law with this name.
+        LawError: when the text does not contain a valid law with this name.
     """
     if not (name.isidentifier() and name.isascii()):
         raise LawError("must have the name of its law: an identifier in the letters A to Z, digits and _")
@@ -87,7 +88,7 @@ def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
 
 
 def source_of(function: Callable[..., float]) -> str:
-    """Return the text of a file for a function, in which the module math is known.
+    """Return the text of a file for a law that is given as a Python function; the file imports ``math``.
 
     Raises:
         LawError: when the function has no name, or Python does not know its source.

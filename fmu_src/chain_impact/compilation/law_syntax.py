@@ -1,8 +1,8 @@
-"""The allowed syntax of a file with a law: a list, so that a file cannot run anything else.
+"""The allowed syntax of a file with a law: a list of allowed forms, so that no file can run anything else.
 
-Python evaluates the constants of a file and the heads of its functions; the functions themselves are compiled
-and never run by Python. The only values are numbers, tuples of numbers, functions of ``math`` and functions
-of the file, because no other name can be reached.
+Python evaluates the constants of a file and the heads of its functions; numba compiles the functions, and
+Python never runs them. The only values are numbers, tuples of numbers, functions of ``math`` and functions of
+the file, because no other name can be reached.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 }
 """The functions of Python that a law can call."""
 LONG = {"comb", "dist", "factorial", "fsum", "isqrt", "lcm", "perm", "prod", "sumprod"}
-"""Functions of ``math`` that a kernel does not have, and that can take long where Python evaluates them."""
+"""Functions of ``math`` that a kernel does not have, and that can take a long time when Python evaluates
+them."""
 MATH = {name for name in dir(math) if name[0] != "_"} - LONG
 """The names of ``math`` that a law can use."""
 ALLOWED = (
@@ -40,20 +41,20 @@ STATEMENTS = (
 )
 NODES = {ast.Module, *TOP, *STATEMENTS, *EXPRESSIONS}
 ANNOTATIONS = {"bool", "float", "int"}
-LONGEST = 40  # number of letters of refused text in its sentence
+LONGEST = 40  # largest number of characters of refused text that an error shows
 WORDS = {"inf", "-inf", "+inf", "nan", "infinity", "-infinity"}
-"""The words allowed in ``float("nan")``; a law has no other texts except docstrings."""
+"""The words allowed in ``float("nan")``; a law contains no other texts except docstrings."""
 
 
 class LawError(ValueError):
-    """A file that holds no usable law.
+    """Raised when a file does not contain a usable law.
 
     The message is the end of a sentence that begins with the file's name.
     """
 
 
 def check_syntax(tree: ast.Module, source: str) -> None:
-    """Refuse a file that has anything other than a law, before any of it is run.
+    """Refuse a file that contains anything other than a law, before any of it is run.
 
     Raises:
         LawError: with the line, and the allowed syntax.
@@ -69,7 +70,7 @@ def check_syntax(tree: ast.Module, source: str) -> None:
 
 
 def _check_common(node: ast.AST) -> None:
-    """Refuse frequent mistakes, each with a sentence of its own."""
+    """Refuse frequent mistakes, with a special sentence for each."""
     imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
     imported += ["." * node.level + (node.module or "")] if isinstance(node, ast.ImportFrom) else []
     for module in imported:
@@ -112,7 +113,7 @@ def _is_text(statement: ast.AST) -> bool:
 
 
 class _Names:
-    """The names that a file defines, and the rules that need them."""
+    """The names that a file defines, and the rules that depend on these names."""
 
     def __init__(self, tree: ast.Module) -> None:
         self._all = set(_bound(ast.walk(tree)))
@@ -132,7 +133,7 @@ class _Names:
         self._texts = {id(text) for node in ast.walk(tree) for text in _texts(node)}
 
     def allow(self, node: ast.AST) -> bool:
-        """Return whether a part of the file, without its own parts, is allowed anywhere in a law."""
+        """Return whether a part of the file, apart from its own parts, is allowed anywhere in a law."""
         fine = True
         match node:
             case ast.Name(id=name):
@@ -162,11 +163,11 @@ class _Names:
         return fine
 
     def not_constant(self, value: ast.AST | None, *, calls: bool = True) -> Iterator[ast.AST]:
-        """Yield the parts of an expression that make it more than a constant for Python.
+        """Yield the parts of an expression that are not allowed in a constant.
 
         Args:
             value: an expression.
-            calls: whether functions of ``math`` and of Python may be called in it.
+            calls: whether the expression may call functions of ``math`` and of Python.
         """
         for node in ast.walk(value) if value else ():
             match node:
@@ -194,7 +195,7 @@ def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
 
 
 def _texts(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the text that a part of a file may have: a statement, or the word in ``float("nan")``."""
+    """Yield the text of a part of a file that may have text: a statement, or the word in ``float("nan")``."""
     match node:
         case ast.Expr(value=text) if _is_text(node):
             yield text
@@ -204,5 +205,5 @@ def _texts(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _is_annotation(kind: ast.AST | None) -> bool:
-    """Return whether an annotation is missing, or is one of a number."""
+    """Return whether an annotation is missing, or is the type of a number."""
     return kind is None or (isinstance(kind, ast.Name) and kind.id in ANNOTATIONS)

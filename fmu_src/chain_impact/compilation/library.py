@@ -14,9 +14,9 @@ from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 
-# [s] usual times to lower and to link each part, for messages
+# [s] usual times to lower and to link each part of a kernel, for messages
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
-# [s] time in which zig makes its own libraries at the first link for a platform; 0 for other platforms
+# [s] the time that zig needs for its own libraries at the first link for a platform; 0 for other platforms
 PREPARING = {"win64": 3.0}
 
 
@@ -76,8 +76,8 @@ def browser_module(law_file: str = "") -> Path:
         law_file: the file of the kernel's user law, if any.
 
     Raises:
-        BuildError: as for ``kernel_library``, and when the law calls a function that a browser's kernel
-            lacks.
+        BuildError: as for ``kernel_library``, and when the law calls a function that the kernel for browsers
+            does not have.
     """
     law = _law(law_file) if law_file else None
     name = f"{_law_name(law)}-{browser.MODULE}" if law else browser.MODULE
@@ -115,7 +115,7 @@ def _lowered_law(law: UserLaw, file: str) -> Path:
     """Return a user's law in LLVM's language."""
 
     def lower(module: Path) -> None:
-        # a copy of the text that was read: the file may have changed since
+        # a copy of the text that was read, because the file may have changed
         copy = module.with_name(f"{law.id}.py")
         copy.write_text(law.source, encoding="utf-8")
         with _about(file):
@@ -131,7 +131,7 @@ def _law(file: str) -> UserLaw:
 
 @contextmanager
 def _about(law_file: str) -> Iterator[None]:
-    """Let an error of a law name the law's file."""
+    """Add the file of the law to the message of an error of the law."""
     try:
         yield
     except LawError as error:

@@ -1,10 +1,10 @@
 """Lower a part of a kernel to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
 
-WHAT is `kernel`; `derivatives`, the hooks that carry derivatives beside the run; or `law`, a user's law in
+WHAT is `kernel`; `derivatives`, the hooks that carry derivatives along with a run; or `law`, a user's law in
 the file LAW.
 
-It runs in a process of its own, because it changes how numba compiles, and because numba reads the target
-processor when it is imported.
+The program runs in a separate process, because it changes how numba compiles, and because numba reads the
+target processor when it is imported.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.compilation.sources import fingerprint
 
-TRIPLE = "x86_64-unknown-linux-gnu"  # the target that the passes run here assume
-# Python keeps its frames in blocks of 16 kB, and gets and returns memory each time that calls go to and fro
-# across the end of a block. A block for a frame of FRAME words is rounded up to a power of two, which leaves
-# room for the frames of all calls in numba.
+TRIPLE = "x86_64-unknown-linux-gnu"  # the target that the passes in this process assume
+# Python keeps its frames in blocks of 16 kB, and allocates and frees memory each time that calls cross the
+# end of a block. A block for a frame of FRAME words is rounded up to a power of two, which leaves room for
+# the frames of all calls in numba.
 FRAME = 2**20
 
 
 def lowered(entries: Entries) -> str:
-    """Return some C functions and all functions that they call as one module, without a target and sizes."""
+    """Return some C functions, and all functions that they call, as one module without a target and sizes."""
     libraries: dict[Library, None] = {}
     names = {}
     for name, (signature, function) in entries.items():
@@ -45,16 +45,16 @@ def lowered(entries: Entries) -> str:
         if symbol.name in entries:
             symbol.linkage = llvm.Linkage.external
         elif not symbol.is_declaration:
-            # private to the library, and gone once it is inlined
+            # private to the library, and removed after inlining
             symbol.linkage = llvm.Linkage.internal
     _simplify(whole)
     return "".join(f"{line}\n" for line in str(whole).splitlines() if not line.startswith("target "))
 
 
 def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
-    """Return all modules joined to one.
+    """Return all modules joined to one module.
 
-    They are joined in pairs, because the time to join two modules grows with the sizes of both.
+    The modules are joined in pairs, because the time to join two modules grows with the sizes of both.
     """
     while len(modules) > 1:
         for one, next_one in zip(modules[::2], modules[1::2], strict=False):
@@ -64,12 +64,14 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
 
 
 def _simplify(whole: llvm.ModuleRef) -> None:
-    """Remove code that each link would have to remove again: variables in memory, and idle code.
+    """Remove code that each link would have to remove again: variables in memory, and code without effect.
 
-    LLVM does the same first, so kernels are as fast as without this step. More passes, such as combining
-    instructions, would make them up to 12 % slower: those passes should come after inlining.
+    LLVM begins with the same passes, so kernels are as fast as without this step. Further passes, such as
+    combining instructions, would make kernels up to 12 % slower, because such passes should come after
+    inlining.
     """
-    llvm.initialize_all_targets()  # the machine may have another processor
+    # all targets, because the machine may have another processor than the target
+    llvm.initialize_all_targets()
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=PORTABLE_CPU)
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options())
     passes = llvm.create_new_function_pass_manager()

@@ -1,4 +1,4 @@
-"""The place of the cache, and the error sentences if nothing can be kept there."""
+"""The folder of the cache, and the error messages if nothing can be stored there."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def base_folder() -> Path:
 
 
 def trusted(base: Path) -> bool:
-    """Return whether the cache's folder exists and no other user can put kernels there to be run."""
+    """Return whether the cache's folder exists, and no other user can put kernels into it."""
     try:
         return not system.others_can_write(base.stat())
     except OSError:
@@ -47,10 +47,10 @@ def trusted(base: Path) -> bool:
 
 @functools.cache
 def writable(base: Path) -> Path:
-    """Return the folder after it has been made, if necessary.
+    """Return the folder, and make it if necessary.
 
     Raises:
-        BuildError: when nothing can be kept in the folder, or other users can write there.
+        BuildError: when nothing can be stored in the folder, or other users can write there.
     """
     with explained(base):
         with suppress(FileExistsError):
@@ -63,7 +63,7 @@ def writable(base: Path) -> Path:
 
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Replace the system's error by one sentence when nothing can be kept in a folder.
+    """Replace an error of the operating system by one sentence if nothing can be stored in a folder.
 
     Raises:
         BuildError: with the sentence.
@@ -77,15 +77,15 @@ def explained(folder: Path) -> Iterator[None]:
         where, why = error.filename or folder, error.strerror or error
         raise BuildError(f"nothing can be kept in {where} ({why}): {ADVICE}") from None
     except BuildError:
-        # a compiler describes a full disk in other words
+        # the message of a compiler for a full disk differs
         if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE:
             raise BuildError(f"nothing can be kept in {folder} (it is full): {ADVICE}") from None
         raise
 
 
 def _concerns(named: Any, folder: Path) -> bool:
-    """Return whether an error concerns a folder: it names no path, or one inside or above the folder."""
-    if not isinstance(named, str | bytes | os.PathLike):  # the error of an open file names no path
+    """Return whether an error concerns a folder: it names no path, or a path inside or above the folder."""
+    if not isinstance(named, str | bytes | os.PathLike):  # the error of an open file does not name a path
         return True
     path = Path(os.fsdecode(named)).absolute()
     return path.is_relative_to(folder) or folder.is_relative_to(path)

@@ -1,8 +1,8 @@
-"""The kernels in a wheel, which make a compiler unnecessary for its users.
+"""The ready kernels in a wheel, with which users do not need a compiler.
 
-A wheel for release has more kernels, for single numbers of links. packaging/ready_kernels.py at the top of
-the repository makes them when the wheel is built. An editable installation has none: its kernels are made
-when they are needed, and kept in the cache.
+A wheel for release has additional kernels, each for one number of links. packaging/ready_kernels.py, at the
+top of the repository, makes these kernels when the wheel is built. An editable installation has no ready
+kernels: its kernels are made when they are needed, and stored in the cache.
 """
 
 from __future__ import annotations
@@ -21,19 +21,21 @@ from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
 
 FOLDER = PACKAGE / "ready"
-MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, which a wheel has in compressed form
-MADE_FROM = "sources.txt"  # the file with the fingerprint of the sources that the kernels are made from
+MODULE = f"{KERNEL}.ll.xz"  # the file of the lowered kernel, compressed in a wheel
+MADE_FROM = "sources.txt"  # the file with the fingerprint of the sources from which the kernels are made
 RELEASE = "CHAIN_IMPACT_RELEASE"
-"""The environment variable that is 1 when a wheel for release is built, with more kernels than usual."""
+"""The environment variable that is 1 during the build of a wheel for release, which has more kernels than
+usual."""
 LARGEST_EXACT = 10
-"""Up to so many links there can be a kernel for each number of links. Chains without one of their own share
-one that reads the number from the instance: with it, runs of up to ten links take a tenth to three tenths
-longer, with many rows of outputs up to two fifths, and of thirty no longer."""
+"""The largest number of links for which a special kernel can exist. Other chains share a kernel that reads
+the number of links from the instance. With the shared kernel, runs of up to ten links take 10 % to 30 %
+longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
 
 SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
-"""The kernels of a wheel for release. Every installation has None and GENERAL, for any number of links."""
+"""The kernels of a wheel for release. Every installation has the kernels None and GENERAL, for any number of
+links."""
 PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
-"""Kind of library → the parts that are compiled and linked for it."""
+"""Kind of library → parts that are compiled and linked for this kind."""
 
 
 def missing_compilers() -> list[str]:
@@ -45,7 +47,7 @@ def require_compilers(purpose: str) -> None:
     """Refuse a task that needs compilers if they are not installed.
 
     Raises:
-        BuildError: when a compiler is missing; ``purpose`` begins the sentence.
+        BuildError: when a compiler is missing; ``purpose`` is the start of the message.
     """
     if missing := missing_compilers():
         how = how_to_install("compiler")
@@ -53,26 +55,26 @@ def require_compilers(purpose: str) -> None:
 
 
 def for_release() -> bool:
-    """Return whether the wheel is for release, with kernels for single numbers of links."""
+    """Return whether the wheel is for release, with kernels for special numbers of links."""
     return os.environ.get(RELEASE) == "1"
 
 
 def exact(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the sizes that the kernel for a chain is compiled for; None for any number of links.
+    """Return the number of links for which the kernel of a chain is compiled; None for any number of links.
 
-    GENERAL and all sizes of a scene are returned unchanged.
+    GENERAL, and a tuple of all sizes of a scene, are returned unchanged.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 
 
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
     """Return the numbers of links for which kernels of a kind exist."""
-    # a kernel with derivatives for a single number of links would be only a twentieth faster
+    # a kernel with derivatives for one number of links would be only 5 % faster
     return SIZES if release and kind == KERNEL else (None, GENERAL)
 
 
 def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
-    """Return the file name of a kernel for some sizes, with the name of a user's law."""
+    """Return the file name of a kernel for some sizes; it contains the name of a user's law."""
     suffix = compilers.ZIG_TARGETS[platform][1]
     if isinstance(wanted, tuple):
         size = "_".join(map(str, wanted))
@@ -82,18 +84,18 @@ def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL
 
 
 def find(name: str) -> Path | None:
-    """Return a ready file, if it is made from the present sources."""
+    """Return the path of a ready file, if the file is made from the present sources."""
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
 def best(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """Return the ready kernel of a kind for these sizes, else the one for any number of links."""
+    """Return the ready kernel of a kind for these sizes, else the ready kernel for any number of links."""
     sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
 
 def module() -> str | None:
-    """Return the lowered kernel in the wheel, if it is made from the present sources."""
+    """Return the lowered kernel of the wheel, if it is made from the present sources."""
     packed = find(MODULE)
     return lzma.decompress(packed.read_bytes()).decode() if packed else None
 
@@ -110,7 +112,7 @@ def _usable() -> bool:
 
 
 def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -> Path:
-    """Return a compiled part of a kernel from the cache; compile it if it is not there.
+    """Return a compiled part of a kernel from the cache; compile the part if it is not in the cache.
 
     ``text`` returns the lowered part.
     """
@@ -120,5 +122,8 @@ def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -
 
 
 def compiled_for_browsers(text: Callable[[], str]) -> Path:
-    """Return the compiled kernel for ``browser.link`` in the same way."""
+    """Return the compiled kernel for ``browser.link`` from the cache.
+
+    Compile it if it is not in the cache.
+    """
     return cache.made(browser.COMPILED, lambda file: browser.compile_kernel(text(), file))

@@ -4,8 +4,8 @@ numba's own record types contain all sizes. Code for this type gets the numbers 
 (affine.py), and two flags, by calls of functions that are defined when a kernel is linked (compilers.py): as
 constants, or as numbers that the instance holds. All sizes and offsets follow from these numbers.
 
-A value is the address of the instance. The type tells which record or field of it is meant, and whether its
-reals are ordinary numbers or dual ones, which carry derivatives (dual_numbers.py).
+A value of this type is the address of the instance. The type says which record or field of the instance is
+meant, and whether its reals are ordinary or dual numbers (dual_numbers.py).
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# field of the instance → the function that returns its number for an instance …
+# field of the instance with a count → name of the function that returns this count for an instance
 COUNTERS = {name: f"chain_{name}" for name in COUNTS}
-# … and flags, on which no size depends
+# flag of the instance, on which no size depends → name of the function that returns this flag
 FLAGS = {name: f"chain_{name}" for name in ("skewed", "slides")}
 WORD = 8  # [byte] size of every scalar
 
@@ -53,7 +53,7 @@ class Field:
 
     Attributes:
         offset: bytes from the start of the instance.
-        size: bytes.
+        size: number of bytes.
         fields: the parts of a record; none for a number or an array.
         kind: numba's type of a number or of the entries of an array.
         shape: the shape of an array.
@@ -74,7 +74,7 @@ def _kind(dtype: np.dtype) -> types.Type:
 
 
 def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
-    """Return every part of the instance, by its path, from its layouts with the sizes of ``SAMPLES``."""
+    """Return every part of the instance by path, from the layouts with the sizes of ``SAMPLES``."""
     table: dict[Path, Field] = {}
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
@@ -96,7 +96,7 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
             add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
 
     def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
-        """Add a table, an array of records, as a record of columns."""
+        """Add a table, an array of records, in the form of a record of columns."""
         row = dtypes[0].base
         shape = [affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)]
         size = affine([dtype.itemsize for dtype in dtypes])
@@ -115,10 +115,10 @@ TABLES = {"instance": _table(LAYOUTS), "tangent": _table([tangent_dtype(layout) 
 
 
 class Record(types.Type):
-    """An instance, or a record in it.
+    """numba's type of an instance, or of a record in an instance.
 
     Attributes:
-        what: a key of ``TABLES``: an instance of ordinary numbers, or of dual ones.
+        what: a key of ``TABLES``: an instance of ordinary numbers, or of dual numbers.
         path: the path of the record.
     """
 
@@ -127,7 +127,7 @@ class Record(types.Type):
         super().__init__(name=".".join((what, *path)))
 
     def field(self, *names: str) -> Field:
-        """Return a part of the record; KeyError when there is none."""
+        """Return a part of the record; raise a KeyError if the record has no such part."""
         return TABLES[self.what][*self.path, *names]
 
 
@@ -137,7 +137,7 @@ INSTANCE, TANGENT = Record("instance"), Record("tangent")
 
 @infer_getattr
 class _Fields(AttributeTemplate):
-    """The types of a record's fields."""
+    """numba's rule for the types of a record's fields."""
 
     key = Record
 
@@ -154,7 +154,7 @@ class _Fields(AttributeTemplate):
 
 
 def _built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
-    """Return the code for an affine number, computed for an instance."""
+    """Return the code that computes an affine number for an instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
     for factor, name in zip(number[1:], COUNTERS.values(), strict=True):
         if factor:
@@ -169,7 +169,7 @@ def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
 
 
 def _place(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
-    """Return the address of a field, as an address of numbers."""
+    """Return the address of a field, as a pointer to numbers."""
     kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
     return cgutils.pointer_add(builder, instance, _built(field.offset, builder, instance), kind)
 
@@ -199,7 +199,7 @@ def _array(
 ) -> ir.Value:
     """Return an array that does not own its memory, from the address of its first entry.
 
-    The array has no gaps, or a ``stride`` of so many bytes from one entry to the next.
+    The array has no gaps, or the distance ``stride`` [bytes] between successive entries.
     """
     array = cgutils.create_struct_proxy(types.Array(scalar, len(shape), "A" if stride else "C"))(
         context, builder
@@ -287,14 +287,14 @@ def _type_of_copy_values(_context: Any) -> Any:
 @type_callable(duals.copy_given)
 def _type_of_copy_given(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
-        # numba asks again with the constant itself
+        # numba asks a second time, with the constant itself
         return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
 
     return typer
 
 
 def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Return whether one is a part of an instance, and the other the same part of one of dual numbers."""
+    """Return whether ``source`` is a part of an instance, and ``target`` the same part with dual numbers."""
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False
     return (source.what, target.what) == ("instance", "tangent")
@@ -317,7 +317,7 @@ def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: 
 def _copy_fields(
     context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
 ) -> None:
-    """Copy the values of the wanted fields of an instance to the same fields of one of dual numbers."""
+    """Copy the values of the wanted fields of an instance to an instance of dual numbers."""
     source, target = instances
     for path, field in TABLES["instance"].items():
         if path and wanted(path) and not field.fields:
@@ -335,14 +335,14 @@ def _copy_fields(
 def _words_of(
     context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field, word: ir.Type
 ) -> tuple[ir.Value, ir.Value]:
-    """Return the address of a field's first value, and the number of words from one value to the next."""
+    """Return the address of a field's first value, and the number of words between successive values."""
     words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
     place = builder.bitcast(_place(context, builder, instance, field), word.as_pointer())
     return place, cgutils.intp_t(words)
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
-    """Return the signature and the code of an array of numbers, from its first address and its shape."""
+    """Return the signature and the code for an array of numbers, from its first address and its shape."""
     scalar = first.dtype
 
     def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
@@ -354,11 +354,11 @@ def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
 
 @intrinsic
 def vector(_context: Any, first: types.CPointer, count: types.Integer) -> Any:
-    """Return an array of numbers for the address of the first one, shape (count,)."""
+    """Return an array of numbers, shape (count,), from the address of its first number."""
     return _numbers(first, count)
 
 
 @intrinsic
 def matrix(_context: Any, first: types.CPointer, rows: types.Integer, columns: types.Integer) -> Any:
-    """Return an array of numbers for the address of the first one, shape (rows, columns)."""
+    """Return an array of numbers, shape (rows, columns), from the address of its first number."""
     return _numbers(first, rows, columns)

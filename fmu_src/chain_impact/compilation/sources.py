@@ -12,13 +12,13 @@ MAKERS = (
     *("affine", "browser", "collecting", "compilers", "dual_numbers", "entry_points", "functions"),
     *("law", "law_file", "law_syntax", "lower", "record_type"),
 )
-"""The modules of this folder that make code. The other modules find, keep and describe kernels."""
+"""The modules of this folder that make code. The other modules find, store and describe kernels."""
 COMPILED = (
     "kernel",
     *(f"compilation/{name}.py" for name in MAKERS),
     *("compilation/c_interface", "compilation/mathematics"),
 )
-"""The folders and files of the package that kernels are made from."""
+"""The folders and files of the package from which kernels are made."""
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
 """The compilers with their exact versions, as in the extra of pyproject.toml."""
 LANGUAGES = (".py", ".c", ".h")
@@ -26,7 +26,7 @@ LANGUAGES = (".py", ".c", ".h")
 
 @cache
 def fingerprint() -> str:
-    """Return 16 hexadecimal digits that change with the sources or compilers only."""
+    """Return 16 hexadecimal digits that change only with the sources or the compilers."""
     digest = hashlib.sha256(repr(COMPILERS).encode())
     for source in sorted(_sources()):
         name, content = source.relative_to(PACKAGE).as_posix().encode(), source.read_bytes()

@@ -1,8 +1,8 @@
-/* An instance of the native FMU, and the table from which it knows its model: common to FMI 2.0 and 3.0.
+/* An instance of the native FMU, and the table that describes the model to it: common to FMI 2.0 and 3.0.
 
-   The interface is the same for every scene. What it has to know of one it reads from resources/model.bin, which
-   chain_impact/fmu/table.py writes: which word of the record a value reference is, what may be set when and in
-   which range, the texts, and the record with the start values. All numbers are little-endian. */
+   The interface is the same for every scene. It reads the data of a scene from resources/model.bin, which
+   chain_impact/fmu/table.py writes: the word of the record for each value reference, when a variable may be set and
+   in which range, the texts, and the record with the start values. All numbers are little-endian. */
 #ifndef instance_h
 #define instance_h
 
@@ -11,75 +11,75 @@
 
 typedef union { double real; int64_t integer; } Word;
 
-enum { REAL, INTEGER };                 /* Variable.type; an enumeration is an integer */
-enum { FIXED, TUNABLE, INPUT, OUTPUT, TIME }; /* Variable.kind */
+enum { REAL, INTEGER };                 /* values of Variable.type; an enumeration is an integer */
+enum { FIXED, TUNABLE, INPUT, OUTPUT, TIME }; /* values of Variable.kind */
 
 typedef struct {
-    double low, high;     /* that can be set, both included */
-    int64_t word, set_word; /* of the record; what is set is written to both */
-    int64_t length;         /* how many words from there: more than one of an array */
+    double low, high;       /* lowest and highest value that can be set, both included */
+    int64_t word, set_word; /* indices of words of the record; a new value is written to both */
+    int64_t length;         /* number of words from `word` on; more than one for an array */
     int32_t type, kind;
-    int32_t name, allowed; /* texts */
+    int32_t name, allowed; /* places of texts */
 } Variable;
 
-/* The head of the file. Places are bytes from its beginning, those of texts from `texts_at`. */
+/* The head of the file. Places are in bytes from the beginning of the file; places of texts are from `texts_at`. */
 typedef struct {
     char magic[8];
-    uint64_t size, checksum; /* of the whole file, and of what follows this number */
+    uint64_t size, checksum; /* size of the whole file; checksum of the file after `checksum` */
     char guid[40];
     int64_t variable_count, status_count, place_count;
     int64_t time_word, changed_word, tolerance_word, place_word;
-    int64_t contradiction_word, position_word; /* of motions; 0 if there are none */
+    int64_t contradiction_word, position_word; /* indices of words with motions; 0 without motions */
     int64_t variables_at, statuses_at, places_at, texts_at, record_at, record_size;
 } Table;
 
-/* The states of an instance: 4.2.4 of FMI 2.0, without those of steps that are not finished when a step returns, and
-   2.3 and 4.2 of FMI 3.0. EVENT is event mode. */
+/* The states of an instance: 4.2.4 of FMI 2.0, without the states of unfinished asynchronous steps, and 2.3 and 4.2
+   of FMI 3.0. EVENT is event mode. */
 typedef enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, FAILED, EVENT, PHASES } Phase;
 #define IN(phase) (1u << (phase))
 enum { ANY_PHASE = IN(PHASES) - 1 };
 
-/* of fmi2Status and fmi3Status, PENDING of the first; functions that return a status return an int */
+/* values of fmi2Status and fmi3Status; PENDING exists in FMI 2.0 only. Functions that return a status return an int. */
 enum { OK, WARNING, DISCARD, ERROR, PENDING = 5 };
 
 typedef struct Instance Instance;
 
-/* What differs between the versions of FMI. */
+/* The differences between the versions of FMI. */
 typedef struct {
-    const char *token, *resources, *references, *values, *state; /* what their arguments are called */
-    const char *types[2];                                        /* of REAL and INTEGER */
-    const char *escaped; /* characters that are written twice in a message */
-    int by_uri;          /* the folder of the resources is given as a URI */
-    int says_errors;     /* also with logging off */
-    int unfinished;      /* status of a step that cannot be finished */
+    const char *token, *resources, *references, *values, *state; /* names of arguments */
+    const char *types[2];                                        /* names of REAL and INTEGER */
+    const char *escaped; /* characters that a message contains twice */
+    int by_uri;          /* 1: the importer gives the folder of the resources as a URI */
+    int says_errors;     /* 1: errors are also logged with logging off */
+    int unfinished;      /* status of a step that the solver cannot finish */
     void (*log)(const Instance *, int status, const char *category, const char *message);
 } Interface;
 
 struct Instance {
     const Interface *interface;
-    void (*logger)(void); /* the importer's, of the type that its interface gives it */
+    void (*logger)(void); /* function of the importer, of a type that depends on the version of FMI */
     void *environment;
-    void *(*allocate)(size_t count, size_t size); /* zeros */
+    void *(*allocate)(size_t count, size_t size); /* returns memory filled with zeros */
     void (*release)(void *);
     const char *name;
-    unsigned categories; /* of messages that are wanted, a bit for each */
+    unsigned categories; /* categories of messages that the importer wants, one bit for each */
     const Table *table;
-    int shares_table; /* with another instance, which releases it */
-    Word *record; /* what the kernel works on */
-    Word *other;  /* as long, once it has been needed: to try what has been set */
+    int shares_table; /* 1: another instance owns the table and releases it */
+    Word *record; /* the record on which the kernel works */
+    Word *other;  /* a second record, to try values that were set; NULL before its first use */
     Phase phase;
-    int event_mode;  /* the importer uses event mode */
-    int32_t (*advance)(Word *record, double time); /* the function of the kernel that its steps call */
-    int set_up;      /* start and stop time are given */
-    int initialized; /* the record holds the start that follows from the parameters as they are */
-    const Word *observed; /* the record whose outputs are those of the present time; NULL if neither's are */
-    int warned; /* of a motion that contradicts its velocity */
+    int event_mode;  /* 1: the importer uses event mode */
+    int32_t (*advance)(Word *record, double time); /* the function of the kernel that makes steps */
+    int set_up;      /* 1: start and stop time are given */
+    int initialized; /* 1: the record holds the start for the present parameters */
+    const Word *observed; /* the record with the outputs of the present time; NULL if no record has them */
+    int warned; /* 1: a warning of a motion that contradicts its velocity was sent */
     double time, stop_time;
 };
 
-/* life.c: each call of the standard as far as it is the same in both versions; `call` is its name */
+/* life.c: the parts of the standard's calls that both versions have in common; `call` is the name of a call */
 Instance *new_instance(Instance draft, const char *call, const char *token, const char *resources);
-Instance *another_instance(const Instance *first, const char *call, const char *name); /* with the same table */
+Instance *another_instance(const Instance *first, const char *call, const char *name); /* shares the table */
 void free_instance(Instance *one);
 int set_logging(Instance *one, const char *call, int on, size_t count, const char *const names[]);
 int set_up(Instance *one, const char *call, int with_tolerance, double tolerance, double start, int with_stop,
@@ -89,16 +89,16 @@ int exit_initialization(Instance *one, const char *call);
 int terminate(Instance *one, const char *call);
 int reset(Instance *one, const char *call);
 int do_step(Instance *one, const char *call, double now, double size, int *onset_due);
-int start(Instance *one, const char *call); /* works it out, unless that is done and no parameter has changed since */
-int fail(Instance *one, int status, int fault); /* of the kernel: no step can follow */
+int start(Instance *one, const char *call); /* computes the start if it is not computed yet */
+int fail(Instance *one, int status, int fault); /* after a fault of the kernel no step can follow */
 
 /* variables.c */
-typedef enum { FLOAT64S, INT32S, INT64S } Element; /* of the importer's arrays */
+typedef enum { FLOAT64S, INT32S, INT64S } Element; /* type of the importer's arrays */
 int get(Instance *one, const char *call, Element element, const uint32_t vr[], size_t count, void *values,
         size_t length);
 int set(Instance *one, const char *call, Element element, const uint32_t vr[], size_t count, const void *values,
         size_t length);
-int none(const Instance *one, const char *call, size_t count, const char *missing); /* can be called for nothing only */
+int none(const Instance *one, const char *call, size_t count, const char *missing); /* accepts an empty list only */
 
 /* states.c */
 int get_state(Instance *one, const char *call, void **place);
@@ -110,37 +110,37 @@ int deserialize(const Instance *one, const char *call, const void *bytes, size_t
 
 /* messages.c */
 #define ALL_CATEGORIES (~0u)
-/* what is wanted with debug logging off: why something was not done */
+/* the messages with debug logging off: reasons why a call was refused */
 #define REFUSALS (1u << DISCARD | 1u << ERROR)
-unsigned category_bit(const char *name); /* 0 if there is none of that name */
-/* One sentence to the importer's log, if its category is wanted; returns the status. */
+unsigned category_bit(const char *name); /* 0 if no category has the name */
+/* Send a sentence to the importer's log if the importer wants its category; return the status. */
 int say(const Instance *one, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
-/* Whether a call is, in the present phase; whether an argument is no null pointer. If not, they say so. */
+/* Return whether a call is allowed in the present phase, or whether an argument is not NULL; else log an error. */
 int allowed(const Instance *one, const char *call, unsigned phases);
 int given(const Instance *one, const char *call, const char *name, const void *argument);
-const char *when(const Instance *one); /* is now, in words */
+const char *when(const Instance *one); /* the present phase in words */
 typedef struct { char text[1000]; } Sentence;
-Sentence reason(const Table *table, const Word *record, int status); /* of the kernel, with the place, if it has one */
+Sentence reason(const Table *table, const Word *record, int status); /* sentence of a status, with words for its place */
 typedef struct { char text[32]; } Number;
-Number number(double value); /* in as few digits as tell it from all others */
-Number rounded(double value); /* to nine digits */
+Number number(double value); /* the fewest digits from which the same number is read */
+Number rounded(double value); /* nine digits */
 
 /* table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
-int is_whole(const Table *table); /* whole.c: whether nothing in it leads beyond it, or beyond the record */
-uint32_t checksum(const void *bytes, size_t size); /* CRC-32 of zlib and PNG */
+int is_whole(const Table *table); /* whole.c: whether all places in the table are valid */
+uint32_t checksum(const void *bytes, size_t size); /* CRC-32, as in zlib and PNG */
 static inline const void *in_table(const Table *table, int64_t place) { return (const char *)table + place; }
 const char *text_of(const Table *table, int64_t place);
 
 /* the kernel, chain_impact/compilation/entry_points.py */
 extern int32_t initialize(Word *record, double time);
 extern int32_t advance(Word *record, double time);
-enum { PAUSED = -2, ONSET_DUE = -3 }; /* statuses of the kernel, no faults */
+enum { PAUSED = -2, ONSET_DUE = -3 }; /* statuses of the kernel that are no faults */
 extern int32_t advance_awhile(Word *record, double time);
 extern int32_t advance_to_onset(Word *record, double time);
 extern int32_t event_update(Word *record);
 extern int32_t observe(Word *record);
 extern int32_t sound(Word *record);
-extern int64_t record_words(Word *record); /* that a record with the sizes at its start has */
+extern int64_t record_words(Word *record); /* number of words of a record with the sizes at its start */
 
 #endif

@@ -1,17 +1,17 @@
-/* The life of an instance, and its steps. Which call is answered when follows the standard's table (4.2.4 of FMI 2.0)
-   or state machine (2.3 and 4.2 of FMI 3.0); a call that is refused changes nothing. */
+/* The life of an instance, and its steps. The standard's table (4.2.4 of FMI 2.0) or state machine (2.3 and 4.2 of
+   FMI 3.0) says when a call is allowed; a call that is refused changes nothing. */
 #include "instance.h"
 #include "registers.h"
 
 #include <math.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
 
-/* A part of the step: the importer's clock may differ by so much, as it may be rounded to 1 us. With much more, a step
-   that the importer skips or repeats is not noticed. */
+/* The largest difference of the importer's clock, over the step: importers may round their clock to 1 us. With a much
+   larger tolerance, a step that the importer skips or repeats would not be noticed. */
 static const double TIME_TOLERANCE = 1e-2;
-/* A part of the time: the round-off of a clock that adds the steps up. */
+/* The round-off of a clock that adds up the steps, over the time. */
 static const double ROUND_OFF = 1e-12;
 
 static void back_to_the_start(Instance *one) {
@@ -23,8 +23,8 @@ static void back_to_the_start(Instance *one) {
     one->stop_time = INFINITY;
 }
 
-/* An instance with its name and its record, in one piece of memory; NULL if there is not enough. The record comes last,
-   so that a sanitizer sees when the kernel reads or writes beyond it. */
+/* Return an instance with its name and its record, in one block of memory; NULL if there is not enough memory. The
+   record comes last, so that a sanitizer detects when the kernel reads or writes beyond the record. */
 static Instance *allocated(const Instance *draft) {
     size_t record = (size_t)draft->table->record_size, name = strlen(draft->name) + 1;
     size_t words = (name + sizeof(Word) - 1) / sizeof(Word);
@@ -45,7 +45,7 @@ static int is_named(Instance *draft, const char *call) {
     return named;
 }
 
-/* The instance, as far as it can be made; why there is none is said in any case. */
+/* Return a new instance; if it cannot be made, log the reason and return NULL. */
 Instance *new_instance(Instance draft, const char *call, const char *token, const char *resources) {
     const Interface *names = draft.interface;
     const char *reason;
@@ -160,11 +160,11 @@ int fail(Instance *one, int status, int fault) {
                reason(one->table, one->record, fault).text);
 }
 
-/* Says once whose positions and velocities contradict each other, if any do. */
+/* Warn once if the given positions and velocities of a motion contradict each other. */
 static void warn(Instance *one) {
     const Table *table = one->table;
     if (table->contradiction_word == 0 || one->warned) return;
-    const Word *found = one->record + table->contradiction_word; /* channel, from 1; distance; time; velocity */
+    const Word *found = one->record + table->contradiction_word; /* channel from 1, distance, time, velocity */
     if (found->integer == 0) return;
     const Variable *variables = in_table(table, table->variables_at);
     const char *name = "a motion";
@@ -176,7 +176,7 @@ static void warn(Instance *one) {
         rounded(found[1].real).text, rounded(found[2].real).text, rounded(found[3].real).text);
 }
 
-/* The bounds on the solver's work, by solver.work_limit, end every step. */
+/* Make a step. The limits on the solver's work, by solver.work_limit, end every step. */
 int do_step(Instance *one, const char *call, double now, double size, int *onset_due) {
     if (!allowed(one, call, IN(STEPPING))) return ERROR;
     uint64_t registers = usual_registers();

@@ -1,4 +1,4 @@
-/* What is said to the importer, and what every call checks first. */
+/* Messages to the importer, and the checks at the start of every call. */
 #include "instance.h"
 #include "registers.h"
 
@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
 
-enum { LONGEST = 2000 }; /* bytes of a message */
+enum { LONGEST = 2000 }; /* [bytes] of a message */
 
-/* The category of a status is the entry of its number: LogCategories of the model description. */
+/* The categories of messages, by the number of the status: LogCategories of the model description. */
 static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
                                          "logStatusFatal"};
 
@@ -62,7 +62,7 @@ Number number(double value) {
         snprintf(found.text, sizeof found.text, "%.*g", digits, value);
         if (strtod(found.text, NULL) == value) break;
     }
-    char *comma = strchr(found.text, ','); /* of the importer's locale */
+    char *comma = strchr(found.text, ','); /* the decimal mark of the importer's locale */
     if (comma) *comma = '.';
     if (found.text[strspn(found.text, "-0123456789")] == '\0') strcat(found.text, ".0");
     put_registers_back(registers);
@@ -81,7 +81,7 @@ Sentence reason(const Table *table, const Word *record, int status) {
     const int64_t *statuses = in_table(table, table->statuses_at), *places = in_table(table, table->places_at);
     int known = status >= 0 && status < table->status_count;
     const char *what = known ? text_of(table, statuses[status]) : "unknown status";
-    int64_t place = record[table->place_word].integer; /* from 1 */
+    int64_t place = record[table->place_word].integer; /* places count from 1 */
     int placed = place >= 1 && place <= table->place_count;
     Sentence found;
     snprintf(found.text, sizeof found.text, placed ? "%s: %s" : "%s", what,

@@ -1,10 +1,10 @@
-/* Each exported function of the kernel calls these (chain_impact/compilation/collecting.py). They are in a file of their
-   own, so that no compiler moves arithmetic across a call of them. The flags of past exceptions are put back, too. */
+/* Each exported function of the kernel calls these functions (chain_impact/compilation/collecting.py). They are in a
+   separate file, so that no compiler moves arithmetic across a call. The flags of past exceptions are restored, too. */
 #include "registers.h"
 
 #if defined(__x86_64__)
 
-static const uint32_t USUAL = 0x1f80; /* no exception ends the process, to nearest, denormal numbers are kept, no flags */
+static const uint32_t USUAL = 0x1f80; /* no exceptions, rounding to nearest, denormal numbers, no flags */
 
 uint64_t usual_registers(void) {
     uint32_t before;
@@ -20,7 +20,7 @@ void put_registers_back(uint64_t registers) {
 
 #elif defined(__aarch64__)
 
-/* The control register in the lower half, the flags in the upper one. All zeros are the usual ones. */
+/* The control register is in the lower half, the flags are in the upper half. The usual settings are zeros. */
 uint64_t usual_registers(void) {
     uint64_t control, flags;
     __asm__ volatile("mrs %0, fpcr" : "=r"(control));

@@ -1,24 +1,24 @@
-/* States (2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0): the whole record and the interface's own few numbers, in memory as
-   in bytes. */
+/* States (2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0): the whole record and a few numbers of the interface, in the same form
+   in memory and as bytes. */
 #include "instance.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The checksum is for the bytes only. */
+/* A saved state; the checksum is used only for states as bytes. */
 typedef struct {
     char magic[8];
-    uint64_t size, checksum; /* of what follows this number */
+    uint64_t size, checksum; /* checksum of the data after this number */
     char guid[40];
     int64_t phase, flags;
-    double time, stop_time; /* and the record */
+    double time, stop_time; /* the record follows */
 } State;
 
-enum { INITIALIZED = 1, SET_UP = 2 }; /* flags */
+enum { INITIALIZED = 1, SET_UP = 2 }; /* bits of State.flags */
 enum { BEGIN = offsetof(State, guid) };
 static const char MAGIC[] = "chainimp";
 
-/* The state that an argument is; NULL if a call cannot be answered with it. */
+/* Return the state to which an argument points; NULL, with an error, if the state is not valid. */
 static State *state_in(const Instance *one, const char *call, void *state) {
     if (!allowed(one, call, ANY_PHASE) || !given(one, call, one->interface->state, state)) return NULL;
     if (memcmp(((State *)state)->magic, MAGIC, sizeof ((State *)state)->magic) == 0) return state;
@@ -32,14 +32,14 @@ static int is_own(const Instance *one, const State *state) {
            size_of(state) == sizeof(State) + (size_t)one->table->record_size;
 }
 
-/* Whether the kernel can go on from a state, whatever made it. */
+/* Return whether the kernel can continue from a state, whatever its origin. */
 static int is_sound(const Instance *one, State *state) {
     Word *record = (Word *)(state + 1);
     int started = state->phase != INSTANTIATED && state->phase != INITIALIZING;
     return state->phase >= 0 && state->phase < PHASES && (state->phase != EVENT || one->event_mode) &&
            (state->flags & ~(INITIALIZED | SET_UP)) == 0 &&
            (!started || state->flags == (INITIALIZED | SET_UP)) && isfinite(state->time) && !isnan(state->stop_time) &&
-           memcmp(record, one->record, 5 * sizeof *record) == 0 && /* of links, candidates, elements, loads, dual numbers */
+           memcmp(record, one->record, 5 * sizeof *record) == 0 && /* equal numbers of links, candidates and so on */
            sound(record) == 1;
 }
 

@@ -1,4 +1,4 @@
-/* resources/model.bin: where it is, and whether it is whole. */
+/* The search for resources/model.bin, and the check that the file is complete. */
 #include "instance.h"
 
 #include <fcntl.h>
@@ -13,9 +13,9 @@
 #include <unistd.h>
 #endif
 
-enum { LONGEST = 4096 }; /* bytes of a path */
+enum { LONGEST = 4096 }; /* [bytes] of a path */
 
-/* Open a file by its path in UTF-8; -1 if it cannot be read. Not with stdio, which takes memory of its own. */
+/* Open a file by its path in UTF-8; -1 if it cannot be read. stdio is not used, because it allocates memory. */
 static int open_file(const char *path) {
 #ifdef _WIN32
     wchar_t wide[LONGEST];
@@ -44,8 +44,8 @@ static int hexadecimal(char digit) {
 
 static const char NAME[] = "/model.bin";
 
-/* The path of the table by the URI of its folder, file:///folder, file:/folder or file://localhost/folder, or, beyond
-   the standard, by the folder's path; 0 if there is none. */
+/* Find the path of the table from the URI of its folder (file:///folder, file:/folder or file://localhost/folder) or,
+   beyond the standard, from the path of the folder; return 0 if the URI is not valid. */
 static int path_by_uri(const char *uri, char path[LONGEST]) {
     if (strncmp(uri, "file:", 5) == 0) uri += 5;
     if (strncmp(uri, "//", 2) == 0) uri += strncmp(uri, "//localhost/", 12) == 0 ? 11 : 2;
@@ -68,7 +68,7 @@ static int path_by_uri(const char *uri, char path[LONGEST]) {
     return 1;
 }
 
-/* Likewise by the path of its folder, with or without a separator at its end. */
+/* Find the path of the table from the path of its folder, with or without a separator at the end. */
 static int path_by_path(const char *folder, char path[LONGEST]) {
     size_t size = strlen(folder);
     if (size == 0 || size + sizeof NAME > LONGEST) return 0;
@@ -91,7 +91,7 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     if (file < 0) return NULL;
     *reason = "has a file model.bin that is damaged";
     Table head, *table = NULL;
-    const size_t begin = offsetof(Table, guid); /* of what is checked */
+    const size_t begin = offsetof(Table, guid); /* size of the checked bytes */
     if (read_all(file, &head, sizeof head) && memcmp(head.magic, "chaintab", 8) == 0 && head.size > sizeof head &&
         !(table = draft->allocate(1, head.size)))
         *reason = "has more in it than there is memory for";
@@ -111,8 +111,8 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     return table;
 }
 
-/* Four bytes at a time, by a table of 16 for each four bits of them. The first table is that of the last bits; what a
-   number becomes four bits later leads from a table to the next. */
+/* Compute the CRC-32 four bytes at a time, with eight tables of 16 entries, one table for each four bits. The first
+   table belongs to the last four bits; each table follows from the table before it by a shift of four bits. */
 uint32_t checksum(const void *bytes, size_t size) {
     static const uint32_t LAST[16] = {
         0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,

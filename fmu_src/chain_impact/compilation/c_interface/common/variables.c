@@ -1,12 +1,12 @@
-/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0): the table says which words of the record each
-   one is. */
+/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0): the table gives the words of the record for
+   each variable. */
 #include "instance.h"
 #include "registers.h"
 
 #include <limits.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
 
 enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(STEPPING) | IN(EVENT) };
 static const unsigned SETTABLE[] = {
@@ -15,22 +15,22 @@ static const unsigned SETTABLE[] = {
 static const char *const KINDS[] = {"a fixed parameter", "a tunable parameter", "an input", "an output",
                                     "the independent variable"};
 
-/* The variable of a value reference; NULL if there is none, or it is of another type. */
+/* Return the variable of a value reference; NULL if there is none, or if it has another type. */
 static const Variable *variable(const Instance *one, uint32_t vr, Element element) {
     const Variable *all = in_table(one->table, one->table->variables_at);
     int type = element == FLOAT64S ? REAL : INTEGER;
     return vr < one->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
-/* Whether the kernel works a value out: outputs and, once the start is worked out, what follows from a parameter. */
+/* Return whether the kernel computes a value: outputs and, after the start is computed, derived parameters. */
 static int worked_out(const Instance *one, const Variable *of) {
     return of->kind == OUTPUT || (of->word != of->set_word && one->phase != INSTANTIATED);
 }
 
-/* The record to read variables from: if the kernel works one of them out, that with the outputs of the present time.
-   What has been set since the last step is tried in the other record, as the run does not depend on what is read. If
-   the kernel cannot go on with it, the outputs are those before it, with a warning: other values may still be set.
-   NULL after an error. */
+/* Return the record from which variables are read; NULL after an error. If the kernel computes one of the variables,
+   the record has the outputs of the present time. Values that were set since the last step are tried in the second
+   record, so that reading outputs does not change the run. If the run cannot continue with these values, the outputs do
+   not change, and a warning is logged: other values may still be set. */
 static const Word *source(Instance *one, const char *call, const uint32_t vr[], size_t count, int *status) {
     const Variable *all = in_table(one->table, one->table->variables_at);
     size_t i = 0;
@@ -55,7 +55,7 @@ static const Word *source(Instance *one, const char *call, const uint32_t vr[], 
     return seen;
 }
 
-/* Whether there are as many values as the variables, which have been checked, have. */
+/* Return whether the number of given values equals the number of values of the variables, which are valid. */
 static int fits(const Instance *one, const char *call, Element element, const uint32_t vr[], size_t count,
                 size_t length) {
     size_t wanted = 0;
@@ -70,7 +70,7 @@ static void store(Word word, Element element, void *values, size_t i) {
         ((double *)values)[i] = word.real;
     else if (element == INT64S)
         ((int64_t *)values)[i] = word.integer;
-    else /* counts have more bits */
+    else /* a count may have more bits than the result */
         ((int32_t *)values)[i] = word.integer > INT_MAX ? INT_MAX : (int32_t)word.integer;
 }
 
@@ -101,7 +101,7 @@ static Word word_at(Element element, const void *values, size_t i) {
     return (Word){.integer = element == INT64S ? ((const int64_t *)values)[i] : ((const int32_t *)values)[i]};
 }
 
-/* Whether a value can be set; the variables that can are no arrays. */
+/* Return whether a value can be set; a variable that can be set is never an array. */
 static int check(const Instance *one, const char *call, Element element, uint32_t vr, Word new) {
     const Variable *at = variable(one, vr, element);
     if (!at) return say(one, ERROR, "%s: the value reference %u is of another type or of nothing", call, vr);
@@ -110,7 +110,7 @@ static int check(const Instance *one, const char *call, Element element, uint32_
         return say(one, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(one));
     uint64_t registers = usual_registers();
     double value = at->type == REAL ? new.real : (double)new.integer;
-    int in_range = at->low <= value && value <= at->high; /* false for NaN, too */
+    int in_range = at->low <= value && value <= at->high; /* also false for NaN */
     put_registers_back(registers);
     if (in_range) return OK;
     if (at->type == INTEGER)
@@ -118,7 +118,7 @@ static int check(const Instance *one, const char *call, Element element, uint32_
     return say(one, ERROR, "%s: %s = %s must be %s", call, name, number(new.real).text, range);
 }
 
-/* Set all of the values or, if one is refused, none. */
+/* Set all values or, if one value is refused, none. */
 int set(Instance *one, const char *call, Element element, const uint32_t vr[], size_t count, const void *values,
         size_t length) {
     if (!allowed(one, call, ANY_PHASE)) return ERROR;
@@ -144,7 +144,7 @@ int set(Instance *one, const char *call, Element element, const uint32_t vr[], s
     if (IN(one->phase) & BEFORE)
         one->initialized = 0;
     else
-        one->record[one->table->changed_word].integer = 1; /* the solver starts anew from this point in time */
+        one->record[one->table->changed_word].integer = 1; /* the solver re-initializes at the present time */
     return OK;
 }
 

@@ -1,20 +1,21 @@
-/* Whether a table is one for this binary: every place in it lies in the file, every word in the record, and the record
-   has the size that the kernel works on. A checksum tells damage only: who changes a file can make its checksum anew. */
+/* The check that a table is valid for this binary: every place lies inside the file, every word inside the record, and
+   the record has the size that the kernel expects. The checksum is not enough: a program that changes the file can also
+   change the checksum. */
 #include "instance.h"
 
-/* sizes at the start of a record: of links, candidates, elements, loads, channels, sites, signals and knots, two flags, and
-   dual numbers, far more than any chain has */
+/* The number of sizes at the start of a record: the numbers of links, candidates, elements, loads, channels, sites,
+   signals and knots, two flags, and the number of tangent instances. MOST is far more than any chain has. */
 enum { SIZES = 11 };
 static const int64_t MOST[SIZES] = {1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1, 1, 1 << 16};
 
-/* Whether so many items of a size lie in the file, behind its head, from a place whose numbers can be read there. */
+/* Return whether `count` items of a size lie inside the file, after its head, and are aligned for reading. */
 static int lies_in(const Table *table, int64_t place, int64_t count, uint64_t size) {
     if (place < (int64_t)sizeof *table || place % (int64_t)sizeof(int64_t) != 0 || count < 0) return 0;
     uint64_t from = (uint64_t)place;
     return from <= table->size && (uint64_t)count <= (table->size - from) / size;
 }
 
-/* Whether a text begins there; the last byte of the file ends it, if nothing before does. */
+/* Return whether a text begins at a place; the last byte of the file ends every text. */
 static int is_text(const Table *table, int64_t place) {
     return place >= 0 && place < (int64_t)table->size - table->texts_at;
 }
@@ -37,7 +38,7 @@ static int is_variable(const Table *table, const Variable *one) {
            is_word(table, one->word + one->length - 1);
 }
 
-/* Whether the record is as long as the kernel takes it to be, and every index in it is within its bounds. */
+/* Return whether the record has the length that the kernel expects, and every index in it is within bounds. */
 static int is_record(const Table *table) {
     Word *record = (Word *)((char *)table + table->record_at);
     const int64_t words = table->record_size / (int64_t)sizeof *record;
@@ -49,7 +50,7 @@ static int is_record(const Table *table) {
 
 int is_whole(const Table *table) {
     const char *bytes = (const char *)table;
-    if (table->guid[sizeof table->guid - 1] || bytes[table->size - 1]) return 0; /* texts without an end */
+    if (table->guid[sizeof table->guid - 1] || bytes[table->size - 1]) return 0; /* the last text has no end */
     if (table->texts_at < (int64_t)sizeof *table || (uint64_t)table->texts_at > table->size) return 0;
     if (!lies_in(table, table->variables_at, table->variable_count, sizeof(Variable)) ||
         !lies_in(table, table->statuses_at, table->status_count, sizeof(int64_t)) ||

@@ -1,10 +1,10 @@
-/* Two functions of C that Windows offers in another form: the headers of its C runtime define them inline. */
+/* Two C functions that the library of Windows lacks: the headers of its C runtime define them inline. */
 #ifdef _WIN32
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { AS_C_SAYS = 2 }; /* the text ends where it is cut, and the length is that of all of it */
+enum { AS_C_SAYS = 2 }; /* a truncated text ends with 0; returns the full length */
 
 int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format, void *locale, va_list values);
 

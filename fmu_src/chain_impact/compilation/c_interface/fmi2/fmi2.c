@@ -3,7 +3,7 @@
 
 #include <fmi2Functions.h>
 
-/* A function of the standard: its status is that of the call `made`, which knows it by its name. */
+/* Define a function of the standard; its status is the status of the call `made`, which gets the function's name. */
 #define FUNCTION(name, made, ...) \
     FMI2_Export fmi2Status name(__VA_ARGS__) { return (fmi2Status)(made); }
 
@@ -21,7 +21,7 @@ static void log_message(const Instance *one, int status, const char *category, c
 static const Interface FMI2 = {
     .token = "fmuGUID", .resources = "fmuResourceLocation", .references = "vr", .values = "value", .state = "FMUstate",
     .types = {"Real", "Integer"},
-    .escaped = "%#", /* the importer takes a message as a format of printf, in which # begins a variable's name */
+    .escaped = "%#", /* the importer treats a message as a format of printf, in which # begins a variable's name */
     .by_uri = 1, .unfinished = DISCARD, .log = log_message,
 };
 
@@ -43,9 +43,9 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     return one;
 }
 
-/* Beyond the standard, for a slave in Python (slave.py): another instance of the same FMU, which shares the table of the
-   first one; that has to outlive it. A step that takes long returns fmi2Pending within a second of computing, and goes
-   on when it is called again with the same arguments: in between, Python looks after signals such as that of Ctrl-C. */
+/* Beyond the standard, for a slave in Python (slave.py): return another instance of the same FMU, which shares the
+   table of the first instance; the first instance must be freed last. A long step returns fmi2Pending after a second of
+   computing, and continues when it is called again with the same arguments: between the calls Python handles Ctrl-C. */
 FMI2_Export fmi2Component another_fmi2_instance(fmi2Component first, fmi2String name) {
     Instance *one = first ? another_instance(first, "fmi2Instantiate", name) : NULL;
     if (one) one->advance = advance_awhile;
@@ -67,7 +67,7 @@ FUNCTION(fmi2ExitInitializationMode, exit_initialization(c, __func__), fmi2Compo
 FUNCTION(fmi2Terminate, terminate(c, __func__), fmi2Component c)
 FUNCTION(fmi2Reset, reset(c, __func__), fmi2Component c)
 
-/* --- variables: 2.1.7; what the model description does not promise can be called for nothing only --- */
+/* --- variables: 2.1.7; functions without a capability in the model description accept an empty list only --- */
 
 #define ACCESS(name, what, type, element)                                                                    \
     FUNCTION(name, what(c, __func__, element, vr, count, value, count), fmi2Component c,                     \
@@ -115,7 +115,7 @@ FMI2_Export fmi2Status fmi2CancelStep(fmi2Component c) {
     return c ? (fmi2Status)say(c, ERROR, TEXT) : fmi2Error;
 }
 
-/* What can be asked of the last step: `found`, if the kind of status is KIND. */
+/* Define a function for the status of the last step: the value is `found` if the kind of status is KIND. */
 #define STATUS(NAME, TYPE, KIND, found)                                                                      \
     FMI2_Export fmi2Status NAME(fmi2Component c, const fmi2StatusKind kind, TYPE *value) {                   \
         const Instance *one = c;                                                                             \
@@ -129,6 +129,6 @@ enum { NO_KIND = -1 };
 STATUS(fmi2GetStatus, fmi2Status, fmi2DoStepStatus, one->phase == FAILED ? fmi2Discard : fmi2OK)
 STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, one->time)
 STATUS(fmi2GetIntegerStatus, fmi2Integer, NO_KIND, 0)
-/* It never wants to end the simulation: importers take that for an end without a fault. */
+/* The FMU never asks for the end of the simulation, because importers would take it for an end without a fault. */
 STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, fmi2False)
 STATUS(fmi2GetStringStatus, fmi2String, NO_KIND, NULL)

@@ -1,11 +1,11 @@
 /* The types of FMI 2.0 for co-simulation: sections 2.1 and 4.2 of the standard, version 2.0.5.
-   tests/fmu/test_interface.py compiles the interface with the standard's own header of this name, too. */
+   tests/fmu/test_interface.py also compiles the interface with the standard's own header of this name. */
 #ifndef fmi2Functions_h
 #define fmi2Functions_h
 
 #include <stddef.h>
 
-/* On Windows, too: with __declspec(dllexport) the kernel's own functions would no longer be exported. */
+/* Also on Windows: with __declspec(dllexport) the kernel's own functions would no longer be exported. */
 #define FMI2_Export __attribute__((visibility("default")))
 #define fmi2TypesPlatform "default"
 #define fmi2Version "2.0"

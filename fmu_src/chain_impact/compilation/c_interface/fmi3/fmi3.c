@@ -5,9 +5,9 @@
 #include <fmi3Functions.h>
 #include <stdlib.h>
 
-#pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
 
-/* A function of the standard: its status is that of the call `made`, which knows it by its name. */
+/* Define a function of the standard; its status is the status of the call `made`, which gets the function's name. */
 #define FUNCTION(name, made, ...) \
     FMI3_Export fmi3Status name(__VA_ARGS__) { return (fmi3Status)(made); }
 
@@ -23,7 +23,7 @@ static void log_message(const Instance *one, int status, const char *category, c
 static const Interface FMI3 = {
     .token = "instantiationToken", .resources = "resourcePath", .references = "valueReferences", .values = "values",
     .state = "FMUState", .types = {"Float64", "Int64"},
-    .escaped = "#", /* which begins a value reference */
+    .escaped = "#", /* # begins a value reference */
     .says_errors = 1, .unfinished = ERROR, .log = log_message,
 };
 
@@ -49,7 +49,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     return one;
 }
 
-/* An instance of another kind: why there is none. */
+/* Define a function for a kind of instance that this FMU does not have: it logs the reason. */
 #define NO_INSTANCE(function, ...)                                                                            \
     FMI3_Export fmi3Instance function(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, \
                                       fmi3Boolean logging, fmi3InstanceEnvironment environment, __VA_ARGS__) { \
@@ -83,7 +83,7 @@ ACCESS(fmi3GetInt64, get, fmi3Int64, INT64S)
 ACCESS(fmi3SetFloat64, set, const fmi3Float64, FLOAT64S)
 ACCESS(fmi3SetInt64, set, const fmi3Int64, INT64S)
 
-/* Of the types that no variable has, only nothing can be had or set. */
+/* Define the functions for types that no variable has: they accept an empty list only. */
 #define NO_VARIABLES(name, ...)                                                                                \
     FUNCTION(name, ((void)vr, none(c, __func__, count, "variables of this type")), fmi3Instance c,             \
              const fmi3ValueReference vr[], size_t count, __VA_ARGS__)
@@ -154,7 +154,7 @@ FMI3_Export fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 s
     return fmi3OK;
 }
 
-/* From one of the two modes to the other. */
+/* Change from one mode, step mode or event mode, to the other. */
 static int change_mode(Instance *one, const char *call, Phase from, Phase to) {
     if (one && !one->event_mode)
         return say(one, ERROR, "%s cannot be called: the instance was made with eventModeUsed = fmi3False", call);
@@ -180,18 +180,18 @@ FMI3_Export fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *aga
     one->observed = NULL;
     int fault = event_update(one->record);
     if (fault) return (fmi3Status)fail(one, ERROR, fault);
-    for (int i = 0; i < 5; i++) *flags[i] = fmi3False; /* of the time of the next event nothing is known in advance */
+    for (int i = 0; i < 5; i++) *flags[i] = fmi3False; /* the time of the next event is not known in advance */
     *next_time = one->time;
     return fmi3OK;
 }
 
-/* --- what the model description says that there is not --- */
+/* --- functions for capabilities that the model description excludes --- */
 
 static int not_there(const Instance *one, const char *call, const char *what) {
     return one ? say(one, ERROR, "%s: this FMU has no %s", call, what) : ERROR;
 }
 #define NOT_THERE(name, what, ...) FUNCTION(name, not_there(c, __func__, what), fmi3Instance c __VA_ARGS__)
-#define AND , /* further arguments */
+#define AND , /* other arguments */
 #define EXCHANGE "model exchange"
 NOT_THERE(fmi3EvaluateDiscreteStates, "fmi3EvaluateDiscreteStates")
 NOT_THERE(fmi3EnterConfigurationMode, "structural parameters")

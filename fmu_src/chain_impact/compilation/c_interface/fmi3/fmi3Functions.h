@@ -1,5 +1,5 @@
 /* The types of FMI 3.0 for co-simulation: sections 2.2, 2.3 and 4.2 of the standard, version 3.0.2.
-   tests/fmu/test_interface.py compiles the interface with the standard's own header of this name, too. */
+   tests/fmu/test_interface.py also compiles the interface with the standard's own header of this name. */
 #ifndef fmi3Functions_h
 #define fmi3Functions_h
 
