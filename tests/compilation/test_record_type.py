@@ -128,7 +128,7 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes, monkeypatch):
         assert initialize(d, 0.0) == 0
         words, wanted = block.view(np.float64), spans_of(instance.model.output_words)
         found_rows = found.view(np.float64).reshape(len(times), -1)
-        assert trajectory(d, words, times, wanted, found_rows) == len(times)
+        assert trajectory(d, words, times, wanted, found_rows, 0) == len(times)
         assert observe_now(d) == 0
     assert d.impact.count == instance.record["impact"]["count"] >= 1
     assert found.tobytes() == rows.tobytes()

@@ -117,7 +117,7 @@ def test_rows_are_the_outputs_at_their_times(monkeypatch):
         seen.append(d.step.time)
 
     monkeypatch.setattr(entry, "observe", look)
-    assert trajectory(d, output, times, np.array([[0, 2], [2, 1]]), rows) == 3
+    assert trajectory(d, output, times, np.array([[0, 2], [2, 1]]), rows, 0) == 3
     assert rows.tolist() == [[time, k, 7.0] for k, time in enumerate(times)]
     assert seen == times.tolist()
 
@@ -127,7 +127,7 @@ def test_rows_end_where_the_solver_does():
     initialize(d, 0.0)
     d.solver.work_limit = 1.0
     rows = np.full((3, 1), -1.0)
-    assert trajectory(d, np.zeros(1), np.array([0.0, 0.05, 0.1]), np.array([[0, 1]]), rows) == 1
+    assert trajectory(d, np.zeros(1), np.array([0.0, 0.05, 0.1]), np.array([[0, 1]]), rows, 0) == 1
     assert rows[1:].tolist() == [[-1.0], [-1.0]]
 
 

@@ -112,6 +112,6 @@ def test_nor_where_inputs_and_parameters_change(model):
     d.given.course.joint_torque[1] = 0.5
     assert advance_to_onset(d, 0.12) == OK
     d.given.tip_force[1], d.given.changed = 60.0, AT_ONCE
-    assert trajectory(d, np.zeros(1), np.array([0.15, 0.2]), np.array([[0, 1]]), np.zeros((2, 1))) == 2
+    assert trajectory(d, np.zeros(1), np.array([0.15, 0.2]), np.array([[0, 1]]), np.zeros((2, 1)), 0) == 2
     assert d.touch.active_count == 0
     assert d.impact.count > 0

@@ -12,6 +12,7 @@ import chain_impact
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.kernel.record.contacts import LOG_SIZE
+from chain_impact.kernel.record.instance import STATE_OUTPUTS
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
 from chain_impact.simulation import instance as instance_module
@@ -95,9 +96,9 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
     """Also after a fault, up to which the times are those of the rows."""
     rows, computed = Instance.trajectory, []
 
-    def trajectory(instance, times, *others):
+    def trajectory(instance, times, *others, **options):
         computed.append(len(times))
-        return rows(instance, times, *others)
+        return rows(instance, times, *others, **options)
 
     monkeypatch.setattr(Instance, "trajectory", trajectory)
     scene = default_scene()
@@ -117,6 +118,23 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
         faults.append([error.value.time, result.time.tolist(), result.impacts.tobytes(), result.statistics])
     assert faults[0] == faults[1]
     assert 1 < len(faults[0][1]) < len(whole.time)
+
+
+@pytest.mark.parametrize(
+    "model",
+    ["four_link_box", "stick_slip_belt", "shaken_pendulum", "cart_pole", "thrown_brick", "controlled_arm"],
+)
+def test_outputs_of_the_state_alone_are_the_same_bits_without_forces(model):
+    """With impacts, friction, a motion, a slider, points of links, and signals."""
+    whole = simulate(model, 1.0, 7e-3)
+    names = [one.name for one in whole.model.motion if one.place[1] in STATE_OUTPUTS]
+    some = simulate(model, 1.0, 7e-3, output=names)
+    assert some.model.places_named(names).of_state
+    assert not some.model.places_named([*names, "link[1].angular_acceleration"]).of_state
+    for name in names:
+        assert some[name].tobytes() == np.ascontiguousarray(whole[name]).tobytes()
+    assert some.impacts.tobytes() == whole.impacts.tobytes()
+    assert some.statistics == whole.statistics
 
 
 def test_a_simulation_is_repeatable_to_the_bit():

@@ -11,7 +11,7 @@ from chain_impact.variables.model import Model
 @pytest.mark.parametrize("name", ["four_link_box", "sliding_rod", "kneed_leg"])
 def test_the_words_of_the_outputs_are_those_of_the_variables(name):
     model = Model(load_scene(name))
-    motion, stepwise, _ = model.output_places
+    motion, stepwise, *_ = model.output_places
     assert [*motion, *stepwise] == [one.name for one in model.outputs]
     words = {one.name: model.word(one) for one in model.outputs}
     assert motion == {one: words[one] for one in motion}

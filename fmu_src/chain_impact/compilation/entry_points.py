@@ -10,7 +10,7 @@
     int32 follow(instance*)
     int64 record_words(instance*)
     int64 trajectory(instance*, const double* times, int64 count, const int64* spans, int64 span_count,
-                     double* rows, int64 columns)
+                     double* rows, int64 columns, int32 of_state)
     int64 run_each(instance*, const int64* places, int64 parameters, const double* values,
                    const double* stops, int64 runs, const int64* output_indices, int64 columns,
                    double* rows, int32 continuing)
@@ -53,10 +53,10 @@ def record_words(d):
     return len(words(d)) + hooks.words_behind(d)
 
 
-def trajectory(d, times, count, spans, span_count, rows, columns):  # noqa: PLR0917
+def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # noqa: PLR0917
     """Fill rows with numbers of the record, and return the number of filled rows."""
-    wanted = matrix(spans, span_count, 2)
-    return entry.trajectory(d, words(d), vector(times, count), wanted, matrix(rows, count, columns))
+    wanted, filled = matrix(spans, span_count, 2), matrix(rows, count, columns)
+    return entry.trajectory(d, words(d), vector(times, count), wanted, filled, of_state)
 
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
@@ -93,7 +93,7 @@ def entry_points() -> Entries:
         "observe": (int32(INSTANCE), entry.observe_now),
         "sound": (int32(INSTANCE), sound),
         "follow": (int32(INSTANCE), follow),
-        "trajectory": (int64(INSTANCE, reals, int64, indices, int64, reals, int64), trajectory),
+        "trajectory": (int64(INSTANCE, reals, int64, indices, int64, reals, int64, int32), trajectory),
         "run_each": (int64(*runs), run_each),
         # the C interface calls this function when it reads a record from a file
         "record_words": (int64(INSTANCE), record_words),

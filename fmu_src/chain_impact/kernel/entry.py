@@ -27,7 +27,7 @@ from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.forces.user_law import present
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.observe import observe, refill_motion
+from chain_impact.kernel.observe import observe, observe_state, refill_motion
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.ode.last_step import SOLVER, keep_state, return_to_kept_state
 from chain_impact.kernel.ode.sundman import NO_CONTACT
@@ -188,7 +188,7 @@ def observe_trial(d):
     return status
 
 
-def trajectory(d, words, times, spans, rows):
+def trajectory(d, words, times, spans, rows, of_state):
     """Advance to each of the times [s] in turn, and fill a row of numbers of the record at each time.
 
     Args:
@@ -198,6 +198,8 @@ def trajectory(d, words, times, spans, rows):
         times: shape (T,), increasing [s].
         spans: first index and length of each span of wanted numbers, shape (S, 2); W numbers in all.
         rows: result, shape (T, W).
+        of_state: 1 if all wanted numbers are outputs of STATE_OUTPUTS (record/instance.py) of this instance:
+            then the other outputs, and the derivatives, are not computed.
 
     Returns:
         The number of rows filled. It is smaller than the number of times after a fault, when the log of
@@ -209,7 +211,10 @@ def trajectory(d, words, times, spans, rows):
         allow_any_length(d)
         if advance(d, times[row], log_capacity, work) != OK:
             return row
-        observe(d)
+        if of_state:
+            observe_state(d)
+        else:
+            observe(d)
         column = 0
         for s in range(len(spans)):
             first, count = spans[s, 0], spans[s, 1]

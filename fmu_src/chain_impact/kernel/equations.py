@@ -122,9 +122,9 @@ def located_rate(d, y, rate):
 def told_rate(d, y, rate):
     """Set the rate ẏ as ``located_rate`` does, but with the true forces, which do not continue beyond a kink.
 
-    The dissipated power in ẏ does not contain the contacts' part.
+    The inputs must have their values in this state. The dissipated power in ẏ does not contain the contacts'
+    part.
     """
-    ensure_inputs(d, y)
     apply_told_contacts(d)
     loaded_rate(d, y, 0.0, rate)
     constrain(d, y, rate)

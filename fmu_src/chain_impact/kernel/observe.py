@@ -15,6 +15,7 @@ from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.contact import apply_told_contacts
 from chain_impact.kernel.forces.friction import STICKS, joint_of
 from chain_impact.kernel.forces.holding import project_state
+from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
 from chain_impact.kernel.rows.constraints import any_constraint
@@ -26,6 +27,13 @@ def observe(d):
     """Fill the outputs with the values at ``step.time``, and call the hook."""
     fill_outputs(d)
     hooks.on_observe(d)
+
+
+def observe_state(d):
+    """Fill the outputs of STATE_OUTPUTS with their values at ``step.time``; no other output is valid then."""
+    counted = counted_work(d)
+    fill_state(d, fraction(d, d.step.time))
+    uncount_work(d, counted)
 
 
 def fill_outputs(d):
@@ -59,7 +67,33 @@ def refill_motion(d):
 
 def fill_motion(d, theta):
     """Fill the outputs of motion, forces and energies at the fraction θ of the last step."""
-    n, out, y, rate = d.links, d.output, d.work.y, d.work.rate
+    n, out, work, y, rate = d.links, d.output, d.work, d.work.y, d.work.rate
+    fill_state(d, theta)
+    told_rate(d, y, rate)
+    accelerate_points(d, y, rate)
+    for k in range(n + 1):
+        out.point_acceleration[k, 0], out.point_acceleration[k, 1] = (
+            work.acceleration.x[k],
+            work.acceleration.y[k],
+        )
+    for s in range(d.sites):
+        k, place = n + 1 + s, site_place(d, s)
+        out.point_acceleration[k, 0] = work.acceleration.x[place]
+        out.point_acceleration[k, 1] = work.acceleration.y[place]
+    for i in range(n):
+        out.angular_acceleration[i] = rate[omega_at(n) + i]
+    if d.slides:
+        out.slider_acceleration = slider_velocity(d, rate)
+    fill_forces(d)
+    if d.elements > 0:
+        fill_friction(d)
+    if d.loads > 0:
+        fill_loads(d, y, rate)
+
+
+def fill_state(d, theta):
+    """Fill the outputs of STATE_OUTPUTS at the fraction θ of the last step; there the points are located."""
+    n, out, y = d.links, d.output, d.work.y
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
@@ -67,23 +101,19 @@ def fill_motion(d, theta):
         # share their load in proportion to the limits of friction in this state.
         apply_told_contacts(d)
         project_state(d, y)
-    told_rate(d, y, rate)
-    accelerate_points(d, y, rate)
+    ensure_inputs(d, y)
     work = d.work
     for k in range(n + 1):
         out.point_position[k, 0], out.point_position[k, 1] = work.position.x[k], work.position.y[k]
         out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[k], work.velocity.y[k]
-        out.point_acceleration[k, 0], out.point_acceleration[k, 1] = (
-            work.acceleration.x[k],
-            work.acceleration.y[k],
-        )
     for s in range(d.sites):
-        fill_site(d, s)
+        k, place = n + 1 + s, site_place(d, s)
+        out.point_position[k, 0], out.point_position[k, 1] = work.position.x[place], work.position.y[place]
+        out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[place], work.velocity.y[place]
     angle, turning = 0.0, 0.0
     for i in range(n):
         out.angle[i] = y[ANGLES + i]
         out.angular_velocity[i] = y[omega_at(n) + i]
-        out.angular_acceleration[i] = rate[omega_at(n) + i]
         out.joint_angle[i], out.joint_angular_velocity[i] = (
             out.angle[i] - angle,
             out.angular_velocity[i] - turning,
@@ -91,31 +121,16 @@ def fill_motion(d, theta):
         angle, turning = out.angle[i], out.angular_velocity[i]
     if d.slides:
         out.slider_position, out.slider_velocity = slider_position(d, y), slider_velocity(d, y)
-        out.slider_acceleration = slider_velocity(d, rate)
     for m in range(d.channels):
         out.channel[m] = d.moved.position[m]
     for j in range(d.signals):
-        value, rate_, bend = signal_at(d, j, d.step.clock + y[time_at(n)])
-        out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate_, bend
-    fill_forces(d)
-    if d.elements > 0:
-        fill_friction(d)
-    if d.loads > 0:
-        fill_loads(d, y, rate)
+        value, rate, bend = signal_at(d, j, d.step.clock + y[time_at(n)])
+        out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate, bend
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)
     out.dissipated = y[dissipated_at(n)]
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
-
-
-def fill_site(d, s):
-    """Fill the outputs of the motion of site s; the sites come after the points 0…N."""
-    out, work, k, place = d.output, d.work, d.links + 1 + s, site_place(d, s)
-    out.point_position[k, 0], out.point_position[k, 1] = work.position.x[place], work.position.y[place]
-    out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[place], work.velocity.y[place]
-    out.point_acceleration[k, 0] = work.acceleration.x[place]
-    out.point_acceleration[k, 1] = work.acceleration.y[place]
 
 
 def fill_forces(d):

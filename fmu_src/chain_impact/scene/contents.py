@@ -116,9 +116,12 @@ class Contents:
     @property
     def moving_walls(self) -> tuple[str, ...]:
         """The names of the walls that inputs move, in the order of their numbers."""
-        asked, there = self.inputs.wall_motion, self.half_planes
+        asked = self.inputs.wall_motion
+        if not asked:
+            return ()
+        there = self.half_planes
         names = (name for name in self.wall_names if name in there)
-        return tuple(name for name in names if name in asked or "*" in asked) if asked else ()
+        return tuple(name for name in names if name in asked or "*" in asked)
 
     @property
     def has_contact_friction(self) -> bool:

@@ -100,7 +100,9 @@ def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
         case "contact", str(key) if value == 0.0 or ("stops", key) in scene.derived_places:
             return None
         case str(table), str(key):
-            return replace(scene, **{table: replace(getattr(scene, table), **{key: value})})
+            before = getattr(scene, table)
+            same = getattr(before, key) == value
+            return scene if same else replace(scene, **{table: replace(before, **{key: value})})
     return None
 
 

@@ -19,14 +19,14 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.recording.equality import same
-from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.text import what
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
-from chain_impact.simulation.instance import Instance, SimulationError, WordRows, in_order
+from chain_impact.simulation.instance import Instance, SimulationError, WordRows
 from chain_impact.simulation.reasons import LEFT_OPEN, REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.model import Model
@@ -129,7 +129,7 @@ class DifferentiatedInstance(Instance):
 
     def collect(self) -> np.ndarray:
         """Collect the finished contacts and their derivatives from the log."""
-        places = self._finished_places
+        places = self._ended % self._log_at.room
         rows = super().collect()
         if len(rows):
             last = int(self.record["finished"]["count"])
@@ -141,7 +141,7 @@ class DifferentiatedInstance(Instance):
         """Return the contacts that have not ended yet, and drop results that were computed ahead."""
         rows = super().open_contacts()
         if len(rows):
-            log, places = self._log, self._open_places
+            log, places = self._log, self._lasting % self._log_at.room
             # after a fault, the instances of derivatives may have other lasting contacts than the instance
             same = (log["point"][:, places] == rows["point"]) & (log["wall"][:, places] == rows["wall"])
             self._keep_slopes(rows, places, same.all(axis=0) & (self.status == OK))

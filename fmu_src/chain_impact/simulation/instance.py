@@ -15,7 +15,7 @@ from chain_impact.compilation.compilers import Sizes
 from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.progress import Progress, silent
-from chain_impact.recording.impacts import LOG_DTYPE, named
+from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.stick_slip import CHANGE_DTYPE
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import places
@@ -24,7 +24,7 @@ from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.model import Model, kernel_size, model_of
-from chain_impact.variables.places import WORD, first_word
+from chain_impact.variables.places import WORD, log_words
 from chain_impact.variables.variable import Variable
 
 # number of words at the start of a record that determine its layout: the numbers of links, candidates,
@@ -83,20 +83,22 @@ class WordRows:
     Attributes:
         numbers: shape (T, W); rows that are not filled have arbitrary values.
         spans: the indices of the numbers in the record, see ``spans_of``.
+        of_state: whether all numbers are outputs of ``STATE_OUTPUTS`` in kernel/record/instance.py.
     """
 
-    def __init__(self, count: int, words: Sequence[int] | np.ndarray) -> None:
+    def __init__(self, count: int, words: Sequence[int] | np.ndarray, *, of_state: bool = False) -> None:
         """Make a buffer for ``count`` rows."""
         self.numbers = np.empty((count, len(words)))
-        self.spans = spans_of(words)
+        self.spans, self.of_state = spans_of(words), of_state
         self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
         """Fill rows as ``Rows.fill`` describes."""
         if self.numbers.shape[1]:
-            return instance.trajectory(times, self.numbers[start : start + len(times)], self.spans)
+            rows = self.numbers[start : start + len(times)]
+            return instance.trajectory(times, rows, self.spans, of_state=self.of_state)
         # a run does not depend on its rows; if rows have no columns, only the last row is computed
-        done = instance.trajectory(times[-1:], self.numbers[:1], self.spans)
+        done = instance.trajectory(times[-1:], self.numbers[:1], self.spans, of_state=True)
         return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
 
 
@@ -130,6 +132,7 @@ class Instance:
     Attributes:
         model: the model of the scene.
         record: the data of the instance.
+        words: a view of the whole record as numbers, one for each word.
         changes: the changes between sticking and sliding that the runs since the start have collected.
     """
 
@@ -150,6 +153,8 @@ class Instance:
         varied = self.model.varied if varied is None else varied
         self._block = self.model.new_instance(varied)
         self.record = self._block[0]
+        self.words = np.ndarray(self._block.nbytes // WORD, np.float64, self._block)
+        self._integers, self._log_at = self.words.view(np.int64), log_words(self.model.sizes)
         if driven:
             driven.set(self.record, 0)
         self._kernel = kernel_for(self.model.scene, derivatives=bool(varied))
@@ -165,11 +170,6 @@ class Instance:
         self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
             raise SimulationError(self.status, 0.0, None, self.place)
-
-    @property
-    def words(self) -> np.ndarray:
-        """The whole record as a view: an array with one number for each word."""
-        return np.ndarray(self._block.nbytes // WORD, np.float64, self._block)
 
     def observe(self) -> int:
         """Fill the outputs of the record at the present time; return the status.
@@ -202,19 +202,23 @@ class Instance:
             status = self._kernel.advance_awhile(self._address, time)
         return status
 
-    def trajectory(self, times: np.ndarray, rows: np.ndarray, spans: np.ndarray | None = None) -> int:
+    def trajectory(
+        self, times: np.ndarray, rows: np.ndarray, spans: np.ndarray | None = None, *, of_state: bool = False
+    ) -> int:
         """Advance to each of the times [s] and fill a row at each; return the number of filled rows.
 
         Args:
             times: shape (T,).
             rows: result, T rows of W numbers.
             spans: the indices of a row's numbers in the record, see ``spans_of``; None for all outputs.
+            of_state: whether no other outputs than those of ``STATE_OUTPUTS`` have to be computed.
         """
         spans = spans_of(self.model.output_words) if spans is None else spans
-        wanted = spans.ctypes.data, len(spans)
-        place = rows.ctypes.data, int(spans[:, 1].sum())
-        filled: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), *wanted, *place)
-        return filled
+        wanted, filled = (spans.ctypes.data, len(spans)), (rows.ctypes.data, rows.strides[0] // WORD)
+        count: int = self._kernel.trajectory(
+            self._address, times.ctypes.data, len(times), *wanted, *filled, of_state
+        )
+        return count
 
     def run(self, driven: Drive, rows: Rows, progress: Progress = silent) -> tuple[int, list[np.ndarray]]:
         """Fill rows at the communication points.
@@ -235,25 +239,25 @@ class Instance:
 
     def collect(self) -> np.ndarray:
         """Collect the finished contacts from the log, and add the changes of dry friction to ``changes``."""
-        if self.record["changes"]["count"]:
+        at, numbers = self._log_at, self._integers
+        if numbers[at.changes]:
             self.changes.append(self._take_changes())
-        log, places = self.record["finished"], self._finished_places
-        log["collected"] = log["count"]
-        return self._impacts(places)
+        ended = self._ended
+        numbers[at.collected] = numbers[at.ended]
+        return self._impacts(ended)
 
     @property
-    def _finished_places(self) -> np.ndarray:
-        """The places in the log of the contacts that have ended since the last collection.
+    def _ended(self) -> np.ndarray:
+        """The numbers from 0 of the contacts that have ended since the last collection.
 
         In a full log the oldest of these contacts are lost.
 
         Contacts that have not ended come after the ended contacts, and overwrite the oldest entries of a full
         log.
         """
-        log = self.record["finished"]
-        count, room = int(log["count"]), len(log["point"])
-        oldest = count + int(self.record["touch"]["active_count"]) - room
-        return np.arange(max(int(log["collected"]), oldest), count) % room
+        at, number = self._log_at, self._integers.item
+        ended = number(at.ended)
+        return np.arange(max(number(at.collected), ended + number(at.active) - at.room), ended)
 
     @property
     def all_changes(self) -> np.ndarray:
@@ -278,23 +282,22 @@ class Instance:
         The call drops results that were computed ahead.
         """
         self._kernel.follow(self._address)
-        return self._impacts(self._open_places)
+        return self._impacts(self._lasting)
 
     @property
-    def _open_places(self) -> np.ndarray:
-        """The places in the log of the contacts that have not ended, after the ended ones."""
-        log = self.record["finished"]
-        return (int(log["count"]) + np.arange(int(self.record["touch"]["active_count"]))) % len(log["point"])
+    def _lasting(self) -> np.ndarray:
+        """The numbers of the contacts that have not ended, which follow those of the ended ones."""
+        ended = self._integers.item(self._log_at.ended)
+        return np.arange(ended, ended + self._integers.item(self._log_at.active))
 
-    def _impacts(self, places: np.ndarray) -> np.ndarray:
-        """Return the impacts at some places of the log; impulses and forces that are not computed are NaN."""
-        if not len(places):
+    def _impacts(self, numbers: np.ndarray) -> np.ndarray:
+        """Return the contacts of some numbers; impulses and forces that are not computed are NaN."""
+        if not len(numbers):
             return NO_CONTACTS
-        room, columns = len(self.record["finished"]["point"]), len(LOG_DTYPE.names or ())
-        # the log has two counts, then the columns of the table in the same order
-        first = first_word(self._block.dtype, "finished") + 2
-        table = self.words[first : first + columns * room].reshape(columns, room)
-        found = table[:, places].T.copy()
+        at, columns = self._log_at, len(LOG_DTYPE.names or ())
+        # the log has the columns of the table in the same order; its last row is followed by its first
+        table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
+        found = table.T.take(numbers, 0, mode="wrap")
         rows = np.ndarray(len(found), LOG_DTYPE, found)
         if not self.record["quadrature"]["wanted"]:
             rows["impulse"] = np.nan
@@ -337,16 +340,6 @@ class Instance:
         return dict(zip(counts.dtype.names, counts.item(), strict=True))
 
 
-def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the order of contacts by onset, and the contacts in this order with the names of walls."""
-    found, start = np.empty(sum(map(len, parts)), LOG_DTYPE), 0
-    for part in parts:
-        found[start : start + len(part)] = part
-        start += len(part)
-    order = np.lexsort((found["wall"], found["point"], found["onset"]))
-    return order, named(found[order], walls)
-
-
 _loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
 """The loaded kernels without a user's law: sizes, derivatives, cache folder → kernel."""
 
@@ -385,7 +378,9 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
     kernel.advance_awhile.argtypes = [pointer, real]
     kernel.observe.argtypes = kernel.follow.argtypes = kernel.sound.argtypes = [pointer]
-    kernel.trajectory.argtypes = [pointer, pointer, integer, pointer, integer, pointer, integer]
+    kernel.trajectory.argtypes = [
+        *(pointer, pointer, integer, pointer, integer, pointer, integer, ctypes.c_int32)
+    ]
     runs = (pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
     kernel.run_each.argtypes = [*runs, ctypes.c_int32]
     kernel.trajectory.restype = kernel.run_each.restype = integer

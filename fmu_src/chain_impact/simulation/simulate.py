@@ -14,6 +14,7 @@ from chain_impact.compilation import cache
 from chain_impact.compilation.law_file import LawError, parse_law, source_of
 from chain_impact.kernel.status import OK
 from chain_impact.progress import Progress, silent
+from chain_impact.recording.impacts import in_order
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
 from chain_impact.recording.summary import hints
@@ -27,7 +28,6 @@ from chain_impact.simulation.instance import (
     Instance,
     SimulationError,
     WordRows,
-    in_order,
     structured,
 )
 from chain_impact.variables.model import Model
@@ -119,30 +119,28 @@ def simulate(
     model = Model(scene)
     varied = model.varied if sensitivities is None else model.varied_by(sensitivities)
     places = model.output_places if output is None else model.places_named(output)
-    # all outputs of the motion have the kernel's own order
-    words = model.output_words if output is None else np.array(list(places.motion.values()), int)
-    others = places.words
-    width, columns = len(words), len(words) * (1 + len(varied)) + len(others)
+    words, width = places.words, places.row.itemsize // WORD
+    columns = len(words) + width * len(varied)
     check_size(scene.name, stop, step, columns)
     driven = drive(model, {} if inputs is None else inputs, interpolation, _times(stop, step))
     if driven.places:
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
     differentiated = DifferentiatedInstance(model, varied, driven) if varied else None
     instance = differentiated or Instance(model, driven, ())
-    slopes = differentiated.slope_words(words) if differentiated else np.zeros(0, int)
-    rows = WordRows(len(driven.times), np.concatenate([words, others, slopes]))
+    slopes = differentiated.slope_words(words[:width]) if differentiated else words[:0]
+    of_state = places.of_state and not differentiated
+    rows = WordRows(len(driven.times), np.concatenate([words, slopes]), of_state=of_state)
     done, impacts = instance.run(driven, rows, progress or silent)
     order, found = in_order([*impacts, instance.open_contacts()], scene.wall_names)
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
     numbers = rows.numbers[asked]
-    layout = model.row if output is None else np.dtype([(name, np.float64) for name in places.motion])
     sensitive = None
     if differentiated:
         sensitive = Sensitivities(
             model=model,
             varied=varied,
             chosen=None if output is None else tuple(places.motion),
-            slopes=numbers[:, width + len(others) :].reshape(len(numbers), width, len(varied)),
+            slopes=numbers[:, len(words) :].reshape(len(numbers), width, len(varied)),
             impacts=found,
             impact_slopes=differentiated.slopes_of_impacts(order),
             limits=differentiated.limits,
@@ -150,11 +148,11 @@ def simulate(
     result = Result(
         model=model,
         time=driven.times[asked],
-        outputs=structured(numbers, layout),
+        outputs=structured(numbers, places.row),
         impacts=found,
         statistics=instance.statistics,
         sensitivities=sensitive,
-        stepwise=_Stepwise(numbers[:, width:], others, places.stepwise),
+        stepwise=_Stepwise(numbers[:, width:], words[width:], places.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(model, driven),
     )

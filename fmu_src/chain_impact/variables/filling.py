@@ -6,6 +6,7 @@ after ``with_values``, only these tables are written again.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -219,38 +220,36 @@ def _itself(value: Any) -> Any:
 def _choice(kind: Kind, name: str) -> float:
     """Return the number of a choice, counted from 1, as a real number with the same bits."""
     number = SOLVER_METHODS.index(name) + 1 if kind.choices == METHODS else _law_number(name)
-    return float(np.int64(number).view(np.float64))
+    real: float = struct.unpack("d", struct.pack("q", number))[0]
+    return real
 
 
 def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
     """Write the numbers of a table of the scene to the words of the scene's record."""
     # the record has room for the walls at any angle only if points may touch them
-    lines = len(scene.walls) if scene.may_touch else 0
-    counts = (
-        *(("one", 1), ("link", sizes.links), ("line", lines)),
-        *(("site", sizes.sites), ("slider", int(scene.chain.slider is not None))),
-    )
+    lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
     met = tuple(name for name in _GIVEN_IF if attrgetter(name)(scene))
-    there = {of for of, count in counts if count}
-    read = (get for kind, get in _tables()[table] if kind.of in there)
-    words[_words_of(table, sizes, counts, met)] = [number for get in read for number in get(scene)]
+    places, readers = _words_of(table, sizes, lines, slides, met)
+    words[places] = [number for read in readers for number in read(scene)]
 
 
 @lru_cache(MOST_KEPT * len(keys(Scene)))
 def _words_of(
-    table: str, sizes: Sizes, counts: tuple[tuple[str, int], ...], met: tuple[str, ...]
-) -> np.ndarray:
-    """Return the indices of the words for the numbers of a table, in the order in which they are read.
+    table: str, sizes: Sizes, lines: int, slides: bool, met: tuple[str, ...]
+) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
+    """Return the indices of the words for the numbers of a table, and the functions that read the numbers.
 
     ``met`` are the conditions that the scene meets.
     """
-    layout, found = layout_of(*sizes), []
-    for kind, _ in _tables()[table]:
+    counts = {"one": 1, "link": sizes.links, "line": lines, "site": sizes.sites, "slider": int(slides)}
+    layout, found, there = layout_of(*sizes), [], []
+    for kind, reader in _tables()[table]:
         given = kind.given if not kind.given_if or kind.given_if in met else None
         for place in filter(None, (kind.place, given)):
-            count = dict(counts)[kind.of]
-            found += [word_index(layout, filled(place, {"at": i})) for i in range(count)]
-    return np.array(found, int)
+            found += [word_index(layout, filled(place, {"at": i})) for i in range(counts[kind.of])]
+        if counts[kind.of]:
+            there.append(reader)
+    return np.array(found, int), there
 
 
 def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:

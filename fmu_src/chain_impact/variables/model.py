@@ -35,7 +35,7 @@ from chain_impact.variables.variable import Variable, variable_row
 
 SAME = (
     *("candidates", "sizes", "layout", "row", "parameters", "inputs", "outputs", "_own_outputs", "motion"),
-    *("columns", "output_words", "output_places", "parameter_paths", "differentiable"),
+    *("columns", "output_words", "output_places", "_places_by_names", "parameter_paths", "differentiable"),
 )
 """The attributes of a model that do not depend on numbers of the scene."""
 
@@ -227,11 +227,15 @@ class Model:
         Raises:
             UnknownNameError: when no output has a name, or matches a pattern.
         """
-        names, (motion, stepwise, _) = [one.name for one in self.outputs_named(wanted)], self.output_places
-        return places_of(
-            {name: motion[name] for name in names if name in motion},
-            {name: stepwise[name] for name in names if name in stepwise},
-        )
+        names, known = (wanted,) if isinstance(wanted, str) else tuple(wanted), self._places_by_names
+        if names not in known:
+            known[names] = places_of(self.outputs_named(names), self.output_places)
+        return known[names]
+
+    @cached_property
+    def _places_by_names(self) -> dict[tuple[str, ...], OutputPlaces]:
+        """What ``places_named`` has found."""
+        return {}
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
         """Return the entries of ``columns`` for some names or patterns.

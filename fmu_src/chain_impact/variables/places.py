@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from chain_impact.kernel.record.instance import instance_dtype
+from chain_impact.kernel.record.instance import STATE_OUTPUTS, instance_dtype
 from chain_impact.scene.names import Place
 from chain_impact.variables.listing import SHAPES, outputs_of
 from chain_impact.variables.shape import Shape
+from chain_impact.variables.variable import Variable
 
 WORD = 8  # [byte] size of every scalar in the record
 # layouts are kept, because computing a layout takes as long as the rest of making an instance
@@ -54,23 +56,66 @@ def first_word(dtype: np.dtype, part: str) -> int:
     return offset // WORD
 
 
+class LogWords(NamedTuple):
+    """The indices of the words of the record that a reader of the log of contacts needs.
+
+    Attributes:
+        ended: number of ended contacts.
+        collected: number of those that are collected.
+        active: number of contacts that last, which are listed after the ended ones.
+        changes: number of changes between sticking and sliding that wait to be collected.
+        first: the first word of the columns.
+        room: number of rows of each column.
+    """
+
+    ended: int
+    collected: int
+    active: int
+    changes: int
+    first: int
+    room: int
+
+
+@cache
+def log_words(sizes: Sizes) -> LogWords:
+    """Return where the log of contacts is in a record of some sizes."""
+    layout = layout_of(*sizes)
+    counts = ("finished", "count"), ("finished", "collected"), ("touch", "active_count"), ("changes", "count")
+    ended, collected, active, changes = (word_index(layout, place) for place in counts)
+    room = layout["finished"]["point"].shape[0]
+    return LogWords(ended, collected, active, changes, word_index(layout, ("finished", "point", 0)), room)
+
+
 class OutputPlaces(NamedTuple):
     """The indices of the words of the record with outputs, by the outputs' names.
 
     Attributes:
         motion: the outputs that change continuously.
         stepwise: the outputs that change only at events and steps, and whether each output is a real number.
-        words: the sorted words of the stepwise outputs.
+        row: the record of the outputs that change continuously, a row of ``Result.outputs``.
+        words: the words of such a row, followed by the sorted words of the stepwise outputs.
+        of_state: whether all of them are outputs of ``STATE_OUTPUTS`` in kernel/record/instance.py.
     """
 
     motion: dict[str, int]
     stepwise: dict[str, tuple[int, bool]]
+    row: np.dtype
     words: np.ndarray
+    of_state: bool = False
 
 
-def places_of(motion: dict[str, int], stepwise: dict[str, tuple[int, bool]]) -> OutputPlaces:
-    """Return the places of outputs; the words of stepwise outputs are sorted."""
-    return OutputPlaces(motion, stepwise, np.array(sorted(word for word, _ in stepwise.values()), int))
+def places_of(found: Iterable[Variable], there: OutputPlaces) -> OutputPlaces:
+    """Return the places of some of the outputs that are ``there``."""
+    places = {one.name: one.place for one in found}
+    motion = {name: there.motion[name] for name in places if name in there.motion}
+    stepwise = {name: there.stepwise[name] for name in places if name in there.stepwise}
+    row = np.dtype([(name, np.float64) for name in motion])
+    of_state = not stepwise and all(field in STATE_OUTPUTS for _, field, *_ in places.values())
+    return OutputPlaces(motion, stepwise, row, _words([*motion.values()], stepwise), of_state)
+
+
+def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.ndarray:
+    return np.array([*row, *sorted(word for word, _ in stepwise.values())], np.int64)
 
 
 @lru_cache(SHAPES)
@@ -88,4 +133,7 @@ def output_places(shape: Shape, sizes: Sizes) -> OutputPlaces:
             motion[name] = word
         else:
             stepwise[name] = word, one.type == "real"
-    return places_of(motion, stepwise)
+    # all outputs of the motion are kept in the kernel's own order
+    row, first = layout["output"], first_word(layout, "output")
+    words = _words(range(first, first + row.itemsize // WORD), stepwise)
+    return OutputPlaces(motion, stepwise, row, words)

@@ -144,8 +144,9 @@ def list_latest(d):
     The points must be located and accelerated at this point, and the outputs must already hold the impulses.
     """
     latest, log, rows = d.latest, d.finished, d.finished.count
-    if latest.kept == 0:
+    if latest.kept == 0 or (d.touch.active_count == 0 and latest.listed == rows):
         return
+    latest.listed = rows if d.touch.active_count == 0 else -1
     theta, time = fraction(d, d.step.time), d.step.time
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -206,7 +207,7 @@ largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetratio
 def clear_log(d):
     """Forget all contacts at the start of a run."""
     latest = d.latest
-    d.finished.count, d.finished.collected = 0, 0
+    d.finished.count, d.finished.collected, latest.listed = 0, 0, 0
     for row in range(len(latest.time)):
         latest.time[row], latest.end[row] = 0.0, 0.0
         latest.point[row], latest.wall[row] = -1, 0

@@ -109,6 +109,14 @@ def output_dtype(
     )
 
 
+STATE_OUTPUTS = (
+    *("point_position", "point_velocity", "angle", "angular_velocity", "joint_angle"),
+    *("joint_angular_velocity", "slider_position", "slider_velocity", "kinetic", "potential", "elastic"),
+    *("dissipated", "supplied", "total", "channel", "signal"),
+)
+"""The outputs that follow from the state without the forces and accelerations, which take longer."""
+
+
 def friction_output_dtype(elements: int) -> np.dtype:
     """Return the layout of the outputs of dry friction, by element."""
     return record(

@@ -114,7 +114,7 @@ export class Kernel {
       const asked = Math.min(atOnce, times.length - done);
       timesHeld.set(times.subarray(done, done + asked));
       const filled = Number(
-        this.exports.trajectory(this.record, timesAt, BigInt(asked), spansAt, BigInt(spans.length / 2), rowsAt, BigInt(width)));
+        this.exports.trajectory(this.record, timesAt, BigInt(asked), spansAt, BigInt(spans.length / 2), rowsAt, BigInt(width), 0));
       columns.forEach((column, k) => {
         const read = outputs[k].integer ? (from) => Number(integers[from]) : (from) => reals[from];
         for (let row = 0; row < filled; row += 1) column[done + row] = read(row * width + k);
