@@ -98,7 +98,7 @@ function knob(changes, entry) {
   const parameter = changes.parameters.get(entry.name);
   const { field, refresh } = valueField(changes, parameter);
   const unit = unitText(parameter.unit);
-  const label = make("label", { className: "knob-label", textContent: entry.label, title: entry.name });
+  const label = make("label", { className: "knob-label", textContent: breakable(entry.label), title: entry.name });
   if (unit) label.append(" ", make("small", { textContent: unit }));
   const row = make("div", { className: "knob" }, label, resetButton(changes, entry.name, field), field);
   const told = refusal();
@@ -164,7 +164,7 @@ function signalKnobs({ scene, starts }) {
   const alike = (key) => (["frequency", "frequency_rate"].includes(key) ? ["frequency"] : ["value", "mean", "amplitude", "initial", "final"]);
   return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, key, value }) => {
     const beside = parts.filter((one) => one.signal === signal && alike(key).includes(one.key)).map((one) => one.value);
-    return { name, label: breakable(name.slice("signal.".length)), ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
+    return { name, label: name.slice("signal.".length), ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
   });
 }
 
