@@ -1,4 +1,4 @@
-"""`chain-impact animate`: a page for the browser, or a film."""
+"""`chain-impact animate`: write a page for the browser, or a film."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def add(verbs: Verbs) -> None:
 
 
 def size(text: str) -> tuple[int, int]:
-    """Return the type of an argument: width and height in pixels."""
+    """Return width and height in pixels from the text of an argument."""
     least, most = 160, 4096
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
@@ -84,7 +84,7 @@ def size(text: str) -> tuple[int, int]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Get the recording, and write its animation, also of the time before a fault."""
+    """Get the recording, and write its animation, also for the time before a fault."""
     check_outputs(options.output, inputs=filter(None, (options.source, options.scene)))
     fault = None
     try:
@@ -110,7 +110,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def record(options: argparse.Namespace) -> Recording:
-    """Return a recording: of a scene with slow motion in mind, of an FMU, or of a table."""
+    """Return a recording: of a scene with rows for slow motion, of an FMU, or of a table."""
     from chain_impact.studies.animate import record_slowly
 
     settings, inputs = settings_of(options.set), inputs_of(options)
@@ -131,7 +131,7 @@ def record(options: argparse.Namespace) -> Recording:
 
 
 def is_csv(source: str) -> bool:
-    """Return whether the source is meant to be a table."""
+    """Return whether the source is the name of a table."""
     return source.lower().endswith(".csv")
 
 

@@ -1,4 +1,4 @@
-"""`chain-impact build`: the FMU of a scene."""
+"""`chain-impact build`: build the FMU of a scene."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from chain_impact.cli.simulate import report
 from chain_impact.scene.scene import load_scene
 from chain_impact.system import HOST, PLATFORMS
 
-OLDEST = 2  # version of FMI
+OLDEST = 2  # the older version of FMI
 KINDS = {
     ("pythonfmu", 2): (
         "runs in Python programs, such as FMPy and PyFMI",
@@ -24,7 +24,7 @@ KINDS = {
     ),
     ("native", 3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
-"""Target and version of FMI → the use of this FMU, and when to take another one."""
+"""Target and version of FMI → the use of this FMU, and when to use another."""
 
 
 def add(verbs: Verbs) -> None:
@@ -68,7 +68,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Build the FMU of a scene; if asked, simulate and draw it."""
+    """Build the FMU of a scene; on request, simulate the FMU and draw the result."""
     from chain_impact.fmu.build import TARGET, build_fmu
 
     if is_fmu(str(options.output)):
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output.is_file():
         raise UsageError(f"-o {options.output} is a file, must be a folder")
     scene = load_scene(options.source)
-    # for FMI 3.0 there is only one
+    # FMI 3.0 has only one target
     target = options.target or (TARGET if options.fmi == OLDEST else "native")
     with progress():
         fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)

@@ -1,4 +1,4 @@
-"""`chain-impact cache`: the list of the compiled kernels."""
+"""`chain-impact cache`: list or remove the compiled kernels."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def contents() -> Iterator[str]:
-    """Yield lines on the compiled kernels: ready ones, and the folders of the cache with the one in use."""
+    """Yield lines on the compiled kernels: ready kernels, and folders of the cache, with the one in use."""
     kernels, entries, present = ready.libraries(), cache.entries(), cache.cache_folder()
     yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")
     yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"

@@ -1,4 +1,4 @@
-"""The command line's grammar, and its exit codes. Each verb is a module with ``add`` and ``run``."""
+"""The grammar of the command line, and its exit codes. Each verb is a module with ``add`` and ``run``."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from chain_impact.system import prepare_console
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
-"""Number of an error → a clause: the advice when a file cannot be written."""
+"""Number of an error of the system → a clause with advice, if a file cannot be written."""
 FIRST_STEPS = """chain-impact simulates planar chains that hit walls. First steps:
 
   chain-impact simulate pinned_arm --plot arm.png   simulate a model: impacts, peak forces, a picture
@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """Print each hint on a scene that may be meant otherwise once, in a line without the place in code."""
+    """Print each hint on a scene that is probably a mistake once, as a line without the place in the code."""
     usual, shown = warnings.showwarning, set()
 
     def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
@@ -98,14 +98,17 @@ def hints_shown() -> Iterator[None]:
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that reports an error in one line."""
+    """A parser of the command line that reports an error in one line."""
 
     def error(self, message: str) -> NoReturn:
         """Print the error without the usage."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Refuse a value that is no choice, and name the nearest choice: argparse would list all commands."""
+        """Refuse a value that is not a choice, and name the most similar choice.
+
+        Argparse would list all commands.
+        """
         if action.choices is None or value in action.choices:
             return
         near = nearest(str(value), map(str, action.choices))

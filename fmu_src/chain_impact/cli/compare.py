@@ -1,4 +1,4 @@
-"""`chain-impact compare`: every contact law on one scene."""
+"""`chain-impact compare`: simulate a scene with every contact law."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene with every law.
 
-    Print the table and the advice, and write the files that are asked for.
+    Print the table and the advice, and write the files that the options name.
     """
     from chain_impact.studies.compare import compare
 

@@ -1,4 +1,4 @@
-"""The names and values that a shell completes after an option: of a scene or of an FMU."""
+"""The names and values, of a scene or of an FMU, that a shell completes after an option."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ DEFAULT_SCENE = "four_link_box"
 
 
 class Offer(NamedTuple):
-    """The names that can stand at a place.
+    """The names that a shell offers at a place of the command.
 
     Attributes:
         names: the names.
-        choices: name → its values, for each name that has only a few.
+        choices: name → values, for each name that has only a few values.
     """
 
     names: Iterable[str]
@@ -24,7 +24,7 @@ class Offer(NamedTuple):
 
 
 Offers = Callable[[str], Offer]
-"""Source → the names that can stand at the place."""
+"""A function: source → names that a shell offers."""
 
 
 def complete(
@@ -34,7 +34,7 @@ def complete(
 
     Args:
         argument: the option.
-        offers: gives the names for a source.
+        offers: function that returns the names for a source.
         listed: whether the option takes a list of names with commas.
         valued: whether ``=`` and a value follow a name.
     """
@@ -43,7 +43,7 @@ def complete(
         source = getattr(parsed_args, "source", None) or DEFAULT_SCENE
         try:
             names, choices = offers(source)
-        except (ValueError, OSError):  # no scene is there yet
+        except (ValueError, OSError):  # the command does not name a scene yet
             return []
         name, equals, value = prefix.partition("=")
         if valued and equals:
@@ -52,16 +52,16 @@ def complete(
         done = prefix[: prefix.rfind(",") + 1] if listed else ""
         return [f"{done}{one}{'=' if valued else ''}" for one in names]
 
-    vars(argument)["completer"] = completer  # where argcomplete looks for it
+    vars(argument)["completer"] = completer  # the attribute in which argcomplete looks for the completer
 
 
 def is_fmu(source: str) -> bool:
-    """Return whether the source is meant to be an FMU."""
+    """Return whether the source is the name of an FMU."""
     return source.lower().endswith(".fmu")
 
 
 def settings(source: str) -> Offer:
-    """Return the names that ``--set`` takes."""
+    """Return the names that ``--set`` accepts."""
     if is_fmu(source):
         return _of_fmu(source, "parameter")
     from chain_impact.scene.scene import load_scene
@@ -71,7 +71,7 @@ def settings(source: str) -> Offer:
 
 
 def parameters(source: str) -> Offer:
-    """Return the names that ``--vary`` takes."""
+    """Return the names that ``--vary`` accepts."""
     from chain_impact.scene.scene import load_scene
     from chain_impact.studies.sweep.variation import sweepable
 
@@ -79,7 +79,7 @@ def parameters(source: str) -> Offer:
 
 
 def differentiable(source: str) -> Offer:
-    """Return the names that ``--sensitivity`` and ``--free`` take."""
+    """Return the names that ``--sensitivity`` and ``--free`` accept."""
     return Offer([one.name for one in _model(source).varied_by(["*"])])
 
 
@@ -91,7 +91,7 @@ def outputs(source: str) -> Offer:
 
 
 def rankable(source: str) -> Offer:
-    """Return the quantities that ``--rank`` takes."""
+    """Return the quantities that ``--rank`` accepts."""
     from chain_impact.results.ranking import JOINT_FORCE, LARGEST
 
     return Offer([*LARGEST, JOINT_FORCE, *outputs(source).names])
@@ -105,7 +105,7 @@ def laws(source: str) -> Offer:
 
 
 def _of_fmu(source: str, causality: str) -> Offer:
-    """Return the variables of an FMU with a causality."""
+    """Return the variables of an FMU that have a causality."""
     from chain_impact.fmu.importer import read_fmu
 
     return Offer([one.name for one in read_fmu(Path(source)).modelVariables if one.causality == causality])
@@ -119,5 +119,5 @@ def _model(source: str) -> Any:
 
 
 def _choices(source: str) -> dict[str, list[str]]:
-    """Return parameter → its choices."""
+    """Return for each parameter its choices, if it has choices."""
     return {one.name: [item.name for item in one.items] for one in _model(source).parameters if one.items}

@@ -1,6 +1,6 @@
-"""`chain-impact completion`: a script with which a shell completes verbs, options and models.
+"""`chain-impact completion`: print a script with which a shell completes verbs, options and models.
 
-The shell asks this program at each press of the key, and argcomplete answers.
+At each press of the Tab key the shell calls this program, and argcomplete answers.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from chain_impact.cli.options import Verbs, add_verb
 from chain_impact.cli.progress import say
 
 SHELLS = ("bash", "zsh", "fish")
-ASKED = "_ARGCOMPLETE"  # set by a shell that asks
+ASKED = "_ARGCOMPLETE"  # the environment variable that a shell sets when it asks for completions
 
 
 def add(verbs: Verbs) -> None:

@@ -1,4 +1,4 @@
-"""`chain-impact convert`: a scene from a robot's file, and the other way."""
+"""`chain-impact convert`: convert a robot's file to a scene, or a scene to MJCF."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ONCE = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""The options with which a user decides instead of a guess of the program: metavariable and help."""
+"""Name of an option with which a user replaces a guess of the program → metavariable and help."""
 
 
 def add(verbs: Verbs) -> None:
@@ -52,7 +52,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Convert, and print a line on each difference, the largest effect first."""
+    """Convert a file, and print a line on each difference, with the largest effect first."""
     from chain_impact.conversion.convert import convert, told_lines
     from chain_impact.conversion.planar import Choices
 

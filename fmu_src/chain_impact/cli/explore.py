@@ -1,4 +1,4 @@
-"""`chain-impact explore`: a page that simulates."""
+"""`chain-impact explore`: write a page that simulates."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the page, and open it where somebody is likely to look at it."""
+    """Write the page, and open it if a user can probably see it."""
     from chain_impact.pages.explore import explore
 
     file = options.output or DEFAULT

@@ -1,4 +1,4 @@
-"""`chain-impact fit`: parameters of a scene from measurements, and a scene with the values found."""
+"""`chain-impact fit`: fit parameters of a scene to measurements, and write the fitted scene."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.inputs import INTERPOLATIONS
 from chain_impact.simulation.record_scene import with_settings
 
-STOP_TIME = "simulation.stop_time"  # given here, and not in the file alone, later data are not used
+# with this setting on the command line, later data are not used; the value in the scene file has no such
+# effect
+STOP_TIME = "simulation.stop_time"
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
     ("--free-each", "NAMES", "fit these for each data set on its own, as initial.vx"),
@@ -39,7 +41,7 @@ REPEATED = (
     ),
     ("--bounds", "NAME=LOW:HIGH", "search between these values only"),
 )
-"""The options that can be repeated: metavariable and help."""
+"""Name of an option that can be repeated → metavariable and help."""
 
 
 def add(verbs: Verbs) -> None:
@@ -119,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def numbers(name: str, text: str) -> list[float]:
-    """Return the numbers between commas."""
+    """Return the numbers in a text that commas separate."""
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:

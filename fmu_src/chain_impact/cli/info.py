@@ -1,4 +1,4 @@
-"""`chain-impact info`: the contents of a scene or an FMU."""
+"""`chain-impact info`: print the contents of a scene or an FMU."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "models": lambda: {name: load_scene(name).description for name in model_names()},
     "laws": lambda: {law.id: law.source for law in CONTACT_LAWS.values()},
 }
-"""The lists: name → function that returns name → description of each entry."""
+"""Name of a list → function that returns name → description of each entry."""
 
 
 def add(verbs: Verbs) -> None:
@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
 
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, Model(scene).variables
-        shown = {"name", "description"}  # in the headline
+        shown = {"name", "description"}  # attributes that the headline shows
         derived = scene.derived
         facts += [
             (name, f"{_as_set(value)}  # derived: {derived[name]}" if name in derived else _as_set(value))
@@ -81,20 +81,20 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _as_set(value: object) -> object:
-    """Return a value of a scene as ``--set`` takes it."""
+    """Return a value of a scene in the form that ``--set`` accepts."""
     if isinstance(value, bool):
         return str(value).lower()
     return list(value) if isinstance(value, tuple) else value
 
 
 def _start_and_rule(variable: Any) -> object:
-    """Return the start value, and how it follows from others unless it is set."""
+    """Return the start value, and the rule by which it follows from other values if it is not set."""
     _, follows, rule = (variable.description or "").partition(UNLESS_SET)
     return f"{_start(variable)}  # derived: {rule}" if follows else _start(variable)
 
 
 def _start(variable: Any) -> object:
-    """Return the start value, an enumeration's by name."""
+    """Return the start value; for an enumeration, the name of the choice."""
     if variable.type != "Enumeration":
         return variable.start
     return next(item.name for item in variable.declaredType.items if str(item.value) == str(variable.start))

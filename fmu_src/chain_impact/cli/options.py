@@ -1,4 +1,4 @@
-"""Arguments that several verbs share."""
+"""Arguments that several verbs have in common."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from chain_impact.simulation.record_scene import with_settings
 if TYPE_CHECKING:
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
-    Verbs = object  # the class is generic for type checkers only
+    Verbs = object  # the class has type parameters for type checkers only
 
 Inputs = tuple[Path, str | None]
-"""The file of a table of inputs, and its interpolation; None stands for the usual one."""
+"""The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
 INTERPOLATIONS = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
 
 
 class UsageError(ValueError):
-    """An argument that cannot be used; the message is one line."""
+    """Raised for an argument that cannot be used; the message is one line."""
 
 
 def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.ArgumentParser:
-    """Add a verb: what it does, beginning with an imperative, and the arguments of an example."""
+    """Add a verb, with a sentence that begins with an imperative, and the arguments of an example."""
     return verbs.add_parser(
         name,
         help=what,
@@ -40,7 +40,7 @@ def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.Argum
 
 
 def add_scene(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the argument for the scene, or for a file that the verb takes in place of a scene."""
+    """Add the argument for the scene, or for another file that the verb accepts."""
     source = command.add_argument(
         "source",
         nargs="?",
@@ -52,7 +52,7 @@ def add_scene(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def complete_scenes(argument: argparse.Action) -> None:
-    """Let a shell complete models, and files and folders that can be scenes (cli/completion.py)."""
+    """Let a shell complete models, and files and folders that may contain scenes (cli/completion.py)."""
 
     def completer(prefix: str, **_: object) -> list[str]:
         from argcomplete.completers import FilesCompleter
@@ -60,11 +60,11 @@ def complete_scenes(argument: argparse.Action) -> None:
         files = FilesCompleter(("toml", "fmu", "csv"))(prefix)
         return [*(name for name in model_names() if name.startswith(prefix)), *files]
 
-    vars(argument)["completer"] = completer  # where argcomplete looks for it
+    vars(argument)["completer"] = completer  # the attribute in which argcomplete looks for the completer
 
 
 def add_set(command: argparse.ArgumentParser) -> None:
-    """Add ``--set``, and a short form of one."""
+    """Add ``--set``, and a short form of one setting."""
     what = "set a value by a name that `info` lists"
     complete(add_repeated(command, "--set", "NAME=VALUE", what), settings, valued=True)
     command.add_argument(
@@ -78,7 +78,7 @@ def add_set(command: argparse.ArgumentParser) -> None:
 
 
 def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] = INTERPOLATIONS) -> None:
-    """Add ``--inputs``, a table of inputs, and the option for their course between the rows."""
+    """Add ``--inputs``, a table of inputs, and the option for the interpolation between its rows."""
     command.add_argument(
         "--inputs",
         action=Once,
@@ -94,12 +94,12 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
 
 
 def scene_of_options(options: argparse.Namespace) -> Scene:
-    """Return the scene of a command, with its settings and its inputs."""
+    """Return the scene of a command, with the settings and the inputs of its options."""
     return driven(options.source, options.set, inputs_of(options))
 
 
 def inputs_of(options: argparse.Namespace) -> Inputs | None:
-    """Return the table of inputs of a command, if it has one, and its interpolation."""
+    """Return the table of inputs of a command, if there is one, and its interpolation."""
     if options.inputs is None and options.interpolation is not None:
         raise UsageError("--interpolation: only a table of inputs is interpolated: give --inputs FILE too")
     return None if options.inputs is None else (options.inputs, options.interpolation)
@@ -114,7 +114,7 @@ def driven(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene
 def add_repeated(
     command: argparse.ArgumentParser, option: str, metavar: str, what: str, *, alias: str | None = None
 ) -> argparse.Action:
-    """Add an option that can be given several times, and perhaps has a second name."""
+    """Add an option that can be given several times, optionally with a second name."""
     names = [option, *([alias] if alias else [])]
     return command.add_argument(
         *names, action="append", default=[], metavar=metavar, help=f"{what}; can be repeated"
@@ -122,29 +122,29 @@ def add_repeated(
 
 
 class Once(argparse.Action):
-    """Keeps the value of an option that cannot be given twice."""
+    """The action that stores the value of an option that can be given only once."""
 
     def __call__(self, _parser: Any, options: argparse.Namespace, value: Any, _option: Any = None) -> None:
-        """Keep the value, or refuse a second one."""
+        """Store the value, or refuse a second value."""
         if getattr(options, self.dest) is not None:
             raise argparse.ArgumentError(self, "is given twice: give it once")
         setattr(options, self.dest, value)
 
 
 def add_plot(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the file of a picture."""
+    """Add the option for the file of a picture."""
     command.add_argument(
         "--plot", action=Once, metavar="FILE", type=ending(*PICTURES), help=f"draw {what} (png, svg, pdf)"
     )
 
 
 def add_csv(command: argparse.ArgumentParser, what: str) -> None:
-    """Add ``--csv``. The file may have no suffix, as ``/dev/stdout`` has none."""
+    """Add ``--csv``. The file may have no suffix, for example ``/dev/stdout``."""
     command.add_argument("--csv", action=Once, metavar="FILE", type=ending("", ".csv"), help=f"write {what}")
 
 
 def ending(*suffixes: str) -> Callable[[str], Path]:
-    """Return the type of an argument: a file with one of some suffixes."""
+    """Return the type of an argument that must be a file with one of some suffixes."""
 
     def file(text: str) -> Path:
         path = Path(text)
@@ -156,7 +156,7 @@ def ending(*suffixes: str) -> Callable[[str], Path]:
 
 
 def settings_of(texts: Sequence[str]) -> dict[str, str]:
-    """Return name → value of every ``--set NAME=VALUE``."""
+    """Return name → value for every ``--set NAME=VALUE``."""
     return dict(name_and_value("--set", text, "contact.stiffness=1e9") for text in texts)
 
 
@@ -169,7 +169,7 @@ def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
 
 
 def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
-    """Return name → value of every ``NAME=VALUE`` of an option that takes each name once."""
+    """Return name → value for every ``NAME=VALUE`` of an option that takes each name once."""
     found: dict[str, str] = {}
     for text in texts:
         name, value = name_and_value(option, text, example)
@@ -180,13 +180,13 @@ def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
 
 
 def names_in(*texts: str) -> list[str]:
-    """Return the names between the commas of some texts."""
+    """Return the names, separated by commas, in some texts."""
     return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
 def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
-    """Refuse an output in a folder that does not exist, or in a file that is read; do so before any work."""
-    # an input that is no scene stands for the file itself
+    """Refuse an output in a missing folder, or in a file that is read; this check comes before any work."""
+    # an input that is not a scene stands for the file itself
     read = [path for path in map(scene_path, inputs) if path.is_file()]
     for path in filter(None, outputs):
         if not path.parent.is_dir():

@@ -1,4 +1,4 @@
-"""Reports during work that takes its time: the package's log, and the progress."""
+"""Messages during long work: the log of the package, and the progress."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from rich.console import Console
 
 from chain_impact.progress import Progress, log, silent
 
-BRIEF = 1.0  # s, for which nobody needs a progress bar
-LINES = 10.0  # s, between two lines of progress where there is no terminal
+BRIEF = 1.0  # [s] the duration of work up to which no progress bar is needed
+LINES = 10.0  # [s] the time between two lines of progress if there is no terminal
 out, err = Console(highlight=False), Console(stderr=True, highlight=False)
 
 
 def say(text: str) -> None:
-    """Print a text as it is."""
+    """Print a text unchanged."""
     out.print(text, markup=False, soft_wrap=True)
 
 
@@ -28,9 +28,9 @@ def complain(text: object) -> None:
 
 @contextmanager
 def progress(work: str = "simulating") -> Iterator[Progress]:
-    """Show a progress bar for work that takes long enough; yield a function that tells the finished fraction.
+    """Show a progress bar for long work; yield a function that receives the finished fraction.
 
-    Where there is no terminal, lines name the work that takes long, and now and then its progress.
+    Without a terminal, lines name the long work, and sometimes give its progress.
     """
     if out.quiet:
         yield silent
@@ -44,7 +44,7 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
 @contextmanager
 def _listening(level: int, tell: Callable[[logging.LogRecord], None]) -> Iterator[None]:
-    """Pass the messages that the package logs to a function, from a level on."""
+    """Pass the messages that the package logs at a level or above to a function."""
 
     def heard(record: logging.LogRecord) -> bool:
         if record.levelno >= level:
@@ -62,7 +62,7 @@ def _listening(level: int, tell: Callable[[logging.LogRecord], None]) -> Iterato
 
 
 def _now_and_then(work: str) -> Progress:
-    """Write how far some work is, but not too often."""
+    """Write the progress of some work from time to time."""
     written = monotonic()
 
     def advance(fraction: float) -> None:
@@ -80,8 +80,8 @@ def _described(work: str, fraction: float) -> str:
 
 @contextmanager
 def _bar(work: str) -> Iterator[Progress]:
-    """Show a bar for some work, or for the work done before it."""
-    from rich import progress as rich_progress  # takes a while to import
+    """Show a bar for some work, which replaces the bar of the work before."""
+    from rich import progress as rich_progress  # this import takes long
 
     columns = rich_progress.TextColumn("{task.description}"), rich_progress.BarColumn(pulse_style="cyan")
     bar = rich_progress.Progress(*columns, rich_progress.TimeElapsedColumn(), console=err, transient=True)

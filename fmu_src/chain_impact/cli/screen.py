@@ -36,13 +36,13 @@ RELATIVE = {
     "duration": "duration",
     "impulse": "impulse",
 }
-"""The quantities of impacts that are above zero: changes of these are printed in percent."""
+"""Quantities of impacts that are always positive; their changes are printed in percent."""
 SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
-"""The names of the walls of a box, in words."""
+"""Name of a wall of the box → words for the wall."""
 
 
 def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
-    """Return an empty table without lines; the columns of numbers are flush right."""
+    """Return an empty table without lines, in which the columns of numbers are aligned to the right."""
     table = Table(box=None, header_style="bold")
     for name in head:
         table.add_column(name, justify="right" if name in numbers else "left", no_wrap=name == head[0])
@@ -50,7 +50,7 @@ def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
 
 
 def show(parts: Iterable[RenderableType]) -> None:
-    """Print the parts one after the other: on a terminal to its width, elsewhere in unbroken lines."""
+    """Print parts one after the other: on a terminal within its width, elsewhere in unbroken lines."""
     for part in parts:
         if isinstance(part, Table) and not out.is_terminal:
             for line in plain_lines(part):
@@ -60,7 +60,7 @@ def show(parts: Iterable[RenderableType]) -> None:
 
 
 def plain_lines(table: Table) -> Iterator[str]:
-    """Yield the lines of a table as wide as it is, for files and other programs."""
+    """Yield the lines of a table in its full width, for files and other programs."""
     wide = Console(file=StringIO(), width=10_000, highlight=False, color_system=None)
     with wide.capture() as captured:
         wide.print(table)
@@ -68,7 +68,7 @@ def plain_lines(table: Table) -> Iterator[str]:
 
 
 def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
-    """Yield the variables of an FMU."""
+    """Yield the table of the variables of an FMU."""
     yield "\n[bold]Variables of the FMU[/]"
     table = table_of(("name", "causality", "variability", "unit", "meaning"))
     for v in variables:
@@ -78,7 +78,7 @@ def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
 
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
-    """Yield impacts and energy balance."""
+    """Yield the impacts and the energy balance."""
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
@@ -93,7 +93,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
 
 
 def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
-    """Yield lines, and tables of texts as tables of the screen."""
+    """Yield lines unchanged, and tables of texts as tables for the screen."""
     for part in parts:
         if isinstance(part, str):
             yield escape(part)
@@ -105,7 +105,7 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 
 
 def meanings(recording: Recording) -> Iterator[str]:
-    """Yield lines that explain the columns of points and walls, as far as the impacts need it."""
+    """Yield lines that explain the columns of points and walls, as far as the impacts need them."""
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:
@@ -134,7 +134,7 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
-    """Yield how the impacts change with each parameter, to first order, and how far that is known."""
+    """Yield how the impacts change with each parameter, to first order, and the limits of these values."""
     found = recording.sensitivities
     if not found:
         return
@@ -152,7 +152,7 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 
 
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
-    """Yield the laws side by side, and which suit the restitution."""
+    """Yield the table of the laws, and lines on the laws that suit the restitution."""
     yield f"\n{escape(heading(comparison))}"
     names = head(comparison)
     table = table_of(names, names[1:-1])

@@ -1,4 +1,4 @@
-"""`chain-impact simulate`: a scene or an FMU, with a summary, a picture and tables."""
+"""`chain-impact simulate`: simulate a scene or an FMU; print a summary, write a picture and tables."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate a scene or an FMU; print a summary, and write the files that are asked for."""
+    """Simulate a scene or an FMU, print a summary, and write the files that the options name."""
     window = open_window() if options.show else None
     report(
         options.source,
@@ -148,7 +148,7 @@ def open_window() -> Figure:
 
     try:
         page = pyplot.figure(figsize=(12, 6.5), layout="constrained")
-    except ImportError as error:  # a backend asked for by MPLBACKEND
+    except ImportError as error:  # the environment variable MPLBACKEND names a backend that is missing
         raise RunError(f"--show: {error}") from None
     if page.canvas.required_interactive_framework is None:
         raise RunError("--show: there is no display, or no window toolkit for matplotlib; use --plot FILE")
@@ -171,10 +171,10 @@ def report(
     check: bool = False,
     inputs: Inputs | None = None,
 ) -> None:
-    """Simulate, write the files that are asked for, and print a summary; also of the time before a fault.
+    """Simulate, write the requested files, and print a summary, also for the time before a fault.
 
-    The table has ``columns``, by default all. The picture is drawn into a file, into an empty window, or
-    both.
+    The table has ``columns``; by default all columns. The picture is drawn into a file, into an empty window,
+    or both.
     """
     check_outputs(csv, picture, impacts, inputs=[source, *([inputs[0]] if inputs else [])])
     if columns and not csv:
@@ -216,7 +216,7 @@ def report(
 def draw(
     recording: Recording, picture: Path | None, window: Figure | None, sensitivities: Sequence[str]
 ) -> None:
-    """Draw a recording into a file and a window: its derivatives if some are named, else its motion."""
+    """Draw a recording into a file and a window: derivatives of outputs if named, else the motion."""
     from chain_impact.pictures import fill, fill_sensitivities, plot
 
     fill_page = fill_sensitivities if sensitivities else fill
@@ -228,7 +228,7 @@ def draw(
 
 
 def draw_ranking(ranking: Ranking, picture: Path | None, window: Figure | None) -> None:
-    """Draw a ranking into a file and a window, where there are these."""
+    """Draw a ranking into a file and a window, if these are given."""
     if picture:
         ranking.plot(picture)
         say(f"picture  {picture}")
@@ -237,7 +237,7 @@ def draw_ranking(ranking: Ranking, picture: Path | None, window: Figure | None) 
 
 
 def check_curves(curves: Sequence[str], around: int | None, *, drawn: bool, others: bool) -> None:
-    """Refuse curves that nothing draws, or that are drawn beside something else."""
+    """Refuse curves without a picture, and curves together with another picture."""
     if curves and not drawn:
         raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
     if curves and others:
@@ -260,7 +260,7 @@ def curves_in(recording: Recording, source: str, names: Sequence[str], around: i
 
 
 def draw_curves(recording: Recording, curves: Curves, picture: Path | None, window: Figure | None) -> None:
-    """Draw curves into a file and a window, where there are these."""
+    """Draw curves into a file and a window, if these are given."""
     from chain_impact.pictures import curves_size, drawn, fill_curves
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
@@ -294,7 +294,7 @@ def record(
 ) -> Recording:
     """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``, and with a table of inputs.
 
-    If no ``sensitivities`` are named, they are those that the scene asks for.
+    By default the ``sensitivities`` are those that the scene asks for.
     """
     if sensitivities and is_fmu(source):
         raise UsageError(f"--sensitivity: {source} is an FMU; must be a scene")
@@ -327,7 +327,7 @@ def tighter_setting(source: str, settings: Sequence[str]) -> str:
 
 
 def difference_text(found: Differences) -> str:
-    """Return the differences of two runs in a sentence."""
+    """Return a sentence on the differences of two runs."""
     points = f"points by at most {found.position:.1e} m ({found.point} at {found.time:g} s)"
     onsets = f"onsets by at most {found.onset:.1e} s ({plural(found.impacts, 'impact')}) and "
     parted = f"; from {found.end:.6f} s on, the two runs have other impacts" if found.parted else ""
@@ -337,9 +337,9 @@ def difference_text(found: Differences) -> str:
 def with_rows(
     recording: Recording, source: str, settings: Sequence[str], inputs: Inputs | None = None
 ) -> Recording:
-    """Return the recording with as many rows as a picture needs: a scene is simulated again with more rows.
+    """Return the recording with enough rows for a picture; if necessary, simulate a scene again.
 
-    An FMU has only its own rows; a message says so.
+    The rows of an FMU cannot be changed; then a message says so.
     """
     rows = len(recording.time)
     if rows >= ROWS:

@@ -1,4 +1,4 @@
-"""`chain-impact sweep`: a scene with varied parameters, one row of a table for each run."""
+"""`chain-impact sweep`: run a scene with many values of parameters; a table has a row for each run."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the sweep, write the files that the options name, and print how many runs failed, and why."""
+    """Run the sweep, write the files that the options name, and print how many runs failed, with reasons."""
     from chain_impact.studies.sweep.partial import partial_path
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
@@ -121,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]:
-    """Return name → values of every ``--vary NAME=VALUES``."""
+    """Return name → values for every ``--vary NAME=VALUES``."""
     vary = pairs("--vary", texts, "contact.restitution=0.1:0.9:9")
     for name in vary.keys() & settings.keys():
         raise UsageError(f"--vary {name}={vary[name]}: {name} is given twice")

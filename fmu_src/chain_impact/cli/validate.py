@@ -1,4 +1,4 @@
-"""`chain-impact validate`: an FMU against the FMI standard, its own description and its reference results."""
+"""`chain-impact validate`: check an FMU against the FMI standard, its description and reference results."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check an FMU; the exit code is 1 if something is wrong, 2 if it is no zip."""
+    """Check an FMU; the exit code is 1 if there is a fault, 2 if the file is not a zip."""
     if not 0.0 < options.timeout < float("inf"):
         raise UsageError(f"--timeout {options.timeout} must be a finite number > 0 [s]")
     try:

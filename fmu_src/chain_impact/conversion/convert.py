@@ -22,21 +22,22 @@ ALL = Choices()
 
 
 def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
-    """Return the scene of a robot in URDF or MJCF, and the conversion that it comes from.
+    """Return the scene of a robot in URDF or MJCF, and the conversion that made the scene.
 
     Raises:
-        SceneError: when the file has no planar chain, or the choices do not fit it.
+        SceneError: when the file has no planar chain, or the choices do not fit the file.
         MissingExtraError: when the package that reads the format is not installed.
         OSError: when the file cannot be read.
     """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)  # the numbers of a file are in the units of its format
+        # the numbers of a robot's file may look unusual to the checks of a scene
+        warnings.simplefilter("ignore", SceneWarning)
         done = chain_of(read_robot(path, choices.keyframe), choices, str(path), lambda one: _scene(one, path))
         return _scene(done, path), done
 
 
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
-    """Return the robot in a file; raises as ``of_robot`` does."""
+    """Return the robot in a file; errors are those of ``of_robot``."""
     if path.name in model_names() or path.suffix == ".toml":
         raise SceneError(f"{path} is a scene; its MJCF is written to a file that ends in .xml")
     root = local_name(xml_of(path).tag)
@@ -57,8 +58,8 @@ def _scene(done: Converted, path: Path) -> Scene:
 def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Converted:
     """Write the scene of a robot (.toml), or the MJCF of a scene (.xml).
 
-    A scene file has the remarks of the conversion as comments at its beginning. Raises as ``of_robot`` and
-    ``load_scene`` do.
+    A scene file has the remarks of the conversion as comments at its beginning. Errors are those of
+    ``of_robot`` and ``load_scene``.
     """
     if output.suffix.lower() == ".xml":
         scene = scene_of(source)
@@ -74,6 +75,9 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
 
 
 def told_lines(done: Converted) -> list[tuple[str, str]]:
-    """Return the remarks of a conversion, each with its title; differences in the motion come first."""
+    """Return the remarks of a conversion, each with a title.
+
+    Differences that change the motion come first.
+    """
     titles = (("warning", done.warnings), ("left out", done.left_out), ("note", done.notes))
     return [(title, line) for title, lines in titles for line in lines]

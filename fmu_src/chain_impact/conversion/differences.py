@@ -1,4 +1,4 @@
-"""The differences between a robot's file and its scene, in one line each, the largest effect first."""
+"""The differences between a robot's file and its scene, each as one line, with the largest effect first."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 
-NEGLIGIBLE = 0.02  # shift as a part of a length, up to which there is no warning
-SHOWN = 6  # number of names in a line
+NEGLIGIBLE = 0.02  # the largest shift that gives no warning, over a length
+SHOWN = 6  # largest number of names in a line
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 
 
 class Effect(IntEnum):
-    """The effects of a difference, in the order in which they are reported."""
+    """The effects that a difference may have, in the order in which they are reported."""
 
     MASS = 0
     MOTION = 1
@@ -24,18 +24,18 @@ class Effect(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Difference:
-    """A part of a robot's file that the scene lacks, or has in another form.
+    """A part of a robot's file that the scene does not have, or has in another form.
 
     Attributes:
         kind: the kind of element in the file, such as ``joint``.
         name: the name of the element; empty if the kind suffices.
         text: the rest of the sentence.
         effect: the effect of the difference.
-        size: the size as a part of a length, if known; larger differences come first.
-        joints: names of joints; there is no effect if all of them are held. Without names there is always
-            one.
-        bodies: indices of bodies, −1 for the world; there is no effect if all are in the same link. Without
-            indices there is always one.
+        size: the size of the difference over a length, if known; larger differences come first.
+        joints: names of joints; the difference has no effect if all these joints are held. Without names it
+            always has an effect.
+        bodies: indices of bodies, −1 for the world; the difference has no effect if all these bodies are in
+            the same link. Without indices it always has an effect.
     """
 
     kind: str
@@ -52,7 +52,7 @@ class Difference:
         return self.effect == Effect.MOTION or self.size > NEGLIGIBLE
 
     def matters(self, held: Collection[str], owner: dict[int, int]) -> bool:
-        """Return whether the difference has an effect, for some held joints and the link of each body.
+        """Return whether the difference has an effect, for given held joints and the link of each body.
 
         The link is −1 for a body in no link.
         """
@@ -68,7 +68,7 @@ def of_joint(name: str, text: str, effect: Effect) -> Difference:
 
 @contextmanager
 def heard(package: str) -> Iterator[list[Difference]]:
-    """Keep the warnings of a package, as differences."""
+    """Collect the warnings of a package, as differences."""
     told: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -78,7 +78,7 @@ def heard(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], *, warning: bool) -> list[str]:
-    """Return the warnings, or all other differences, in one sentence each, the largest effect first."""
+    """Return the warnings, or all other differences, as one sentence each, with the largest effect first."""
     ordered = sorted(differences, key=lambda one: (one.effect, -one.size))
     names: dict[tuple[str, str], list[str]] = {}
     for one in ordered:
@@ -95,6 +95,6 @@ def line(kind: str, names: Sequence[str], text: str, shown: int = SHOWN) -> str:
 
 
 def few(names: Sequence[str], shown: int = SHOWN) -> str:
-    """Return some names, and the number of further names."""
+    """Return some names, and the number of the other names, as text."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"

@@ -9,17 +9,17 @@ import numpy as np
 from chain_impact.conversion.joints import PARALLEL
 from chain_impact.scene.reading import SceneError
 
-TINY = 1e-9  # [m] largest length that counts as round-off
-ROUND = 1e-14  # largest number that counts as round-off in a rotation, whose numbers are of the order of 1
+TINY = 1e-9  # [m] the largest length that counts as round-off
+ROUND = 1e-14  # the largest entry of a rotation that counts as round-off; entries are of the order of 1
 X, Y, Z = np.eye(3)
 
 
 class Plan(NamedTuple):
-    """The plane of the motion.
+    """The plane in which the chain moves.
 
     Attributes:
-        x: direction of the robot along which x of the scene points.
-        y: direction of the robot along which y of the scene points.
+        x: direction, in the robot's axes, of the scene's x axis.
+        y: direction, in the robot's axes, of the scene's y axis.
         axis: axis about which the scene's angles are positive.
     """
 
@@ -28,7 +28,7 @@ class Plan(NamedTuple):
     axis: np.ndarray
 
     def flat(self, point: np.ndarray) -> np.ndarray:
-        """Return points of space in the plane, shape (…, 2) [m]."""
+        """Return the coordinates in the plane of points in space, shape (…, 2) [m]."""
         return np.stack([point @ self.x, point @ self.y], axis=-1)
 
     @property
@@ -41,12 +41,12 @@ class Plan(NamedTuple):
 def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
     """Return the plane that is normal to the axes of the joints.
 
-    By default y points up, and x along the robot's x if possible, else along the robot's y. If the axes of
-    the joints are vertical, x and y point along the robot's x and y. ``directions``, such as ``-x,z``,
-    replace this default.
+    By default y points up, and x points along the robot's x axis if possible, else along the robot's y axis.
+    If the axes of the joints are vertical, x and y point along the robot's x and y axes. ``directions``, for
+    example ``-x,z``, replace this default.
 
     Raises:
-        SceneError: when the directions are not two that are at right angles to each other and to the axes.
+        SceneError: when the directions are not two directions at right angles to each other and to the axes.
     """
     axis = axis / np.linalg.norm(axis)
     if directions is not None:
@@ -62,7 +62,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
 
 
 def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Return the part of a direction that is normal to an axis."""
+    """Return the component of a direction that is normal to an axis."""
     return np.asarray(direction - np.dot(direction, axis) * axis)
 
 
@@ -91,7 +91,7 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
 
 
 def near(value: float) -> float:
-    """Return a number, or 0 if it is round-off."""
+    """Return a number; 0 if the number is round-off."""
     return 0.0 if abs(value) < ROUND else value
 
 

@@ -1,4 +1,4 @@
-"""The joints of a robot that make a planar chain, and their places before any of them moves."""
+"""The joints of a robot that form a planar chain, and their positions before any joint moves."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ import numpy as np
 from chain_impact.conversion.robot import Joint, Robot
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
-PARALLEL = 1e-6  # [rad] angle between axes, below which they are parallel
+PARALLEL = 1e-6  # [rad] the largest angle between axes that count as parallel
 
 
 class NoChainError(SceneError):
-    """A robot whose joints make no planar chain.
+    """Raised when the joints of a robot form no planar chain.
 
     Attributes:
-        joints: names of joints; if one of them is held, the others may make a chain.
+        joints: names of joints; if one of these joints is held, the others may form a chain.
     """
 
     def __init__(self, message: str, joints: Sequence[str] = ()) -> None:
-        """Keep the names of the joints."""
+        """Store the names of the joints with the message."""
         super().__init__(message)
         self.joints = tuple(joints)
 
 
 @dataclass(frozen=True)
 class Moving:
-    """A joint of the chain with its body, and its place and axis in space before any joint moves."""
+    """A joint of the chain with its body, and its position and axis in space before any joint moves."""
 
     joint: Joint
     body: int
@@ -40,13 +40,13 @@ class Moving:
 
 
 class Chosen(NamedTuple):
-    """The joints of a chain.
+    """The joints that form a chain.
 
     Attributes:
         poses: rotation and position of each body in space, with held joints at their start and the others at
             zero.
         hinges: the hinges, from the base to the tip.
-        slides: two slides for a free base, one for a base on a slider, else none.
+        slides: two slides for a free base, one slide for a sliding base, else none.
         held: names of the joints that do not move.
     """
 
@@ -62,7 +62,7 @@ class Chosen(NamedTuple):
 
 
 def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
-    """Return the joints that move; ``planar_chain`` describes the arguments and errors."""
+    """Return the joints that form the chain; ``planar_chain`` describes the arguments and errors."""
     held = _held(robot, wanted, source)
     poses, moving = moving_joints(robot, held)
     slides = [one for one in moving if one.joint.kind == "slide"]
@@ -83,7 +83,7 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
 
 
 def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[Moving]]:
-    """Return the poses of the bodies with some joints held at their start, and the other joints.
+    """Return the poses of the bodies with some joints held at their start, and the joints that can move.
 
     A pose is a rotation and a position.
     """
@@ -92,7 +92,7 @@ def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, 
 
 
 def joints_at_start(robot: Robot) -> list[Moving]:
-    """Return all joints with their places and axes at the start."""
+    """Return all joints with their positions and axes at the start."""
     return list(_placed(robot, _poses(robot, set(joint_names(robot)))))
 
 
@@ -165,7 +165,7 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
 
 
 def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
-    """Return groups of joints with parallel axes."""
+    """Return the groups of joints whose axes are parallel."""
     groups: list[list[Moving]] = []
     for hinge in hinges:
         group = next((g for g in groups if _parallel(g[0].axis, hinge.axis)), None)
@@ -213,7 +213,7 @@ def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
 
 
 def above(robot: Robot, b: int) -> Iterator[int]:
-    """Yield the indices of a body and of all bodies before it."""
+    """Yield the indices of a body and of all bodies between it and the world."""
     while b >= 0:
         yield b
         b = robot.bodies[b].parent

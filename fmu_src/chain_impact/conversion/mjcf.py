@@ -22,14 +22,15 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import UnknownNameError
 
 CARRIED = "chain_impact"
-"""The name of a text in files of this package, which holds as JSON the data without a place in MJCF."""
-UNLIMITED = 1e9  # [rad] stands for the missing limit of a joint that has only one limit
+"""The name of a text element in files of this package; the text has, as JSON, the data that MJCF cannot
+hold."""
+UNLIMITED = 1e9  # [rad] replaces the missing limit of a joint that has only one limit
 NONE = "none"
-"""The keyframe's name if a robot starts where the file puts its bodies."""
+"""The name of the keyframe if a robot starts in the pose that the file gives."""
 
 
 class Start(NamedTuple):
-    """The state in which a robot starts."""
+    """The state of a robot at the start."""
 
     positions: np.ndarray
     speeds: np.ndarray
@@ -40,12 +41,12 @@ class Start(NamedTuple):
 
 
 def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
-    """Return the robot of an MJCF file at the start that a keyframe gives: the first one, if none is named.
+    """Return the robot of an MJCF file at the start that a keyframe gives, by default the first keyframe.
 
     Files of meshes and pictures may be missing if nothing needs them.
 
     Raises:
-        SceneError: when MuJoCo cannot read the file, or the file has no such keyframe.
+        SceneError: when MuJoCo cannot read the file, or the file does not have the keyframe.
         MissingExtraError: when mujoco is not installed.
     """
     mujoco = require("mujoco", "convert")
@@ -55,7 +56,7 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
-    """Return the state at the start, and a note on its source."""
+    """Return the state at the start, and a note that says where this state comes from."""
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
     wanted = (names[0] if names else NONE) if keyframe is None else keyframe
     if wanted != NONE and wanted not in names:
@@ -72,7 +73,7 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
 
 
 class _Reader:
-    """Reads a compiled model, and collects the parts that are left out."""
+    """A reader of a compiled model, which collects the parts that a scene cannot have."""
 
     def __init__(self, mujoco: Any, file: Compiled, start: Start) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
@@ -84,7 +85,7 @@ class _Reader:
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
-        """Return the robot with a given name, or with the name that the file gives."""
+        """Return the robot with a given name, else with the name in the file."""
         model, own = self.model, self.carried is not None
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
@@ -136,7 +137,8 @@ class _Reader:
     def _pose(self, b: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the position and quaternion of body ``b``.
 
-        A free joint or a mocap body gives the values at the start; else the file gives them.
+        For a free joint or a mocap body the values are those at the start; otherwise they are those in the
+        file.
         """
         model, j = self.model, self.model.body_jntadr[b]
         if model.body_mocapid[b] >= 0:
@@ -148,7 +150,7 @@ class _Reader:
         return model.body_pos[b], model.body_quat[b]
 
     def joint(self, j: int) -> Joint:
-        """Return joint ``j``, with its drives as a scene has them."""
+        """Return joint ``j`` with its drives, in the form of a scene."""
         model, kinds = self.model, self.mujoco.mjtJoint
         at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
         kind = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}.get(
@@ -190,7 +192,7 @@ class _Reader:
             self.differences.append(of_joint(joint, text, Effect.CONTACT))
 
     def _others(self) -> Iterator[Difference]:
-        """Yield the numbers of elements that only measure or show something."""
+        """Yield the number of each kind of element that only measures or shows something."""
         model = self.model
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})
@@ -199,7 +201,7 @@ class _Reader:
             yield Difference(kind=what, text="not in the scene", effect=Effect.NONE)
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:
-        """Return the rotation of a quaternion, shape (3, 3)."""
+        """Return the rotation matrix of a quaternion, shape (3, 3)."""
         found = np.zeros(9)
         self.mujoco.mju_quat2Mat(found, quaternion)
         return found.reshape(3, 3)

@@ -14,10 +14,13 @@ BITS = 16  # number of bits of a body's index in the signature of a pair
 
 
 class Contacts:
-    """The shapes of a model and their possible contacts; collects those that no scene can hold."""
+    """The shapes of a model and their possible contacts.
+
+    The class collects contacts that no scene can have.
+    """
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str]) -> None:
-        """Find the shapes of a model, in which some meshes are stand-ins."""
+        """Find the shapes of a model, in which some meshes are replaced by stand-ins."""
         self.mujoco, self.model = mujoco, model
         self.stand_ins = {m for m in range(model.nmesh) if model.mesh(m).name in stand_ins}
         flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
@@ -38,7 +41,7 @@ class Contacts:
         return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
     def _touch(self, one: int, other: int) -> bool:
-        """Return whether two shapes can touch: they are a listed pair, or types and affinities match."""
+        """Return whether two shapes can touch: as a listed pair, or because types and affinities match."""
         model = self.model
         if not self.works:
             return False
@@ -51,7 +54,7 @@ class Contacts:
         return bool(types[one] & affinities[other] or types[other] & affinities[one])
 
     def _rubs(self, one: int, other: int) -> float:
-        """Return the friction of two shapes: of the pair, of the shape with priority, or the larger one."""
+        """Return the friction of two shapes: of the listed pair, else by priority, else the larger one."""
         model = self.model
         if frozenset((one, other)) in self.pairs:
             p = self.pairs[frozenset((one, other))]
@@ -67,7 +70,7 @@ class Contacts:
     def planes(self, own: bool) -> Iterator[Plane]:
         """Yield the planes that do not move.
 
-        A file that this package wrote has the planes' friction elsewhere.
+        ``own``: whether this package wrote the file, which then has the friction of planes elsewhere.
         """
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
@@ -109,7 +112,7 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # a box, or the box around an ellipsoid
+        else:  # a box, or the box that encloses an ellipsoid
             signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
             corners = signs * size
         axes, name = rotation.reshape(3, 3), model.geom(g).name
@@ -124,7 +127,7 @@ class Contacts:
         )
 
     def differences(self) -> Iterator[Difference]:
-        """Yield the contacts of the file that are not with a wall, and differences in properties."""
+        """Yield contacts of the file that are not with a wall, and differences in contact properties."""
         model = self.model
         walls = False
         for g in self.still:

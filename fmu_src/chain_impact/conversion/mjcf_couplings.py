@@ -1,4 +1,7 @@
-"""The couplings between joints and bodies of an MJCF model: equalities, tendons, flexes; scenes have none."""
+"""The couplings between joints and bodies of an MJCF model: equalities, tendons, flexes.
+
+Scenes have no couplings.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +21,11 @@ FORCES = {
     "tendon_limited": "LIMIT",
     "tendon_armature": None,
 }
-"""Field by which a tendon acts → the flag that switches it off."""
+"""Field with which a tendon acts on a joint → flag that disables this action."""
 
 
 def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
-    """Yield the couplings between joints or bodies, which a scene does not have."""
+    """Yield the couplings between joints or bodies, which a scene cannot have."""
     flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
     off = {name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))}
     if "mjDSBL_EQUALITY" not in off and "mjDSBL_CONSTRAINT" not in off:
@@ -35,7 +38,7 @@ def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
 
 
 def _equality(mujoco: Any, model: Any, e: int) -> Difference:
-    """Return the difference of an equality that holds at the start."""
+    """Return the difference for an equality that is active at the start."""
     kinds, ids = mujoco.mjtObj, (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))
     kind = mujoco.mjtEq(model.eq_type[e]).name.removeprefix("mjEQ_").lower()
     joints, bodies = frozenset[str](), frozenset[int]()
@@ -56,7 +59,7 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
 
 
 def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Difference]:
-    """Yield the difference of a tendon that acts."""
+    """Yield the difference for a tendon that acts on the motion."""
     acting = [
         field.removeprefix("tendon_")
         for field, flag in FORCES.items()

@@ -12,8 +12,8 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
-FAST = 20.0  # [rad/s] speed that joints of robots hardly reach
-ALIKE = 1e-9  # difference of two limits, as a part of the larger one, below which they are equal
+FAST = 20.0  # [rad/s] a speed that joints of robots hardly reach
+ALIKE = 1e-9  # the largest difference of two limits that count as equal, over the larger limit
 
 
 @dataclass(frozen=True)
@@ -45,14 +45,14 @@ class Drive:
 
 
 class Drives:
-    """The actuators of a model; collects those that no scene can hold."""
+    """The actuators of a model; the class collects actuators that no scene can have."""
 
     def __init__(
         self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray, own: bool
     ) -> None:
         """Find the actuators of a model, with the controls and activations at the start.
 
-        ``own`` says that this package wrote the file.
+        ``own``: whether this package wrote the file.
         """
         self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
         self.own = own
@@ -68,7 +68,7 @@ class Drives:
                 self._tell_other(a)
 
     def _active(self, a: int) -> bool:
-        """Return whether an actuator works at all."""
+        """Return whether an actuator can act at all."""
         group = int(self.model.actuator_group[a])
         off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
         return self.works and not off
@@ -84,9 +84,9 @@ class Drives:
         )
 
     def _tell_other(self, a: int) -> None:
-        """Report an actuator that acts on no joint."""
+        """Report an actuator that does not act on a joint."""
         kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
-        sticks = kind == "body"  # adhesion between touching bodies
+        sticks = kind == "body"  # the actuator makes touching bodies adhere
         self._tell(
             a,
             f"acts on no joint, but on a {kind}: is not in the scene",
@@ -96,7 +96,7 @@ class Drives:
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
         """Return joint ``j`` with its actuators.
 
-        ``zero`` is MuJoCo's value of the joint where the scene's is 0.
+        ``zero`` is MuJoCo's value of the joint at which the scene's value is 0.
         """
         for a in self.at.get(j, []):
             joint = self._geared(joint, a)
@@ -111,7 +111,7 @@ class Drives:
         return joint
 
     def _geared(self, joint: Joint, a: int) -> Joint:
-        """Return a joint with the damping and the rotor of actuator ``a``, reflected through the gear."""
+        """Return a joint with the damping and the rotor of actuator ``a``, transformed by the gear."""
         model, gear = self.model, self._gear(a)
         if np.any(model.actuator_dampingpoly[a]):
             self._tell(
@@ -130,10 +130,10 @@ class Drives:
         return float(self.model.actuator_gear[self.model.actuator_outadr[a], 0])
 
     def _drive(self, joint: Joint, a: int) -> Drive | None:
-        """Return actuator ``a`` as a motor or a servo; None if it is neither.
+        """Return actuator ``a`` as a motor or a servo; None if the actuator is neither.
 
-        The actuator's force is gain · control + b0 + b1 · length + b2 · velocity, with length = gear · q, and
-        its torque is gear · force.
+        The force of the actuator is gain · control + b0 + b1 · length + b2 · velocity, with length = gear ·
+        q; the torque is gear · force.
         """
         model, kinds = self.model, self.mujoco
         gear, gain, bias = self._gear(a), model.actuator_gainprm[a], np.array(model.actuator_biasprm[a][:3])
@@ -198,10 +198,10 @@ class Drives:
         return low, high
 
     def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
-        """Return a joint with its drives; their springs and dampers act as one."""
+        """Return a joint with its drives; their springs and dampers are combined into one of each."""
         stiffness = joint.stiffness + sum(one.stiffness for one in drives)
         damping = joint.damping + sum(one.damping for one in drives)
-        # Σ kᵢ (rᵢ − q) + τ = k (r − q), with k r = Σ kᵢ rᵢ + τ
+        # the sum of all springs: Σ kᵢ (rᵢ − q) + τ = k (r − q), with k r = Σ kᵢ rᵢ + τ
         torque = sum(one.torque - one.stiffness * zero for one in drives)
         rest = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
         servo = any(one.is_servo for one in drives)
@@ -246,7 +246,7 @@ class Drives:
         self.differences.append(of_joint(joint.name, text, effect))
 
     def _tell_limit(self, joint: Joint, limit: float) -> None:
-        """Say that the limit of the drives also limits the spring and the damper of a joint."""
+        """Report that the limit of the drives also limits the spring and the damper of a joint."""
         unit = "m" if joint.kind == "slide" else "rad"
         if joint.stiffness > 0.0:
             way = f"{limit / joint.stiffness:.3g} {unit}"

@@ -28,7 +28,8 @@ USED = """
     tendon_stiffnesspoly tendon_dampingpoly names name_actuatoradr opt
     opt.gravity opt.disableflags opt.enableflags opt.disableactuator opt.o_friction
 """
-"""Fields that the conversion reads: their values are in the scene, or are reported where they are read."""
+"""The fields that the conversion reads: their values are in the scene, or are reported by the code that reads
+them."""
 
 WITHOUT_EFFECT = {
     "counts, addresses and names": """
@@ -68,7 +69,7 @@ WITHOUT_EFFECT = {
         opt.solver opt.cone opt.o_margin
     """,
 }
-"""Reason why fields have no effect here → names of the fields, in which ``*`` stands for any text."""
+"""Reason why fields have no effect here → names of these fields, in which ``*`` stands for any text."""
 DISABLED = {
     "CONSTRAINT": "no contacts, limits, dry friction and equalities",
     "EQUALITY": "no equalities",
@@ -81,7 +82,7 @@ DISABLED = {
     "CLAMPCTRL": "no limits of controls",
     "ACTUATION": "no actuators",
 }
-"""Flags that switch a feature off, so that the scene does not have it either."""
+"""Flags that disable a feature, so that the scene does not have the feature either."""
 WITHOUT_EFFECT_FLAGS = """
     WARMSTART FILTERPARENT REFSAFE SENSOR MIDPHASE EULERDAMP AUTORESET NATIVECCD ISLAND MULTICCD
     OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
@@ -91,11 +92,11 @@ MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
 
 class Told(NamedTuple):
-    """A field that is reported if it does not have its default.
+    """A field that is reported if its value is not the default.
 
     Attributes:
         field: the name of the field.
-        kind: the kind of element that the field belongs to.
+        kind: the kind of element to which the field belongs.
         default: the default, a number.
         effect: the effect of another value.
         text: the sentence on the element.
@@ -131,7 +132,7 @@ TOLD = (
 
 
 def told_fields(model: Any) -> Iterator[Difference]:
-    """Yield the values of a compiled model that a scene cannot hold."""
+    """Yield the values of a compiled model that a scene cannot have."""
     values = dict(fields(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
     for row in TOLD:
@@ -160,7 +161,7 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 
 
 def _about(model: Any, row: Told, i: int) -> Difference:
-    """Return a difference of element ``i``, with the joint or body that it concerns."""
+    """Return a difference for element ``i``, with the joint or body to which the element belongs."""
     if row.kind == "option":
         return Difference(kind="option", name=row.field[4:], text=row.text, effect=row.effect)
     if row.kind in ("joint", "dof"):
@@ -176,9 +177,9 @@ def _about(model: Any, row: Told, i: int) -> Difference:
 
 
 def fates(field: str) -> list[str]:
-    """Return the treatments of a field of the model, or of an option as ``opt.name``; empty if unknown.
+    """Return the treatments of a field of the model, or of an option ``opt.name``; empty if unknown.
 
-    A field that is used or reported by name counts in no pattern.
+    A pattern does not apply to a field that is used or reported by name.
     """
     named = ["used"] * (field in USED.split()) + ["told"] * any(row.field == field for row in TOLD)
     patterns = (
@@ -198,7 +199,7 @@ def fields(model: Any) -> Iterator[tuple[str, Any]]:
 
 
 def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
-    """Yield notes on features that are switched off, in the scene as well."""
+    """Yield notes on features that flags disable, and that the scene does not have either."""
     flags = model.opt.disableflags
     found = [
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")

@@ -1,4 +1,4 @@
-"""An MJCF file, compiled by MuJoCo, if necessary with stand-ins for missing files."""
+"""An MJCF file that MuJoCo compiles, if necessary with stand-ins for missing files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from chain_impact.scene.reading import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
 FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
-"""A tetrahedron that stands in for a mesh."""
+"""The faces of a tetrahedron that replaces a missing mesh."""
 
 
 class Compiled(NamedTuple):
@@ -19,7 +19,7 @@ class Compiled(NamedTuple):
     Attributes:
         spec: the elements of the file.
         model: MuJoCo's compiled model.
-        stand_ins: names of the meshes that stand in for missing ones.
+        stand_ins: names of the meshes that replace missing meshes.
         differences: the parts that could not be read.
     """
 
@@ -30,7 +30,7 @@ class Compiled(NamedTuple):
 
 
 def compiled(mujoco: Any, path: Path) -> Compiled:
-    """Compile a file; MuJoCo's warnings are among the differences.
+    """Compile a file; the warnings of MuJoCo are part of the differences.
 
     Raises:
         SceneError: when MuJoCo cannot read the file, or a body has its mass only from a missing mesh.

@@ -1,4 +1,4 @@
-"""From a robot in space to a planar chain: joints with parallel axes move it in a plane."""
+"""The conversion of a robot in space to a planar chain, whose joints have parallel axes."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.conversion.walls import Walls
 from chain_impact.scene.reading import UnknownNameError
 
-DIGITS = 14  # number of digits in a scene; further digits are round-off, as robot files have fewer
+# number of digits of numbers in a scene; robot files have fewer digits, so further digits are round-off
+DIGITS = 14
 
 
 class Choices(NamedTuple):
     """The choices of a user for a conversion.
 
     Attributes:
-        joints: names of the joints that move; all others are held at their start. Without names all joints
-            move.
-        plane: directions of the robot along which x and y of the scene point, such as ``-x,z``; for None see
-            ``plan_of``.
-        tip: the frame where the last link ends; None for the frame that is farthest from the last joint.
+        joints: names of the joints that move; all other joints are held at their start. Without names all
+            joints move.
+        plane: directions, in the robot's axes, of the scene's x and y axes, for example ``-x,z``; None for
+            the default of ``plan_of``.
+        tip: name of the frame at which the last link ends; None for the frame farthest from the last joint.
         keyframe: the keyframe at which the robot starts; None for the first one of the file.
     """
 
@@ -42,9 +43,9 @@ class Converted(NamedTuple):
 
     Attributes:
         data: the data of the scene.
-        warnings: sentences on differences in the motion, the largest effect first.
-        left_out: sentences on other parts of the robot that the scene lacks or has in another form.
-        notes: sentences on how the scene relates to the robot.
+        warnings: sentences on differences that change the motion, with the largest effect first.
+        left_out: sentences on other parts of the robot that the scene does not have, or has in another form.
+        notes: sentences on the relation of the scene to the robot.
     """
 
     data: dict[str, Any]
@@ -57,14 +58,14 @@ def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
     """Return the scene of a robot; ``source`` is the file's name for messages.
 
     Raises:
-        NoChainError: when the robot is no planar chain.
+        NoChainError: when the robot is not a planar chain.
         SceneError: when the choices do not fit the robot.
     """
     return _Conversion(robot, choices, source).run()
 
 
 class _Conversion:
-    """One conversion, which collects the parts that it leaves out."""
+    """One conversion; the class collects the parts that are left out."""
 
     def __init__(self, robot: Robot, choices: Choices, source: str) -> None:
         self.robot, self.choices, self.source = robot, choices, source
@@ -128,13 +129,13 @@ class _Conversion:
         return {"inputs": dict.fromkeys(sorted(found), True)} if found else {}
 
     def _carriage(self) -> list[int]:
-        """Return the bodies that slide but belong to no link."""
+        """Return the bodies that slide with the base and belong to no link."""
         before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
         return [b for b in bodies if self.owner[b] < 0 and before & {*above(self.robot, b)}]
 
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
-        """Return body → the index of its link, −1 for none; and the bodies of each link.
+        """Return body → index of its link, −1 for no link; and the bodies of each link.
 
         A link has all bodies from one joint of the chain to the next joint.
         """
@@ -148,7 +149,7 @@ class _Conversion:
         return owner, parts
 
     def _gravity(self) -> np.ndarray:
-        """Return gravity [m/s²], reduced by the part of the weight that the joints do not bear."""
+        """Return gravity [m/s²], reduced by the part of the weight that the file compensates."""
         still = []
         for b, body in enumerate(self.robot.bodies):
             if self.owner[b] >= 0 or body.mass == 0.0:
@@ -188,7 +189,7 @@ class _Conversion:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, size=size))
 
     def _tip(self) -> np.ndarray:
-        """Return the last link's end from its joint: a frame, or twice as far as the centre of mass."""
+        """Return the last link's end, from its joint: a frame, or twice as far as the centre of mass."""
         part, hinge = self.parts[-1], self.hinges[-1]
         found: dict[str, np.ndarray] = {}
         for b in part:
@@ -226,12 +227,12 @@ class _Conversion:
         )
 
     def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
-        """Return a point in the axes of body ``b`` as a place in the plane, from a joint, shape (2,) [m]."""
+        """Return the coordinates in the plane, from a joint, of a point in the axes of body ``b`` [m]."""
         rotation, position = self.poses[b]
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
-        """Return mass, centre of mass from a joint, and inertia about this centre, of several bodies."""
+        """Return mass, centre of mass from a joint, and inertia about it, of several bodies together."""
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])
         centers = np.array([self._from(hinge, b, self.robot.bodies[b].center) for b in part])
@@ -257,7 +258,7 @@ class _Conversion:
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
         """Write the joints' values into the links.
 
-        Return the angles and angular velocities of the links at the start.
+        Returns the angles and angular velocities of the links at the start.
         """
         angle, speed, before = 0.0, 0.0, 0.0
         angles, speeds, turned = [], [], []
@@ -276,7 +277,7 @@ class _Conversion:
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
-        """Write a joint's values into its link; return the joint's angle at the start.
+        """Write a joint's values into the table of its link, and return the joint's angle at the start.
 
         A free base has no joint 1.
         """
@@ -299,7 +300,7 @@ class _Conversion:
         return self._within(joint, low, start, high, "rad")
 
     def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
-        """Return the start of a joint, moved to the stop if the file has it beyond the stop."""
+        """Return the start of a joint; a start beyond a stop is moved to the stop."""
         stop = min(max(start, low), high)
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"
@@ -308,7 +309,7 @@ class _Conversion:
         return stop
 
     def _tell_unheld(self, joint: Joint) -> None:
-        """Report the values of a joint that is none in the scene, because the base is free."""
+        """Report the values of a joint that the scene does not have, because the base is free."""
         keys = ("damping", "stiffness", "friction", "armature", "torque_limit", "low", "high")
         values = {key.replace("_", " "): getattr(joint, key) for key in keys}
         found = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
@@ -321,7 +322,7 @@ class _Conversion:
             )
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the table of a slider, if the base is on one, and the start of the base."""
+        """Return the table of a slider, if the base slides, and the position of the base at the start."""
         ways = [self.plan.flat(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":
             (way,), joint = ways, self.slides[0].joint
@@ -355,7 +356,7 @@ class _Conversion:
             "force_limit": joint.torque_limit,
         }
         return {
-            "angle": math.atan2(way[1], way[0]) + 0.0,  # not −0
+            "angle": math.atan2(way[1], way[0]) + 0.0,  # adding 0.0 turns −0 into 0
             "mass": joint.armature + sum(self.robot.bodies[b].mass for b in self.carriage),
             **{key: value for key, value in keys.items() if value is not None},
         }

@@ -1,4 +1,4 @@
-"""The points with which a link touches straight walls, from the shapes of the link's bodies."""
+"""The points with which a link touches walls, from the shapes of the link's bodies."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from chain_impact.conversion.joints import PARALLEL
 from chain_impact.conversion.robot import Shape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
-"""Kinds of shapes that points can replace: hulls of a few balls."""
-TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)  # [rad] directions in which a wall may lie
+"""The kinds of shapes that points can replace: convex hulls of a few balls."""
+TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)  # [rad] directions in which a wall may be
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
-# [rad] places on the rim of a disc that is seen at an angle
+# [rad] angles of points on the rim of a disc that is not seen from the side
 RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
 
 class Ball(NamedTuple):
-    """A ball that may touch: centre in the plane, shape (2,) [m], radius [m], and name of its shape."""
+    """A ball that may touch a wall: centre in the plane, shape (2,) [m], radius [m], name of its shape."""
 
     at: np.ndarray
     radius: float
@@ -30,11 +30,11 @@ class Ball(NamedTuple):
 
 
 def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
-    """Yield the balls whose hull is the shape as it is seen in the plane of the motion."""
+    """Yield the balls whose convex hull is the projection of a shape onto the plane of the motion."""
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
     if shape.disc is not None:
-        # radius of the disc times the disc's axis, as seen in the plane
+        # the projection onto the plane of the disc's axis times the radius
         along = plan.flat(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
         if seen < PARALLEL * size:
@@ -57,12 +57,12 @@ def reach(balls: Sequence[Ball]) -> np.ndarray:
 
 
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
-    """Return the balls that a straight wall in some direction can touch first."""
+    """Return the balls that a straight wall can touch first, in any direction."""
     return [balls[k] for k in sorted(set(reach(balls).argmax(axis=1).tolist()))] if balls else []
 
 
 def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:
-    """Return the tables of the points of a link, which begins at a joint and points along a direction."""
+    """Return the tables of the points of a link that begins at a joint and points along a direction."""
     counts, seen = Counter(ball.name for ball in balls), Counter[str]()
     tables: list[dict[str, Any]] = []
     for ball in balls:

@@ -1,4 +1,4 @@
-"""Proposals of joints that make a planar chain, if all joints of a robot make none; each one is tried."""
+"""Proposals of joints that form a planar chain, for a robot whose joints together form none."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import Robot
 from chain_impact.scene.reading import SceneError
 
-TRIALS = 200  # number of conversions that are tried for a proposal, a few ms each
+TRIALS = 200  # largest number of conversions that are tried for a proposal; each takes a few ms
 
 
 def chain_of(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object] = lambda done: done
 ) -> Converted:
-    """Return the scene of a robot; ``check`` raises further errors.
+    """Return the scene of a robot; ``check`` may raise further errors.
 
     ``source`` is the file's name for messages.
 
     Raises:
-        NoChainError: when the robot is no planar chain; the message names joints that would make one, if any.
+        NoChainError: when the robot is not a planar chain; the message names joints that would form one, if
+            any.
         SceneError: when the choices do not fit the robot.
     """
     try:
@@ -38,7 +39,7 @@ def chain_of(
 def _proposed(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object]
 ) -> list[str] | None:
-    """Return the names of the largest set of joints that was found to make a chain."""
+    """Return the names of the largest set of joints for which a trial conversion succeeds."""
     best: list[str] = []
     trials = 0
     for start in _candidates(robot, choices.joints):
@@ -60,7 +61,7 @@ def _proposed(
 
 
 def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
-    """Yield lists of wanted joints with parallel axes that follow one another, the longest first."""
+    """Yield lists of wanted joints with parallel axes that follow one another, the longest list first."""
     pool = [one for one in joints_at_start(robot) if not wanted or one.joint.name in wanted]
     paths: list[list[Moving]] = []
     for group in parallel([one for one in pool if one.joint.kind == "hinge"]):
@@ -74,7 +75,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
 
 
 def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
-    """Yield the way from each last joint of a group back to the base, in the order of the bodies."""
+    """Yield the path from each last joint of a group back to the base, in the order of the bodies."""
     for last in group:
         before = set(above(robot, last.body))
         if not any(last.body in set(above(robot, one.body)) - {one.body} for one in group):

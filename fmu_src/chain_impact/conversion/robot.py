@@ -1,4 +1,4 @@
-"""A robot as its file describes it: a tree of bodies in space, before the conversion to a planar chain."""
+"""A robot in the form of its file: a tree of bodies in space, before the conversion to a planar chain."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ class Joint:
 
     Attributes:
         name: the name in the file.
-        kind: ``hinge``, ``slide`` or another that no scene has.
+        kind: ``hinge``, ``slide`` or another kind that no scene has.
         axis: direction of the joint's axis, in the body's axes.
         anchor: a point on the axis, in the body's axes [m].
-        low: least angle [rad] or position [m], −∞ if there is none.
-        high: largest angle or position, ∞ if there is none.
+        low: least angle [rad] or position [m]; −∞ without a limit.
+        high: largest angle or position; ∞ without a limit.
         damping: [N·m·s/rad]; for a slide [N·s/m], and the other units in the same way.
         stiffness: [N·m/rad].
-        rest: angle at which the spring is slack [rad].
+        rest: angle at which the spring has no moment [rad].
         friction: dry friction [N·m].
         armature: [kg·m²].
-        torque_limit: [N·m], None if there is none.
+        torque_limit: [N·m]; None without a limit.
         start: angle [rad] or position [m] at the start.
         speed: rate of the angle or position at the start.
-        turn: rotation at the start of a joint that is neither hinge nor slide, shape (3, 3).
+        turn: rotation at the start of a joint that is neither a hinge nor a slide, shape (3, 3).
         inputs: keys of ``[inputs]`` that the joint's drives need.
         drives: names of the drives.
     """
@@ -64,16 +64,17 @@ class Joint:
 
 @dataclass(frozen=True, kw_only=True)
 class Shape:
-    """A shape of a body, which may touch or is only seen.
+    """A shape of a body, which may touch other shapes or is only visible.
 
     Attributes:
         kind: the kind of shape, such as ``capsule``.
-        touches: whether it can touch anything.
+        touches: whether the shape can touch anything.
         name: a name of letters, digits and _, or empty.
-        walls: whether it can touch a plane that does not move.
-        corners: points of the body [m], shape (n, 3); the shape is the hull of balls around these points.
+        walls: whether the shape can touch a plane that does not move.
+        corners: points of the body [m], shape (n, 3); the shape is the convex hull of balls around these
+            points.
         radius: radius of the balls [m].
-        disc: axis of discs that replace the balls, as long as the discs' radius [m]; None for balls.
+        disc: axis of discs that replace the balls, with the discs' radius as its length [m]; None for balls.
     """
 
     kind: str
@@ -100,7 +101,7 @@ class Body:
         joints: the joints, in the order in which they act.
         frames: named points [m] in the body's axes, of which one may be the tip.
         shapes: the shapes of the body.
-        borne: part of the weight that the joints do not bear.
+        borne: part of the weight that the file compensates.
     """
 
     name: str
@@ -145,11 +146,11 @@ class Robot:
         bodies: the bodies.
         gravity: [m/s²].
         planes: the planes that do not move.
-        tables: tables of a scene that the file carries.
-        first_link: keys of link 1 for its joint, which has no effect if the base is free.
-        link_tables: points and shape of each link that the file carries, in the form of a scene file.
+        tables: tables of a scene that the file contains.
+        first_link: keys of the joint of link 1, which have no effect if the base is free.
+        link_tables: points and shape of each link that the file contains, in the form of a scene file.
         notes: sentences on how the file was read.
-        differences: the parts of the file that no scene can hold.
+        differences: the parts of the file that no scene can have.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A scene as MJCF: elements for MuJoCo, and a text with the other data, from which the same scene is read."""
+"""A scene as MJCF: elements for MuJoCo, and a text element with the data that MJCF cannot hold."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.scene.tables import Link, Slider
 
 WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
-"""The parts of a scene that MJCF's elements can hold."""
-HINGE = "0 -1 0"  # the plane of the motion is x–z, because z points upwards in MuJoCo's pictures
-LEAST_INERTIA = 2e-15  # [kg·m²] smallest inertia that MuJoCo accepts
-BODY = ("shape", "height", "points")  # keys of a link
-LEAST_RADIUS = 1e-4  # radius of points without a radius, as a part of the longest link; MuJoCo needs one
-LARGEST_STEP = 2e-3  # [s] MuJoCo's default step
+"""The parts of a scene that elements of MJCF can hold."""
+HINGE = "0 -1 0"  # the plane of the motion is x–z, because z points upward in MuJoCo's pictures
+LEAST_INERTIA = 2e-15  # [kg·m²] the smallest inertia that MuJoCo accepts
+BODY = ("shape", "height", "points")  # keys of a link for its body, which MJCF cannot hold
+# radius of points without a radius, over the longest link, because MuJoCo needs a radius above 0
+LEAST_RADIUS = 1e-4
+LARGEST_STEP = 2e-3  # [s] the default step of MuJoCo
 JOINT_KEYS = {
     "joint_damping": "damping",
     "joint_stiffness": "stiffness",
@@ -39,7 +40,7 @@ SLIDER_KEYS = {
 
 
 def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
-    """Return the MJCF of a scene, and a sentence on each feature that MuJoCo treats differently."""
+    """Return the MJCF of a scene, and a sentence on each feature that MuJoCo treats in another way."""
     root = Element("mujoco", model=scene.name)
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(
@@ -99,7 +100,7 @@ def _add_walls(world: Element, scene: Scene) -> None:
 
 
 def _add_chain(world: Element, scene: Scene) -> None:
-    """Add a body for each link, with the origin in the joint nearer to the base, and x along the link."""
+    """Add a body for each link, with its origin in the proximal joint, and x along the link."""
     free, links = scene.chain.base == "free", scene.chain.links
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
     width = repr(0.02 * sum(link.length for link in links) / len(links) ** 0.5)
@@ -112,7 +113,7 @@ def _add_chain(world: Element, scene: Scene) -> None:
     for i, link in enumerate(links, 1):
         body = SubElement(parent, "body", name=f"link[{i}]", pos=place)
         _add_inertial(body, link.mass, (link.center_of_mass, link.center_of_mass_offset), link.inertia)
-        if slider is not None and slider.mass == 0.0 and i == 1:  # MuJoCo accepts no body without mass
+        if slider is not None and slider.mass == 0.0 and i == 1:  # MuJoCo does not accept a body without mass
             _add_slide(body, slider)
         if free and i == 1:
             SubElement(body, "joint", name="base.x", type="slide", axis="1 0 0")
@@ -139,7 +140,7 @@ def _add_inertial(body: Element, mass: float, center: tuple[float, float], inert
 
 
 def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float) -> None:
-    """Add a point that touches walls."""
+    """Add a sphere for a point that touches walls."""
     x, y = at
     ball = {"type": "sphere", "size": repr(radius), "pos": _numbers(x, 0.0, y), "condim": "1"}
     ball |= {"friction": "0 0 0", "mass": "0", "contype": "2", "conaffinity": "1"}
@@ -147,7 +148,7 @@ def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float
 
 
 def _add_slide(body: Element, slider: Slider) -> None:
-    """Add the joint of a base on a slider."""
+    """Add the joint of a sliding base."""
     axis = _numbers(math.cos(slider.angle), 0.0, math.sin(slider.angle))
     keys = _attributes(slider, SLIDER_KEYS, slider.min, slider.max, slider.force_limit)
     SubElement(body, "joint", {"name": "slider", "type": "slide", "axis": axis, **keys})
@@ -201,7 +202,7 @@ def _steps(values: tuple[float, ...]) -> Iterator[float]:
 
 
 def _differences(scene: Scene) -> Iterator[str]:
-    """Yield sentences on features that MuJoCo treats differently or lacks."""
+    """Yield sentences on features that MuJoCo does not have or treats in another way."""
     contact, links = scene.contact, scene.chain.links
     radii = [contact.radius for _ in contact.points] + [site.radius for _, site in scene.chain.sites]
     if scene.half_planes and radii:
@@ -230,4 +231,4 @@ def _differences(scene: Scene) -> Iterator[str]:
 
 
 def _numbers(*values: float) -> str:
-    return " ".join(repr(float(value) + 0.0) for value in values)  # no −0
+    return " ".join(repr(float(value) + 0.0) for value in values)  # adding 0.0 turns −0 into 0

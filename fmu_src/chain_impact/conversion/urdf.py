@@ -1,4 +1,4 @@
-"""A robot from URDF, read by yourdfpy."""
+"""The reader of robots in URDF, which uses yourdfpy."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError
 
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
-"""Type of a moving joint → its kind; a fixed joint merges two bodies."""
+"""Type of a moving joint in URDF → kind of joint; a fixed joint merges two bodies."""
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """URDF does not give gravity; its z axis points up."""
 XACRO = "xacro"
-ROUND = 1e-6  # part of a moment of inertia that may be the file's round-off
+ROUND = 1e-6  # the part of a moment of inertia that may be round-off of the file
 
 
 def read_urdf(path: Path) -> Robot:
     """Return the robot of a URDF file.
 
-    Its meshes need not exist, because shapes and colours are not loaded.
+    The meshes of the file may be missing, because shapes and colours are not loaded.
 
     Raises:
-        SceneError: when the file holds no robot.
+        SceneError: when the file does not contain a robot.
         MissingExtraError: when yourdfpy is not installed.
     """
     yourdfpy = require("yourdfpy", "convert")
@@ -49,7 +49,7 @@ def read_urdf(path: Path) -> Robot:
         by_parent.setdefault(joint.parent, []).append(joint)
         if joint.type != "fixed" and joint.axis is not None and not np.any(joint.axis):
             raise SceneError(f"{path}: joint {joint.name}: its axis is 0 0 0, must have a direction")
-    # "world" may have no element of its own
+    # "world" may have no element in the file
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
@@ -110,10 +110,10 @@ def _check_parts(root: Element, path: Path) -> None:
 
 
 def xml_of(path: Path) -> Element:
-    """Return the root of a file, which may use prefixes without declaring them.
+    """Return the root of an XML file, which may use prefixes without declaring them.
 
     Raises:
-        SceneError: when the file is no XML.
+        SceneError: when the file is not XML.
     """
     try:
         return ElementTree.parse(path).getroot()
@@ -140,7 +140,7 @@ def urdf_of(path: Path) -> Element:
     """Return the root element of a file, without namespaces.
 
     Raises:
-        SceneError: when the file is no XML, or must first be expanded by xacro.
+        SceneError: when the file is not XML, or xacro must expand the file first.
     """
     root = xml_of(path)
     for element in root.iter():
@@ -159,7 +159,7 @@ def urdf_of(path: Path) -> Element:
 
 
 def moving_parts(root: Element) -> bytes:
-    """Return the links and joints as a file, without shapes that are only seen or touched."""
+    """Return the links and joints of a file, without shapes."""
     bare = Element("robot", name=root.get("name") or "robot")
     for part in root:
         if part.tag in ("link", "joint"):
@@ -177,7 +177,7 @@ def _shapes(link: Element) -> Iterator[Shape]:
 
 
 def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
-    """Yield every link below a link, with the joint before it, parents first."""
+    """Yield every link beyond a link, with the joint before it; parents come first."""
     waiting = [(name, joint)]
     while waiting:
         one, before = waiting.pop()
@@ -242,7 +242,7 @@ def _joint(joint: Any) -> Joint:
 def _range(joint: Any) -> tuple[float, float]:
     """Return the smallest and largest value of a joint.
 
-    A limit that the file does not give is 0 if the file gives the other one.
+    If the file gives only one limit, the other limit is 0.
     """
     limit = joint.limit
     if limit is None or joint.type == "continuous" or (limit.lower is None and limit.upper is None):
@@ -251,7 +251,7 @@ def _range(joint: Any) -> tuple[float, float]:
 
 
 def _limits_left_out(joint: Any) -> Iterator[Difference]:
-    """Yield the differences of a joint's limits between the file and the scene."""
+    """Yield the differences between the limits of a joint in the file and in the scene."""
     limit = joint.limit
     if limit is None or joint.type not in KINDS:
         return

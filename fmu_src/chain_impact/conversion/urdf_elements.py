@@ -1,4 +1,4 @@
-"""The elements and attributes of URDF, and the treatment of each; unknown ones are reported."""
+"""The elements and attributes of URDF, and the treatment of each; unknown elements are reported."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ USED = {
     "robot/joint/limit": "lower upper effort velocity",
     "robot/joint/dynamics": "damping friction",
 }
-"""Path of an element that is read → the attributes that are in the scene, or reported when read."""
+"""Path of an element that the conversion reads → attributes whose values are in the scene or are reported."""
 SHAPES = ("visual", "collision")
 """Elements of a link that are counted and reported together."""
 NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
-"""Attributes that have no effect anywhere."""
+"""Attributes without effect in any element."""
 WITHOUT_EFFECT = ("material",)
-"""Elements that have no effect anywhere: colours."""
+"""Elements without effect anywhere: colours."""
 MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
-"""Element of a joint → the effect on its motion that the scene does not have."""
+"""Element of a joint → its effect on the motion, which the scene does not have."""
 
 
 def other_elements(root: Element) -> Iterator[Difference]:
@@ -54,7 +54,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
 
 
 def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
-    """Yield all elements below one, except below elements that are reported as a whole."""
+    """Yield all elements inside an element, except inside elements that are reported as a whole."""
     for element in part:
         if isinstance(element.tag, str):
             inside = f"{path}/{element.tag}"

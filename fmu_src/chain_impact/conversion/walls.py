@@ -24,7 +24,7 @@ Points = list[dict[str, Any]]
 
 @dataclass
 class Walls:
-    """Makes walls, and collects contacts that the scene has in another form.
+    """The conversion of walls; the class collects contacts that the scene has in another form.
 
     Attributes:
         robot: the robot, with planes and shapes.
@@ -45,7 +45,7 @@ class Walls:
     walls: list[tuple[str, np.ndarray, np.ndarray]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Note the link of each body."""
+        """Store the link of each body."""
         self.owner = {b: i for i, part in enumerate(self.parts) for b in part}
 
     def made(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
@@ -72,7 +72,7 @@ class Walls:
             if boxed:
                 box[name] = float(point[0] if name.startswith("x") else point[1])
             else:
-                angle = math.atan2(-normal[0], normal[1]) + 0.0  # not −0
+                angle = math.atan2(-normal[0], normal[1]) + 0.0  # adding 0.0 turns −0 into 0
                 walls.append({"name": name, "point": point.tolist(), "angle": angle})
             friction = self._friction(plane)
             if friction > 0.0:
@@ -98,7 +98,7 @@ class Walls:
         return {self.owner[b] for b, _ in plane.touching if b in self.owner}
 
     def _friction(self, plane: Plane) -> float:
-        """Return the friction of a plane with the bodies that can touch it: the largest, if it varies."""
+        """Return the friction of a plane with the bodies that can touch it; if it varies, the largest."""
         if plane.touching is None:
             return plane.friction
         found = sorted({friction for b, friction in plane.touching if b in self.owner})
@@ -111,18 +111,21 @@ class Walls:
         return found[-1]
 
     def _points(self, touching: set[int], bare: set[int], has_balls: bool) -> dict[str, Any]:
-        """Return the joints and ends that touch walls, if not all do: those at links without points."""
+        """Return the joints and ends that touch walls, at links without points.
+
+        None if all joints and ends touch.
+        """
         if not has_balls and len(touching) in (0, len(self.parts)):
             return {}
         ends = {end for i in bare for end in (i, i + 1)}
         return {"points": sorted(ends - ({0} if self.chosen.base == "pinned" else set()))}
 
     def _is_point(self, shape: Shape) -> bool:
-        """Return whether points replace a shape: it can touch a wall, or anything if there are no walls."""
+        """Return whether points replace a shape: it can touch a wall or, without walls, anything."""
         return shape.kind in OUTLINED and (shape.walls if self.robot.planes else shape.touches)
 
     def _balls(self, i: int, touching: set[int]) -> list[Ball]:
-        """Return the balls of link ``i`` that can touch, without one around a pivot that does not move."""
+        """Return the balls of link ``i`` that can touch, without a ball around a fixed pivot."""
         if self.robot.planes and i not in touching:
             return []
         fixed = i == 0 and self.chosen.base == "pinned"
@@ -135,7 +138,10 @@ class Walls:
         return [ball for ball in found if not fixed or np.linalg.norm(ball.at - self.places[0]) > TINY]
 
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
-        """Return the tables of the points of each link; no point starts inside a wall."""
+        """Return the tables of the points of each link.
+
+        Points that start inside a wall are changed or left out.
+        """
         at, points = np.array(self.start[0]), []
         for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):
             arm = self.places[i + 1] - self.places[i]
@@ -149,7 +155,7 @@ class Walls:
     def _fits(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
-        """Return whether a point starts outside all walls, if necessary with a smaller radius."""
+        """Return whether a point starts outside of all walls, if necessary with a smaller radius."""
         at = joint + table["x"] * along + table["y"] * np.array([-along[1], along[0]])
         for name, point, normal in self.walls:
             free = float(normal @ (at - point))
@@ -171,7 +177,7 @@ class Walls:
         return True
 
     def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
-        """Report shapes that are no points, and how far they reach beyond the scene's points."""
+        """Report shapes that points do not replace, and how far they reach beyond the scene's points."""
         shapes = [shape for b in self.owner for shape in self.robot.bodies[b].shapes]
         for touches, text in (
             (True, "touch nothing as such: points, joints and tip touch walls, and nothing else does"),

@@ -1,1 +1,1 @@
-"""FMUs: a scene becomes a file that other tools import; and such a file is run."""
+"""FMUs: the build of a file that other tools import from a scene, and the run of such a file."""

@@ -22,9 +22,9 @@ from chain_impact.variables.model import Model, kernel_size
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 TARGETS = {"pythonfmu": PYTHONFMU_PLATFORMS, "native": tuple(PLATFORMS)}
-"""Kind of FMU → its platforms."""
+"""Kind of FMU → platforms for which this kind exists."""
 TARGET = "pythonfmu" if HOST in PYTHONFMU_PLATFORMS else "native"
-"""The usual kind of FMU on this machine."""
+"""The default kind of FMU on this machine."""
 VERSIONS = (2, 3)
 """The versions of FMI."""
 
@@ -37,9 +37,9 @@ def build_fmu(
     fmi: int = 2,
     platforms: Sequence[str] = (HOST,),
 ) -> Path:
-    """Build ``<name>.fmu``, which appears in the directory only when it is complete and valid.
+    """Build ``<name>.fmu``; the file appears in the directory only when it is complete and valid.
 
-    Equal scenes, with the same versions of this package and of matplotlib, make FMUs of equal bytes.
+    Equal scenes give FMUs with equal bytes, with the same versions of this package and of matplotlib.
 
     Args:
         source: a scene, or an argument of ``load_scene``.
@@ -55,7 +55,7 @@ def build_fmu(
         The path of the FMU.
 
     Raises:
-        SceneError: when the source is no valid scene.
+        SceneError: when the source is not a valid scene.
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
         OSError: when the FMU cannot be written; no part of the FMU is left then.
     """
@@ -93,7 +93,7 @@ def build_fmu(
 
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
-    """Check an FMU against the FMI standard without running it; return a sentence for each fault."""
+    """Check an FMU against the FMI standard, without a run of the FMU; return a sentence for each fault."""
     try:
         return [str(finding) for finding in description_findings(Path(path))]
     except zipfile.BadZipFile as error:
@@ -105,5 +105,6 @@ def _pack(files: Mapping[str, bytes], target: Path) -> None:
     with zipfile.ZipFile(target, "w") as fmu:
         for name, content in sorted(files.items()):
             entry = zipfile.ZipInfo(name, ZIP_DATE)
-            entry.create_system, entry.external_attr = 3, 0o100644 << 16  # an ordinary file, as on Unix
+            # an ordinary file, with the permissions of Unix
+            entry.create_system, entry.external_attr = 3, 0o100644 << 16
             fmu.writestr(entry, content, zipfile.ZIP_DEFLATED, compresslevel=9)

@@ -1,4 +1,4 @@
-"""The check of an FMU's model description against the FMI standard: fmpy's checks, and more of our own."""
+"""The check of an FMU's model description against the FMI standard: checks by fmpy, and further checks."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ NAMES = {
     "structured": re.compile(rf"{_NAME}|der\({_NAME}(,\d+)?\)", re.ASCII),
     "flat": re.compile(r"[^\r\n\t]+"),
 }
-"""Naming convention → the names that it allows: FMI 2.0.4, 2.2.9; FMI 3.0, 2.4.7.5.1."""
+"""Naming convention → regular expression of allowed names: FMI 2.0.4, 2.2.9; FMI 3.0, 2.4.7.5.1."""
 _NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')  # finds the name of a variable in fmpy's sentences
 
 
@@ -49,8 +49,8 @@ def description_findings(path: Path) -> list[Finding]:
     """Return the faults of an FMU's zip and model description. Nothing in the FMU is run.
 
     Raises:
-        OSError: when there is no such file.
-        zipfile.BadZipFile: when the file is no zip.
+        OSError: when the file does not exist.
+        zipfile.BadZipFile: when the file is not a zip.
     """
     if found := archive_findings(path):
         return found
@@ -73,7 +73,7 @@ def description_findings(path: Path) -> list[Finding]:
     names = {one.name for one in variables} | {alias.get("name", "") for alias in root.iter("Alias")}
     for file, content in terminals.items():
         own += terminal_findings(content, names, file)
-    # fmpy raises an IndexError or a KeyError where a reference leads nowhere
+    # fmpy raises an IndexError or a KeyError for a reference to a missing element
     structure = Structure(root, variables)
     if lost := list(structure.lost()):
         return lost + own
@@ -84,17 +84,17 @@ def description_findings(path: Path) -> list[Finding]:
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
     """Return the faults that fmpy finds.
 
-    ``known`` says that another fault is known, which may be why fmpy cannot read the description.
+    ``known``: whether another fault is known, which may be the reason why fmpy cannot read the description.
     """
-    from fmpy.model_description import ValidationError, read_model_description  # takes a second
+    from fmpy.model_description import ValidationError, read_model_description  # this import takes a second
 
     try:
         read_model_description(str(path))
     except ValidationError as error:
         problems = [str(problem) for problem in error.problems]
     except Exception as error:
-        # fmpy's own sentences have no class; exceptions with a class follow from faults that the schema lets
-        # pass
+        # faults that fmpy itself finds are plain Exceptions; other exceptions follow from faults that the
+        # schema does not find
         plain = type(error) is Exception
         if known and not plain:
             return []
@@ -162,7 +162,7 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
 
 
 def terminal_findings(root: Element, names: set[str], file: str) -> Iterator[Finding]:
-    """Yield the variables of terminals that do not exist, and names that occur twice: FMI 3.0, 2.4.9.2."""
+    """Yield variables of terminals that do not exist, and names that occur twice: FMI 3.0, 2.4.9.2."""
     for parent in root.iter():
         for tag, key in (("Terminal", "name"), ("TerminalMemberVariable", "memberName")):
             for found in twice(filter(None, (node.get(key) for node in parent.findall(tag))), key, tag):

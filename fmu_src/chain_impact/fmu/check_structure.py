@@ -10,10 +10,10 @@ from xml.etree.ElementTree import Element
 from chain_impact.fmu.check_variables import Variable
 from chain_impact.fmu.findings import Finding
 
-NAMED = 5  # number of variables that one sentence names at most
+NAMED = 5  # largest number of variables that one sentence names
 OUTPUTS, DERIVATIVES, INITIAL = "Outputs", "Derivatives", "InitialUnknowns"
 _THIRD = {OUTPUTS: "Output", DERIVATIVES: "ContinuousStateDerivative", INITIAL: "InitialUnknown"}
-"""The list of FMI 2.0 → the element of FMI 3.0."""
+"""Name of a list in FMI 2.0 → name of the element in FMI 3.0."""
 _FROM_OUTSIDE = ("input", "independent", "parameter", "structuralParameter")
 
 
@@ -21,7 +21,7 @@ class Structure:
     """The references of a model description: by index in FMI 2.0, by value reference in FMI 3.0."""
 
     def __init__(self, root: Element, variables: Sequence[Variable]) -> None:
-        """Read the references of a model description."""
+        """Read the references in a model description."""
         self.variables = variables
         self.second = root.get("fmiVersion") == "2.0"
         self.key = "index" if self.second else "valueReference"
@@ -39,7 +39,7 @@ class Structure:
         return [node.attrib[self.key] for node in nodes]
 
     def lost(self) -> Iterator[Finding]:
-        """Yield references that lead nowhere."""
+        """Yield a fault for each reference to a missing variable."""
         count = f"an index from 1 to {len(self.known)}"
         what = count if self.second else "the value reference of a variable"
         for one in self.variables:
@@ -89,7 +89,7 @@ class Structure:
     def _complete(
         self, name: str, needed: Collection[str], allowed: set[str], what: str
     ) -> Iterator[Finding]:
-        """Yield the variables that a list lacks, and those that it must not have."""
+        """Yield the variables that a list lacks, and variables that the list must not have."""
         listed = set(self.listed(name))
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
@@ -119,14 +119,14 @@ class Structure:
             yield Finding(f"dependenciesKind = {kind!r} is none at the start", attribute=place)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
-        """Yield all unknowns, with the place of their dependencies."""
+        """Yield all unknowns, with the words for the place of their dependencies."""
         for name, nodes in self.lists.items():
             for node in nodes:
                 yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node
 
 
 def _sizes(one: Variable) -> list[str]:
-    """Return the value references of an array's sizes, without the sizes that are numbers."""
+    """Return the value references of an array's sizes; leave out sizes that are numbers."""
     return [
         size.attrib["valueReference"] for size in one.node.iter("Dimension") if size.get("valueReference")
     ]
@@ -137,7 +137,7 @@ def _depends(node: Element) -> list[str]:
 
 
 def _rising(numbers: Sequence[str], place: str) -> Iterator[Finding]:
-    """Yield the first of some numbers that is smaller than the one before it."""
+    """Yield a fault for the first number that is smaller than the number before it."""
     for before, after in pairwise(numbers):
         if int(after) < int(before):
             yield Finding(f"{after} must stand before {before}", attribute=place)

@@ -1,4 +1,4 @@
-"""The check of the variables in a model description: whether their attributes agree with each other."""
+"""The check of the variables in a model description: whether the attributes of a variable are consistent."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Variable:
 
     @property
     def causality(self) -> str:
-        """The causality, as FMI's attribute gives it."""
+        """The causality, from the attribute of FMI."""
         return self.attributes.get("causality", "local")
 
     @property
@@ -62,9 +62,9 @@ class Variable:
         )
 
     def value(self, text: str) -> Value:
-        """Return the value that a text stands for, as a number, a bool or a text.
+        """Return the value for a text: a number, a bool or a text.
 
-        NaN for an invalid number.
+        Returns NaN for an invalid number.
         """
         if self.type in TEXTS:
             return text
@@ -76,16 +76,16 @@ class Variable:
             return math.nan
 
     def bound(self, name: str) -> float:
-        """Return the attribute ``min`` or ``max``; infinite if the variable has none."""
+        """Return the attribute ``min`` or ``max``; infinity if the variable does not have it."""
         text = self.attributes.get(name)
         if text is None or self.type in (*TEXTS, "Boolean"):
             return math.inf if name == "max" else -math.inf
         return float(self.value(text))
 
     def beyond(self, value: float) -> str:
-        """Return the limit that a value is beyond, in words; "" if the value is within the limits."""
+        """Return words for the limit that a value exceeds; "" if the value is within the limits."""
         low, high = self.bound("min"), self.bound("max")
-        if low > high:  # another finding reports such limits
+        if low > high:  # another finding reports limits in the wrong order
             return ""
         return f"below min = {low:.9g}" if value < low else f"above max = {high:.9g}" if value > high else ""
 
@@ -96,7 +96,7 @@ def types_of(root: Element) -> list[Variable]:
 
 
 def variables_of(root: Element) -> list[Variable]:
-    """Return the variables of a model description, in their order there."""
+    """Return the variables of a model description, in the order of the description."""
     types = {one.name: one for one in types_of(root)}
     nodes = root.findall("ModelVariables/*")
     starts = {node.get("valueReference"): node.get("start", "") for node in nodes}
@@ -104,7 +104,7 @@ def variables_of(root: Element) -> list[Variable]:
 
 
 def _variable(node: Element, types: Mapping[str, Variable], size: int | None) -> Variable:
-    """Return the variable that an element describes, with the attributes of the declared type."""
+    """Return the variable for an element, with the attributes of its declared type."""
     nested = node.tag in ("ScalarVariable", "SimpleType")
     inner = next((child for child in node if nested and child.tag != "Annotations"), node)
     declared = types.get(inner.get("declaredType", ""))
@@ -131,7 +131,7 @@ def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
 
 
 def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """Return the faults of attributes, start values, limits, types, and values that two variables share."""
+    """Return the faults of attributes, start values, limits and types, and of shared values."""
     types = {one.name: one.type for one in types_of(root)}
     found = [
         Finding(text, variable=variable.name, attribute=attribute)
@@ -161,7 +161,7 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
-    """Yield attributes that this kind of variable, or this kind of FMU, cannot have."""
+    """Yield attributes that this kind of variable, or this kind of FMU, must not have."""
     second, causality = root.get("fmiVersion") == "2.0", variable.causality
     if second and causality in ("input", "independent") and "initial" in variable.attributes:
         yield "initial", f"initial must not be given where causality = {causality!r}"
@@ -193,7 +193,7 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
 def _aliases(variables: Sequence[Variable]) -> list[Finding]:
     """Return the faults of variables that share a value: FMI 2.0, 2.2.7.
 
-    Only one of them may be set, and they must have the same unit and start value.
+    Only one of the variables that share a value may be set, and all must have the same unit and start value.
     """
     first: dict[tuple[str, str], Variable] = {}
     found = []

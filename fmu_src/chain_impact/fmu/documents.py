@@ -1,4 +1,4 @@
-"""The parts of an FMU for people: documentation/index.html, licenses, icon, and the terminals of FMI 3.0."""
+"""The parts of an FMU that people read: documentation, licenses and icon, and the terminals of FMI 3.0."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 ICONS = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
-"""Version of FMI → the path of the icon (2.3 in FMI 2.0, 2.5.1 in FMI 3.0)."""
+"""Version of FMI → path of the icon (2.3 in FMI 2.0, 2.5.1 in FMI 3.0)."""
 STYLE = (
     "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
     "table{border-collapse:collapse}td,th{border:1px solid #8888;padding:.2em .6em;text-align:left}"
@@ -50,8 +50,8 @@ EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 
 
 def documents(model: Model, fmi: int) -> dict[str, bytes]:
-    """Return the files, by their names in an FMU of version 2 or 3 of FMI."""
-    # takes a second to load, so it is not imported at the top
+    """Return the documents by their paths in an FMU of version 2 or 3 of FMI."""
+    # this import takes a second, so it is not at the top
     from chain_impact.pictures.start import icon
 
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
@@ -69,7 +69,7 @@ def documents(model: Model, fmi: int) -> dict[str, bytes]:
 
 
 def page(model: Model, fmi: int) -> str:
-    """Return the documentation as HTML."""
+    """Return the documentation as a page of HTML."""
     from chain_impact.pictures.start import SIGNS, drawing
 
     scene, variables = model.scene, model.variables
@@ -121,7 +121,7 @@ def whose(scene: Scene) -> str:
 
 
 def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
-    """Return a row for each kind of variable, in the order of their first variables."""
+    """Return the table with a row for each kind of variable, in the order of the kinds' first variables."""
     found: dict[str, list[Variable]] = {}
     for variable in variables:
         found.setdefault(variable.kind.pattern, []).append(variable)
@@ -143,8 +143,8 @@ def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
     """Return the terminals: one for each joint and point, the base, the tip and each wall.
 
     A terminal has the inputs and outputs of its element. The terminals of walls are inside a terminal
-    ``wall``, so that the path is the first part of the variables' names. All members are signals; members of
-    equal names are to be connected ("bus").
+    ``wall``, so that the path is the first part of the variables' names. All members are signals; an importer
+    connects members with equal names ("bus").
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     looks = SubElement(root, "GraphicalRepresentation")

@@ -1,4 +1,7 @@
-"""Faults of an FMU, each a sentence with its place; faults of the zip are found before it is unpacked."""
+"""Faults of an FMU, each as a sentence with its place.
+
+Faults of the zip are found before the zip is unpacked.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,10 @@ from pathlib import Path
 
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
-"""The last call in the report of a test run that was not cut off."""
+"""The last call in the report of a complete test run."""
 LARGEST = 2**30
-"""[byte] largest size of all unpacked files of an FMU. Python unpacks no more than the zip declares."""
+"""[byte] the largest size of all unpacked files of an FMU. Python never unpacks more than the zip
+declares."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +38,7 @@ class Finding:
     attribute: str = ""
 
     def __str__(self) -> str:
-        """Return place and sentence in one line."""
+        """Return the place and the sentence in one line."""
         return ": ".join([part for part in (self.file, self.variable, self.attribute) if part] + [self.text])
 
 
@@ -42,8 +46,8 @@ def archive_findings(path: Path) -> list[Finding]:
     """Return the faults that make it impossible or unsafe to unpack an FMU.
 
     Raises:
-        OSError: when there is no such file.
-        zipfile.BadZipFile: when the file is no zip.
+        OSError: when the file does not exist.
+        zipfile.BadZipFile: when the file is not a zip.
     """
     with zipfile.ZipFile(path) as fmu:
         entries = fmu.infolist()

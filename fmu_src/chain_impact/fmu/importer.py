@@ -1,6 +1,6 @@
-"""fmpy as the importer of an FMU, without changes of the process's streams and working folder.
+"""fmpy as the importer of an FMU, without a change of the process's streams and working folder.
 
-Several threads may run FMUs at once.
+Several threads may run FMUs at the same time.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS
 
-WARNING = 1  # fmi2Warning; higher statuses are worse
+WARNING = 1  # the value of fmi2Warning; statuses above are worse
 SLAVES = "chain_impact.fmu"
 """The name of the logger of slaves in Python; see slave.py."""
-_here = threading.local()  # the messages and logs of the FMU that this thread runs
+_here = threading.local()  # the messages and logs of the FMU that the present thread runs
 
 
 def read_fmu(path: Path) -> Any:
     """Return the model description of an FMU, in fmpy's form.
 
     Raises:
-        SceneError: when the file is no FMU.
+        SceneError: when the file is not an FMU.
     """
-    import fmpy  # takes half a second
+    import fmpy  # this import takes half a second
 
     try:
         for finding in archive_findings(path):
@@ -57,11 +57,12 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 
     Args:
         path: the FMU.
-        description: its model description, as ``read_fmu`` gives it.
+        description: the model description of the FMU, from ``read_fmu``.
         options: the options of ``fmpy.simulate_fmu``.
 
     Raises:
-        RunError: when the FMU has no binary for this machine, or fails, with the first reason that it gave.
+        RunError: when the FMU has no binary for this machine, or fails; the message has the first reason that
+            the FMU gave.
     """
     import fmpy
 
@@ -73,7 +74,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
         raise RunError(f"{path}: {missing}")
     with listening() as reasons:
         try:
-            # fmpy leaves the unpacked files behind when a call fails
+            # fmpy does not remove the unpacked files when a call fails
             with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
                 fmpy.extract(str(path), folder)
                 instance = loaded(description, folder)
@@ -84,7 +85,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
                 )
                 instance.freeInstance()
         except Exception as error:  # fmpy's exceptions have no common class
-            # the first message counts: an importer may continue after it up to the next refusal
+            # the first message is the reason: an importer may continue after it, up to the next refused call
             reason = [*reasons(), str(error)][0]
             raise RunError(f"{path}: {reason}") from None
     return rows
@@ -104,15 +105,18 @@ def listening() -> Iterator[Callable[[], list[str]]]:
 
 
 def _log(*call: Any) -> None:
-    """Collect a message that an FMU sends to its importer, in the calling thread."""
-    # FMI 2.0 has a name in front of these, which FMI 3.0 does not have
+    """Collect a message that an FMU sends to its importer in the calling thread."""
+    # the callback of FMI 2.0 has a name before these three arguments, the callback of FMI 3.0 does not
     status, _category, message = call[-3:]
     if status > WARNING and hasattr(_here, "logged"):
         _here.logged.append(message.decode(errors="replace"))
 
 
 def _heard(record: logging.LogRecord) -> bool:
-    """Collect a message of a slave if this thread runs it; it becomes an error. Else let it be logged."""
+    """Collect a log message of a slave in Python as an error, if this thread runs an FMU.
+
+    Otherwise let the message be logged.
+    """
     said = getattr(_here, "said", None)
     if said is not None:
         said.append(record.getMessage())
@@ -136,7 +140,7 @@ def loaded(description: Any, folder: str) -> Any:
 
 
 def instantiate(fmu: Any) -> None:
-    """Make the instance of a loaded FMU, whose messages go to ``_log``."""
+    """Make the instance of a loaded FMU; the FMU's messages go to ``_log``."""
     from fmpy import fmi2
 
     if isinstance(fmu, fmi2.FMU2Slave | fmi2.FMU2Model):
@@ -148,7 +152,7 @@ def instantiate(fmu: Any) -> None:
 
 
 _ALONE = threading.Lock()
-"""Lets only one of several threads make the callbacks."""
+"""A lock, with which only one of several threads makes the callbacks."""
 
 
 @cache
@@ -164,7 +168,7 @@ def _callbacks() -> Any:
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
-    with suppress(Exception):  # fmpy has no such library for ARM; messages then lack the values
+    with suppress(Exception):  # fmpy has no logger library for ARM; messages then lack their values
         from fmpy.logging import addLoggerProxy
 
         addLoggerProxy(ctypes.byref(callbacks))
@@ -176,9 +180,9 @@ def _in_place(kind: type) -> type:
     """Return a kind of fmpy's instances that loads its library without a change of the working folder.
 
     fmpy's constructor changes the working folder of the whole process, and does not restore it after an
-    error. Its module ``os`` is therefore replaced by one whose ``chdir`` does nothing.
+    error. Its module ``os`` is therefore replaced by an object whose ``chdir`` does nothing.
     """
-    base = kind.__mro__[-2]  # the common base of all of fmpy's kinds
+    base = kind.__mro__[-2]  # the common base class of all kinds of instances in fmpy
     fmpys: Any = base.__init__  # type: ignore[misc]
     still = SimpleNamespace(**{**vars(os), "chdir": lambda _folder: None})
     load = FunctionType(fmpys.__code__, {**fmpys.__globals__, "os": still}, "__init__", fmpys.__defaults__)
@@ -186,7 +190,7 @@ def _in_place(kind: type) -> type:
 
 
 def _place_binaries(binaries: Path, folder: str) -> None:
-    """Put this machine's binaries where fmpy looks for them; on ARM fmpy looks in the folder of x86-64."""
+    """Copy this machine's binaries to the folder where fmpy looks; on ARM this is the folder of x86-64."""
     names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
     for name in names:
         if (binaries / name).is_dir():

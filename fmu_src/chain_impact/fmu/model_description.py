@@ -16,7 +16,7 @@ from chain_impact.variables.units import UNITS, in_order, unit_of
 from chain_impact.variables.variable import Variable
 
 TOKEN = {2: "guid", 3: "instantiationToken"}
-"""Version of FMI → the attribute of the root that identifies the FMU."""
+"""Version of FMI → name of the root's attribute that identifies the FMU."""
 CAPABILITIES = {
     2: {
         "needsExecutionTool": "false",
@@ -38,8 +38,8 @@ CAPABILITIES = {
     },
 }
 TYPES = {"real": "Float64", "integer": "Int64", "enumeration": "Enumeration"}
-"""Our type → the type of FMI 3.0."""
-# the earliest date that a zip can hold, the same for all FMUs: equal scenes make equal FMUs
+"""Type of a variable here → type in FMI 3.0."""
+# the earliest date that a zip can store; it is the same for all FMUs, so that equal scenes give equal FMUs
 DATE = "1980-01-01T00:00:00Z"
 LOG_CATEGORIES = {
     "logStatusWarning": "Warnings",
@@ -51,11 +51,11 @@ LOG_CATEGORIES = {
 
 
 def model_description(model: Model, tool: str, fmi: int, **capabilities: str) -> Element:
-    """Return the model description, with the start values of the model's instance and an empty token.
+    """Return the model description, with the start values of the model's instance and without its GUID.
 
     Value references are positions in ``model.variables``; in FMI 3.0 the reference of the time and the
     references of ``array_variables(model)`` follow. ``tool`` is the program that makes the FMU;
-    ``capabilities`` are attributes of CoSimulation in place of the usual ones.
+    ``capabilities`` replace the usual attributes of CoSimulation.
     """
     root = Element(
         "fmiModelDescription", {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **about(model.scene, tool)}
@@ -71,7 +71,7 @@ def model_description(model: Model, tool: str, fmi: int, **capabilities: str) ->
 
 
 def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
-    """Add the types of real numbers and of choices; FMI 2.0 wraps them into a SimpleType."""
+    """Add the types of real numbers and of choices; FMI 2.0 puts each into a SimpleType."""
     types, second = SubElement(root, "TypeDefinitions"), fmi == 2  # noqa: PLR2004
     for name, attributes in quantities(variables).items():
         if second:
@@ -88,7 +88,7 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
 
 
 def _add_variables_2(root: Element, model: Model) -> None:
-    """Add the variables, and the outputs that depend on inputs; their positions count from 1."""
+    """Add the variables, and the outputs that depend on inputs, for FMI 2.0; positions count from 1."""
     variables, nodes = model.variables, SubElement(root, "ModelVariables")
     indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
     for reference, (variable, value) in enumerate(zip(variables, values_of(model), strict=True)):
@@ -104,7 +104,7 @@ def _add_variables_2(root: Element, model: Model) -> None:
 
 
 def _add_variables_3(root: Element, model: Model) -> None:
-    """Add the variables, the time and the arrays, and the outputs that depend on inputs."""
+    """Add the variables, the time, the arrays, and the outputs that depend on inputs, for FMI 3.0."""
     variables, arrays, values = model.variables, array_variables(model), values_of(model)
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
     references = {variable.place: reference for reference, variable in enumerate(variables)}
@@ -139,10 +139,9 @@ def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: 
 
 
 def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
-    """Return the number of each output, and the numbers of the inputs that act on it at once.
+    """Return the number of each output, and the numbers of the inputs that act on it directly.
 
-    At the start an output depends on all values that are known then, which FMI assumes where no list is
-    given.
+    At the start an output depends on all known values; FMI assumes this if there is no list.
     """
     inputs = " ".join(str(number) for number, variable in numbered if variable.causality == "input")
     return [
@@ -158,8 +157,8 @@ def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, s
 def about(scene: Scene, tool: str) -> dict[str, str]:
     """Return the attributes of the root, without the GUID and the version of FMI.
 
-    ``tool`` is the program that makes the FMU. Author, version, copyright and license of the model are in the
-    scene.
+    ``tool`` is the program that makes the FMU. Author, version, copyright and license of the model come from
+    the scene.
     """
     said = {name: getattr(scene, name) for name in ("author", "version", "copyright", "license")}
     return {
@@ -184,7 +183,7 @@ def add_units(root: Element, variables: Sequence[Variable]) -> None:
 
 
 def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
-    """Return the types of real numbers: name → attributes."""
+    """Return the types of real numbers as a dict: name → attributes."""
     used, types = {variable.unit for variable in variables}, {}
     for name in in_order(used):
         quantity = unit_of(name).quantity
@@ -220,7 +219,7 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
 
 
 def values_of(model: Model) -> list[dict[str, str]]:
-    """Return the attributes of the value of each variable: type, unit, range, start and nominal value."""
+    """Return the attributes for each variable's value: type, unit, range, start and nominal value."""
     nominal, found = nominal_values(model.scene), []
     for variable in model.variables:
         value = {}
@@ -230,8 +229,8 @@ def values_of(model: Model) -> list[dict[str, str]]:
                 value["nominal"] = repr(nominal[variable.kind.nominal])
         elif variable.items:
             value = {"declaredType": type_name(variable)}
-        # an open limit is written as a closed one, the only kind in FMI; the FMU still refuses the limit
-        # itself
+        # FMI has closed limits only, so an open limit is written as a closed limit; the FMU still refuses the
+        # limit itself
         low = variable.above if variable.minimum is None else variable.minimum
         limits = {"min": low, "max": variable.maximum}
         value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
@@ -242,7 +241,7 @@ def values_of(model: Model) -> list[dict[str, str]]:
 
 
 def rate_of(variable: Variable) -> Place | None:
-    """Return the place of the variable whose derivative this one is, if any."""
+    """Return the place of the variable whose derivative ``variable`` is, if there is one."""
     record, field, *index = variable.place
     if field == variable.kind.rate_of == "signal":
         return (*variable.place[:-1], int(index[-1]) - 1)
@@ -250,7 +249,7 @@ def rate_of(variable: Variable) -> Place | None:
 
 
 def nominal_values(scene: Scene) -> dict[str, float]:
-    """Return magnitudes of the outputs, by the names in the table of variables.
+    """Return the usual magnitudes of the outputs, by the names in the table of variables.
 
     Magnitudes of the motion are the absolute scales of the solver (``model.size``, ``model.energy``): the
     longest link L, L in a second, and M L²/s² for the whole mass M. Magnitudes of contacts follow from a
@@ -276,7 +275,7 @@ def _depth(stiffness: float, n: float, energy: float) -> float:
 
 
 def type_name(variable: Variable) -> str:
-    """Return the name of an enumeration's type: ContactModel for contact.model."""
+    """Return the name of an enumeration's type, for example ContactModel for contact.model."""
     return "".join(part.capitalize() for part in variable.name.split("."))
 
 
@@ -287,9 +286,8 @@ class Array(NamedTuple):
     """An array whose elements are also scalar variables.
 
     Attributes:
-        variable: the array as a variable; its place is the place of the first element.
-        shape: one size for each dimension; the elements are one after the other in the record, the last
-            index changing first.
+        variable: the array as a variable, with the place of the first element.
+        shape: one size for each dimension; successive elements in the record differ in the last index first.
     """
 
     variable: Variable

@@ -1,4 +1,4 @@
-"""A native FMU: the kernel's library is the binary, and a table describes the scene to the C interface."""
+"""A native FMU: its binary is the kernel's library, and a table describes the scene to the C interface."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def native_files(model: Model, kernels: Mapping[str, Path], fmi: int) -> dict[st
         kernels: platform → library.
         fmi: the version of FMI, 2 or 3.
     """
-    # the package has no version yet where its wheel is built
+    # the package has no version yet while its wheel is built
     tool, further = f"chain-impact {version('chain-impact')}", list[tuple[list[Any], int]]()
     if fmi == 2:  # noqa: PLR2004
         description = model_description(model, tool, 2, canNotUseMemoryManagementFunctions="false")

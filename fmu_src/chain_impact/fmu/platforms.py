@@ -1,4 +1,4 @@
-"""The platforms that an FMU has binaries for, and the file that an importer loads on this machine."""
+"""The platforms for which an FMU has binaries, and the file that an importer loads on this machine."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from chain_impact.system import HOST, PLATFORMS
 
 
 def platforms_of(path: str | Path) -> list[str]:
-    """Return the platforms that an FMU has binaries for.
+    """Return the platforms for which an FMU has binaries.
 
-    Known platforms are named as in ``--platform``, others by their folder.
+    Known platforms have their names in ``--platform``, other platforms the names of their folders.
     """
     ours = {one.fmi3: name for name, one in PLATFORMS.items()}
     with zipfile.ZipFile(path) as fmu:
@@ -27,7 +27,7 @@ def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple
     Args:
         identifier: the attribute ``modelIdentifier``.
         names: the files and folders in the FMU.
-        second: whether the FMU is of FMI 2.0, in which the folders have other names than in FMI 3.0.
+        second: whether the FMU is of FMI 2.0, where the folders have other names than in FMI 3.0.
     """
     platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
     platforms = platforms if second else platforms[::-1]
@@ -47,6 +47,6 @@ def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple
 
 
 def _folders(names: Collection[str]) -> list[str]:
-    """Return the folders of binaries that contain files."""
+    """Return the folders of binaries that contain any files."""
     found = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
     return sorted({file[1] for file in found if file})

@@ -21,9 +21,9 @@ from {slave} import ChainImpact
 # pythonfmu 0.7.0 gives these names back once for every instance without having taken them
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 """
-"""The script that pythonfmu's wrapper executes anew for every instance; it then keeps its code and its names.
+"""The script that pythonfmu's wrapper executes for every new instance; the wrapper keeps its code and names.
 
-So it does no more than import the slave, which Python does once in a process.
+So the script only imports the slave, which Python does once in a process.
 """
 
 
@@ -40,13 +40,14 @@ def pythonfmu_files(model: Model, kernels: Mapping[str, Path]) -> dict[str, byte
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
     files = described(files, model, description := model_description(model, tool, 2), 2)
-    # both modules have the GUID in their names, because a process may hold several FMUs and imports by name
+    # both modules have the GUID in their names, because a process imports modules by name and may load
+    # several FMUs
     guid = description.attrib["guid"]
     script = f"chain_impact_{guid.replace('-', '')[:16]}"
     modules = {
         f"resources/{script}.py": SCRIPT.format(slave=f"{script}_slave").encode(),
         f"resources/{script}_slave.py": sources["slave"],
-        # the script that the wrapper executes, and data for the slave, as some importers unpack no
+        # the script for the wrapper, and data for the slave, because some importers do not unpack the
         # description
         "resources/slavemodule.txt": "\n".join((script, model.scene.name, guid)).encode(),
     }
@@ -54,14 +55,14 @@ def pythonfmu_files(model: Model, kernels: Mapping[str, Path]) -> dict[str, byte
 
 
 def slave_source() -> bytes:
-    """Return the slave's source: beside this file if the package is installed, else in the repository."""
+    """Return the source of the slave, from the installed package or from the repository."""
     packaged = Path(__file__).with_name("slave.py")
     return (packaged if packaged.is_file() else Path(__file__).parents[2] / "slave.py").read_bytes()
 
 
 def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
-    """Return pythonfmu's modules, and its wrappers as the binaries of an FMU with a name."""
-    # the installed package: the path of the loaded module leads into an FMU if this process has run one
+    """Return pythonfmu's modules, and pythonfmu's wrappers as the binaries of an FMU with a name."""
+    # the installed package, because the loaded module may belong to an FMU that this process has run
     folder = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
     files = {f"resources/pythonfmu/{module.name}": module for module in folder.glob("*.py")}
     for platform in platforms:

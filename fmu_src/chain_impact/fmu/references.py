@@ -1,8 +1,8 @@
 """Reference results inside the FMU: a table of correct outputs with tolerances, to check an importer.
 
-The file is CSV. Its first row has names: ``time``, the inputs, the outputs. Its second row begins with the
-word ``tolerance`` and gives the tolerance of each output. Then there is a row for each communication point.
-An input acts from its row to the next; an output is empty where it is not to be compared.
+The file is CSV. The first row has names: ``time``, the inputs, the outputs. The second row begins with the
+word ``tolerance`` and gives the tolerance of each output. Each further row belongs to a communication point.
+An input acts from its row to the next row. An empty cell means that the output is not compared at this time.
 """
 
 from __future__ import annotations
@@ -30,18 +30,21 @@ from chain_impact.variables.model import Model
 FILE = "resources/chain_impact_reference.csv"
 EXACT = 1e-12  # solver tolerance of the reference run
 ROWS = 100  # approximate number of communication steps in the scene's time
-SHORTER = 10  # divisor of the scene's time: the shorter time is tried when longer results cannot be relied on
-# A chain amplifies an error with each impact. The table ends where a run at the scene's own tolerance differs
-# from the reference by more than LARGEST, or than the tolerance, times the largest value of a unit. A user's
-# result may differ MARGIN times as much as that run did until there, and at least by LEAST times that value.
+# divisor of the scene's time: a shorter time, which is tried if results over the longer time are not reliable
+SHORTER = 10
+# A chain amplifies an error with each impact. So the table ends where a run at the scene's own tolerance
+# differs from the reference by more than max(LARGEST, tolerance). The allowed error of a user's result is
+# MARGIN times the difference of that run up to there, and at least LEAST. All are over the largest value of
+# each unit.
 LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
-# distance from the onset or end of a contact below which nothing is compared, as a part of a step
+# the least distance of a compared time from the onset or end of a contact, over the step
 CLOSE = 1e-4
-# number of evaluations of the equations of motion times links, beyond which no reference is made: 0.2 s
+# the largest number of evaluations, times links, that a reference run may take; this is about 0.2 s
 MOST_WORK = 2_000_000
-SWING = 0.1  # amplitude of the inputs as a part of the motion's magnitudes
-MOVED = 0.01  # amplitude of a moving base or wall as a part of the motion's magnitudes
-# smallest number of rows (the start alone is no simulation); number of digits of a result
+SWING = 0.1  # amplitude of the inputs over the magnitudes of the motion
+MOVED = 0.01  # amplitude of a moving base or wall over the magnitudes of the motion
+# FEWEST: the smallest number of rows, because the start alone is not a simulation. DIGITS: the number of
+# digits of a result.
 FEWEST, DIGITS = 2, 12
 
 
@@ -50,7 +53,7 @@ class Reference(NamedTuple):
 
     Attributes:
         inputs: name of an input → its values, each from one communication point to the next, shape (T,).
-        outputs: names of M of the FMU's outputs.
+        outputs: the names of the M compared outputs.
         tolerances: the allowed errors of these outputs, shape (M,).
         times: communication points, equally spaced, shape (T,) [s].
         values: the outputs, shape (T, M); rows of NaN are not to be compared.
@@ -64,7 +67,7 @@ class Reference(NamedTuple):
 
 
 def reference_files(model: Model) -> dict[str, bytes]:
-    """Return the file by its name in the FMU; nothing if the results are reliable for no time."""
+    """Return the reference file by its path in the FMU; an empty dict if no results are reliable."""
     try:
         found = reference(model)
     except SimulationError as error:
@@ -84,12 +87,12 @@ def reference_files(model: Model) -> dict[str, bytes]:
 
 
 def reference(model: Model) -> Reference:
-    """Simulate a scene at a tolerance of 1e-12 and at its own, as long as both runs agree.
+    """Simulate a scene at a tolerance of 1e-12 and at its own, up to the time at which the runs differ.
 
-    If they agree over a small part of the scene's time only, the part is simulated in shorter steps.
+    If the runs agree only over a small part of the scene's time, this part is simulated with shorter steps.
 
     Raises:
-        SimulationError: when the chain cannot start, or take the first step.
+        SimulationError: when the chain cannot start, or cannot take the first step.
     """
     stop, shortest = model.scene.simulation.stop_time, model.scene.simulation.step_size
     while True:
@@ -102,7 +105,7 @@ def reference(model: Model) -> Reference:
 
 
 def _compared(model: Model, times: np.ndarray) -> Reference:
-    """Return the reference at some communication points [s], which are equally spaced from 0."""
+    """Return the reference at some communication points [s], equally spaced from 0."""
     ends = {f"point[{k}].{axis}" for k in (0, model.sizes.links) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, model.sizes.links)}
     # a few outputs that together depend on the whole motion
@@ -144,7 +147,7 @@ def _compared(model: Model, times: np.ndarray) -> Reference:
 def _run(
     scene: Scene, times: np.ndarray, inputs: dict[str, np.ndarray], names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return outputs at some times, as far as the chain comes with limited work, and the impacts.
+    """Return the outputs at the times that the chain reaches with limited work, and the impacts.
 
     Raises:
         SimulationError: when the first step cannot be taken.
@@ -165,15 +168,15 @@ def _run(
 
 
 def _inputs(model: Model, times: np.ndarray) -> dict[str, np.ndarray]:
-    """Return a sine of its own frequency for each input, so that a mix-up of inputs would show.
+    """Return a sine with a different frequency for each input, so that exchanged inputs would be noticed.
 
     Velocity and acceleration of a moving base or wall are the derivatives of the position. The values are
-    rounded as in the file, because even a tiny change of a value counts as a new value.
+    rounded as in the file, because even a tiny difference counts as a new value.
     """
     nominal, count = nominal_values(model.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    torque = SWING * nominal["energy"] / model.sizes.links  # of M L²/s², shared by the links
+    torque = SWING * nominal["energy"] / model.sizes.links  # a share for each link of the energy M L²/s²
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, one in enumerate(model.inputs):
@@ -194,7 +197,7 @@ def _inputs(model: Model, times: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _agreed_until(exact: np.ndarray, own: np.ndarray, close: float) -> float:
-    """Return the time [s] until which all onsets of two runs agree within ``close`` [s]."""
+    """Return the time [s] up to which all onsets of two runs agree within ``close`` [s]."""
     count = min(len(exact), len(own))
     first = int(np.argmax(np.append(np.abs(exact[:count] - own[:count]) > close, True)))
     return float(min([math.inf, *exact[first:], *own[first:]]))
@@ -204,9 +207,9 @@ def _agreed_until(exact: np.ndarray, own: np.ndarray, close: float) -> float:
 
 
 def check_references(path: Path) -> tuple[bool, str] | None:
-    """Simulate an FMU with fmpy and compare it with its reference results.
+    """Simulate an FMU with fmpy, and compare the results with the FMU's reference results.
 
-    Return whether it passed, and a line of text; None if the FMU has no reference results.
+    Returns whether the FMU passed, and a line of text; None if the FMU has no reference results.
     """
     with zipfile.ZipFile(path) as fmu:
         if FILE not in fmu.namelist():
@@ -243,7 +246,7 @@ def check_references(path: Path) -> tuple[bool, str] | None:
         )
     except RunError as error:
         return (False, f"cannot be simulated: {error}")
-    # in this form the comparison fails for a NaN of the FMU
+    # written so that the comparison also fails for a NaN of the FMU
     errors = {
         name: np.abs(np.interp(time, found["time"], found[name].astype(float)) - columns[name])
         for name in outputs

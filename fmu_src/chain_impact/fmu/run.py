@@ -29,9 +29,9 @@ from chain_impact.simulation.simulate import check_size
 from chain_impact.variables.variable import UNLESS_SET
 
 NAMED = re.compile(r"point (\d+) \((\w+)\)")
-"""The number and the name of a point, at the start of a variable's description."""
+"""Regular expression for the number and the name of a point at the start of a variable's description."""
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
-"""Values that can be set for one run of an FMU besides its parameters."""
+"""Values, in addition to parameters, that can be set for one run of an FMU."""
 
 
 def record_fmu(
@@ -44,15 +44,15 @@ def record_fmu(
 
     Args:
         path: the FMU.
-        settings: name → value, or its text. A name is a parameter, or ``simulation.stop_time`` or
+        settings: name → value, or the text of a value. A name is a parameter, or ``simulation.stop_time`` or
             ``simulation.step_size`` to replace the default experiment. A contact law or a solver method is
             given by its name or number.
-        progress: called with the fraction done, if given.
-        inputs: the file of a table of inputs, and how its rows are joined: ``hold``, the default, or
+        progress: called with the finished fraction, 0 to 1, if given.
+        inputs: the file of a table of inputs, and the interpolation of its rows: ``hold``, the default, or
             ``linear``. An FMU gets its inputs at communication points only.
 
     Raises:
-        SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
+        SceneError: when the file is not an FMU of a chain, a name is unknown or a value is not a number.
         RunError: when the FMU reports a fault.
     """
     path, show = Path(path), progress or silent
@@ -108,7 +108,7 @@ def record_fmu(
         )
         return replace(found, stick_slip=phases_from(found.time, found.touches, names))
 
-    recorders: list[Any] = []  # fmpy's recorder, after the first step
+    recorders: list[Any] = []  # the recorder of fmpy, which exists after the first step
 
     def step_finished(time: float, recorder: Any) -> bool:
         recorders[:] = [recorder]
@@ -137,7 +137,7 @@ def _signals(
 ) -> np.ndarray:
     """Return the table of inputs in fmpy's form.
 
-    fmpy joins rows by straight lines, so a step takes two rows at the same time.
+    fmpy joins rows by straight lines, so a jump takes two rows at the same time.
     """
     if interpolation == "spline":
         raise SceneError(

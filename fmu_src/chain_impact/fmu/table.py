@@ -1,4 +1,4 @@
-"""The data that an FMU's C interface needs of its model: the table resources/model.bin, and the GUID."""
+"""The data about the model that the C interface of an FMU needs: the table resources/model.bin."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 Rows = Sequence[tuple[list[Any], int]]
-"""Rows of variables, each with the number of the variable's values."""
+"""Rows of variables, each with the variable's number of values."""
 
 
 def described(
@@ -34,9 +34,9 @@ def described(
     """Add the model description and the table to the files of an FMU.
 
     Args:
-        files: the other files of the FMU from which its results follow.
+        files: the other files of the FMU on which its results depend.
         model: the model that the FMU simulates.
-        description: the model description, which gets the GUID that follows from all these files.
+        description: the model description, to which the GUID of all these files is added.
         fmi: the version of FMI.
         further: variables that only FMI 3.0 has.
     """
@@ -57,9 +57,9 @@ def _guid_of(contents: Iterable[bytes]) -> str:
 
 
 def packed(model: Model, guid: str, further: Rows) -> bytes:
-    """Return the table with its GUID, and the record with the start values, as the C interface reads them.
+    """Return the table with its GUID, and the record with the start values, in the form for the C interface.
 
-    The layout is given by the structures in compilation/c_interface/common/instance.h.
+    The structures in compilation/c_interface/common/instance.h define the layout.
     """
     texts, record = bytearray(), model.start.tobytes()
     variables = [*((model.table_row(variable), 1) for variable in model.variables), *further]
@@ -93,7 +93,7 @@ def packed(model: Model, guid: str, further: Rows) -> bytes:
 
 
 def _words(model: Model) -> list[int]:
-    """Return the words of the record that the C interface itself reads and writes; 0 for missing ones."""
+    """Return the indices of the words of the record that the C interface itself uses; 0 for missing words."""
     places: list[Place] = [
         ("step", "time"),
         ("given", "changed"),

@@ -1,9 +1,10 @@
-"""A test run of an FMU's binary, in a process of its own.
+"""A test run of an FMU's binary in a separate process.
 
-``python -m chain_impact.fmu.trial FMU REPORT BINARY`` runs it.
+The command is ``python -m chain_impact.fmu.trial FMU REPORT BINARY``.
 
-The report is a file, because an FMU may print any text. It has a line of JSON for each call before the call,
-for each finding and for the reference results, so that a reader knows in which call the process ended.
+The report is a file, because an FMU may print any text. Before each call the program writes a line of JSON,
+so that a reader knows in which call the process ended. Other lines are for findings and for the reference
+results.
 """
 
 from __future__ import annotations
@@ -25,22 +26,22 @@ from chain_impact.fmu.importer import instantiate, listening, loaded
 from chain_impact.fmu.references import FILE, check_references
 
 T = TypeVar("T")
-# relative difference of values that counts as equal: a start value may be written with six digits
+# the largest relative difference of values that count as equal: a start value may be written with six digits
 CLOSE = 1e-6
 TINY = 1e-12
-SAID = 300  # number of characters of an FMU's message that are shown
+SAID = 300  # the largest number of characters that are shown of an FMU's message
 SILENT = "it does not say why; its binary may be made for another GUID or token, or for other resources"
 
 
 class CallError(Exception):
-    """A failed call of the FMU, after which no other call is made."""
+    """Raised when a call of the FMU fails; no other call is made afterwards."""
 
 
 class Trial:
-    """The calls of an FMU, one after the other."""
+    """The test calls of an FMU, one after the other."""
 
     def __init__(self, path: Path, folder: str, binary: str, tell: Callable[..., None]) -> None:
-        """Unpack the FMU and read its description."""
+        """Unpack the FMU and read its model description."""
         import fmpy
 
         fmpy.extract(str(path), folder)
@@ -75,7 +76,7 @@ class Trial:
         self.call("FreeInstance", "", self.fmu.freeInstance)
 
     def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
-        """Call the FMU; ``without`` names the missing result in an error."""
+        """Call the FMU; an error says what the importer gets ``without`` the call."""
         name = name if " " in name else f"fmi{2 if self.second else 3}{name}"
         self.tell(call=name)
         before = len(self.reasons())
@@ -88,14 +89,14 @@ class Trial:
             raise CallError(f"{name} {result}: {' '.join(said[0].split())[:SAID]}") from None
 
     def step_size(self) -> float:
-        """Return a step size that the FMU should accept [s]."""
+        """Return a step size [s] that the FMU should accept."""
         experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
         fixed = _number(stepper, "fixedInternalStepSize", 0.0)
         length = _number(experiment, "stopTime", 1.0) - _number(experiment, "startTime", 0.0)
         return fixed or _number(experiment, "stepSize", 0.0) or max(length, 0.0) / 500 or 1e-3
 
     def found(self, text: str, variable: Variable | None = None, attribute: str = "") -> None:
-        """Report a finding."""
+        """Write a finding to the report."""
         if variable:
             self.tell(finding=asdict(Finding(text, DESCRIPTION, variable.name, attribute)))
         else:
@@ -162,7 +163,7 @@ class Trial:
         self.call("FreeFMUState", "", self.fmu.freeFMUState, state)
 
     def restored(self, how: str, state: Any, time: float, step: float) -> None:
-        """Take a step, restore a state and step again: the values must be the same."""
+        """Take a step, restore a state and repeat the step: the values must be the same."""
         self.step(time, step)
         first = self.values()
         self.call("SetFMUState", "", self.fmu.setFMUState, state)
@@ -175,7 +176,7 @@ class Trial:
                     f"same step from the restored state ({how})",
                     one,
                 )
-                return  # one finding is enough, the others follow from it
+                return  # one finding is enough, because the others have the same cause
 
     def step(self, time: float, step: float) -> None:
         """Take a step."""
@@ -183,7 +184,7 @@ class Trial:
 
 
 def _number(holder: Any, name: str, otherwise: float) -> float:
-    """Return a number of a description, or another number if it is missing or invalid."""
+    """Return a number of a description; ``otherwise`` if the number is missing or invalid."""
     try:
         number = float(getattr(holder, name, None) or otherwise)
     except ValueError:
@@ -207,7 +208,7 @@ def _text(value: Value) -> str:
 
 
 def main() -> None:
-    """Test the FMU that the command line names."""
+    """Test the FMU that the command line gives."""
     path, binary = Path(sys.argv[1]), sys.argv[3]
     with Path(sys.argv[2]).open("w", encoding="utf-8") as report:
         findings = 0
@@ -222,7 +223,7 @@ def main() -> None:
                 Trial(path, folder, binary, tell).run(reasons)
             except CallError as error:
                 tell(finding=asdict(Finding(str(error), binary)))
-        # the reference run is skipped after a finding, which needs no further proof
+        # the reference run is skipped after a finding, because the FMU has already failed
         if not findings and "--references" in sys.argv:
             tell(call="the run with the reference results")
             passed, text = check_references(path) or (None, "")
@@ -231,7 +232,7 @@ def main() -> None:
             elif text:
                 tell(finding=asdict(Finding(text, FILE)))
         tell(call=COMPLETE)
-    os._exit(0)  # ends at once: the FMU's behaviour at the end of a process is not tested
+    os._exit(0)  # ends at once: the behaviour of the FMU at the end of a process is not tested
 
 
 if __name__ == "__main__":

@@ -20,17 +20,17 @@ from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
 from chain_impact.fmu.platforms import binary_of
 
 TIMEOUT = 300.0
-"""[s] default time limit for the binary of an FMU."""
+"""[s] default time limit for a run of an FMU's binary."""
 _UNTRIED = "ScheduledExecution"
 
 
 @dataclass(frozen=True, slots=True)
 class Validation:
-    """The result of a validation.
+    """The findings of a validation.
 
     Attributes:
         findings: the faults.
-        notes: checks that passed, and checks that were left out.
+        notes: sentences on checks that passed, and on checks that were not made.
     """
 
     findings: Sequence[Finding]
@@ -38,15 +38,15 @@ class Validation:
 
 
 def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Validation:
-    """Check an FMU and run it in a process of its own, which may crash or hang.
+    """Check an FMU, and run it in a separate process, because the FMU may crash or hang.
 
     Args:
-        path: the FMU, for co-simulation or model exchange, of FMI 2.0 or 3.0, of any tool.
-        timeout: how long its binary may run [s].
+        path: an FMU of any tool, for co-simulation or model exchange, of FMI 2.0 or 3.0.
+        timeout: how long the binary may run [s].
 
     Raises:
         OSError: when the file cannot be read.
-        zipfile.BadZipFile: when the file is no zip.
+        zipfile.BadZipFile: when the file is not a zip.
     """
     path = Path(path)
     findings = description_findings(path)
@@ -68,7 +68,7 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
 
 
 def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
-    """Run the binary in a process of its own."""
+    """Run the binary in a separate process; return the findings and notes."""
     with tempfile.TemporaryDirectory(prefix="chain-impact-", ignore_cleanup_errors=True) as folder:
         report, errors = Path(folder, "report"), Path(folder, "errors")
         command = [sys.executable, "-P", "-m", "chain_impact.fmu.trial", str(path), str(report), binary]
@@ -78,7 +78,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=stream,
-                # the temporary folder takes the files that a crash leaves behind
+                # files that a crash leaves behind stay in the temporary folder, which is removed
                 env={**os.environ, "TMPDIR": folder, "TEMP": folder},
             )
             try:
@@ -91,7 +91,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 process.wait()
         lines: list[dict[str, Any]] = []
         if report.is_file():
-            # a process that was stopped may leave an incomplete line
+            # a process that was killed may leave an incomplete line
             whole = report.read_text(encoding="utf-8").rpartition("\n")[0]
             lines = [json.loads(line) for line in whole.splitlines()]
     findings = [Finding(**line["finding"]) for line in lines if "finding" in line]
@@ -102,7 +102,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
 
 
 def _end(code: int, said: str) -> str:
-    """Return how a process ended, in words."""
+    """Return words for how a process ended."""
     if code < 0:
         return f"crashes the process: {signal.Signals(-code).name}"
     last = said.strip().splitlines()[-1:]

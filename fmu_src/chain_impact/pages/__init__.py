@@ -1,1 +1,1 @@
-"""Pages for a browser: one that shows a recording, and one that simulates."""
+"""Pages for a browser: a page that shows a recording, and a page that simulates."""

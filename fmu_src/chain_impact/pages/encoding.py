@@ -1,4 +1,4 @@
-"""Bytes as text, which a page can hold."""
+"""Bytes as text, for pages."""
 
 import base64
 

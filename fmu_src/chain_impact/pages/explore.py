@@ -1,4 +1,4 @@
-"""The page that simulates a scene in the browser: one file, with the compiled kernel in it."""
+"""The page that simulates a scene in the browser: one file that contains the compiled kernel."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, s
 from chain_impact.system import written_whole
 
 WORKER = ("kernel", "pacing", "room", "view", "frames", "bodies", "motion", "worker")
-"""The modules of the worker, each after the modules that it imports."""
+"""The modules of the page's worker; each comes after the modules that it imports."""
 MODULES = (
     *PLAYER,
     *(
@@ -45,30 +45,30 @@ MODULES = (
 )
 """The modules of the page."""
 TOML = "vendor/smol-toml.cjs"
-"""The library that reads scene files."""
+"""The library with which the page reads scene files."""
 UNNAMED = "scene.toml"
-"""The name of a scene that no file was loaded for, in the command on the page."""
+"""The name, in the page's command, of a scene that was not loaded from a file."""
 
 
 def explore(
     scene: SceneSource, path: Path | str | None = None, *, command: Sequence[str] | None = None
 ) -> InlinePage | None:
-    """Write or return a page that simulates a scene, with parameters that the reader of the page chooses.
+    """Write or return a page that simulates a scene; the reader of the page can change parameters.
 
-    The page contains the compiled kernel, and gives the numbers of ``simulate``. It is one file, which needs
-    nothing else. The reader can change all parameters, and add or remove links, points, walls and stops.
-    Inputs without a signal are constant; a base and walls without a signal keep their places.
+    The page contains the compiled kernel, and gives the numbers of ``simulate``. The page is one file that
+    needs no other file. The reader can change all parameters, and add or remove links, points, walls and
+    stops. Inputs without a signal are constant; a base and walls without a signal do not move.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.
-        path: the file to write, for a browser; without it the page is returned, which a notebook shows.
+        path: the file to write, for a browser; without a path the page is returned, for a notebook.
         command: the words after ``chain-impact simulate`` in the page's command that repeats a motion; by
             default the source of the scene, or the name of a model that is equal to it.
 
     Raises:
         SceneError: when the scene cannot be read.
-        BuildError: when the kernel for browsers must be compiled and cannot be. An installed package contains
-            it, except for a scene with a contact law of your own.
+        BuildError: when the kernel for browsers must be compiled, and this fails. An installed package
+            contains this kernel, except for a scene with a user's contact law.
         OSError: when the file cannot be written.
     """
     known = [_source(scene)] if command is None else list(command)
@@ -83,10 +83,10 @@ def explore(
 def page(scene: Scene, command: Sequence[str]) -> str:
     """Return the page's HTML for a scene.
 
-    ``command`` has the words after ``chain-impact simulate`` in the page's command.
+    ``command`` contains the words after ``chain-impact simulate`` in the page's command.
 
     Raises:
-        BuildError: when the module for a browser must be compiled and cannot be.
+        BuildError: when the module for a browser must be compiled, and this fails.
     """
     module = browser_module(scene.contact.law_file).read_bytes()
     return assembled(
@@ -101,16 +101,16 @@ def page(scene: Scene, command: Sequence[str]) -> str:
 
 
 def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
-    """Return the data from which the page makes a scene: the contents of its file, and common tables."""
+    """Return the data from which the page makes a scene: the contents of its file, and tables of numbers."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():
-        if "file" in signal:  # without the folders of this machine
+        if "file" in signal:  # the name of the file without folders of this machine
             signal["file"] = Path(signal["file"]).name
     return {"file": file, "kit": kit(scene), "command": list(command)}
 
 
 def packed(content: bytes) -> str:
-    """Return bytes as text for a page: compressed, as a browser can undo it."""
+    """Return compressed bytes as text for a page; a browser can decompress them."""
     compressor = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
     return encoded(compressor.compress(content) + compressor.flush())
 

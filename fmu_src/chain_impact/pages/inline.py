@@ -1,11 +1,11 @@
-"""A page for a browser within a notebook."""
+"""A page that a notebook shows inside a cell."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from html import escape
 
-HEIGHT = 640  # pixels
+HEIGHT = 640  # [pixels] height of the frame
 
 
 @dataclass(frozen=True)
@@ -13,12 +13,12 @@ class InlinePage:
     """A page that a notebook shows as the value of a cell.
 
     Attributes:
-        html: the whole page, which needs nothing else.
+        html: the whole page, which needs no other file.
     """
 
     html: str = field(repr=False)
 
     def _repr_html_(self) -> str:
-        """Return the page in a frame of its own."""
+        """Return the page inside a frame."""
         look = f'width="100%" height="{HEIGHT}" style="border:0"'
         return f'<iframe {look} srcdoc="{escape(self.html)}"></iframe>'

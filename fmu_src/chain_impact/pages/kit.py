@@ -1,9 +1,9 @@
-"""Data about all scenes for the page: the keys of a scene file, the variables, and their places in a record.
+"""Data about all scenes for the page: the keys of a scene file, the variables, and their record places.
 
-The reader of the page edits scenes or opens files, so the number of links, walls and stops is open. The
-variables are therefore templates: the rows of the table of variables. The page makes the variables from them,
-as ``variables/listing.py`` does. A place of a word in the record is a list of seven numbers: a + bN + cC + dF
-+ eL + fK + g·index (compilation/affine.py).
+The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
+data therefore contain templates of variables, the rows of the table of variables. The page makes the
+variables from these templates, as ``variables/listing.py`` does. The index of a word in the record is a list
+of seven numbers: a + bN + cC + dF + eL + fK + g·index (compilation/affine.py).
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ from chain_impact.variables.places import WORD, layout_of, word_index
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
 WITH_STOPS = SimpleNamespace(stops=True, links=())
-"""A chain with stops, for the defaults that depend on the chain and on no value."""
+"""A chain with stops, with which defaults are evaluated that depend on the chain but not on a value."""
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
-"""The words of an element in the texts of parameters and inputs; the page fills them in."""
+"""The words of an element in the texts of parameters and inputs, which the page fills in."""
 LONGEST = 1e9
-"""s, the longest time of a run"""
+"""[s] the longest time of a run"""
 PLACES: dict[str, Place] = {
     **{name: (name,) for name in (*COUNTS, "skewed", "slides")},
     "site_link": ("site", "link", AT),
@@ -64,7 +64,7 @@ PLACES: dict[str, Place] = {
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(DEGREE + 1)},
 }
-"""The words of a record that are no parameters and depend on the scene."""
+"""The words of a record that are not parameters and depend on the scene."""
 
 PEAKS = {
     "peak_force": "force",
@@ -72,11 +72,14 @@ PEAKS = {
     "stop.peak_moment": "moment",
     "stop.max_penetration": "rotation",
 }
-"""Name of a largest quantity of the run, as in a sweep → its place among ``peaks`` in the record."""
+"""Name of a largest quantity of the run, as in a sweep → its path in ``peaks`` of the record."""
 
 
 def kit(scene: Scene) -> dict[str, Any]:
-    """Return all data about scenes, as JSON can hold them, for the contact laws of a scene."""
+    """Return all data about scenes that the page needs, for the contact laws of a scene.
+
+    JSON can hold them.
+    """
     choices = choices_of(scene)
     inputs = [block for block in INPUTS if block.kinds[0].place[0] != MOTION]
     return {
@@ -109,7 +112,7 @@ def _keys(table: Any) -> dict[str, Any]:
 
 
 def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rule for a key: a table, tables in a list or by name, a list, or a value."""
+    """Return the rule for a key: of a table, of tables in a list or by name, of a list, or of a value."""
     inner = entry_type(kind := without_none(kind))
     if is_dataclass(inner):
         kinds = {tuple: "tables", Mapping: "named"}
@@ -131,7 +134,7 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         }
     default = rule["default"]
     if isinstance(default, Derived):
-        # a value derived from no other one is a number that stops have, or a zero for each link
+        # such a value is a constant that only exists with stops, or a zero for each link
         given = default.value({"chain": WITH_STOPS}) if default.constant else None
         return found | ({"ofStops": given} if isinstance(given, float) else {})
     return found | ({"needed": rule["description"]} if default is MISSING else {"default": default})
@@ -147,7 +150,7 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
-    """Return the kinds of variables of a block, for each element that the block belongs to."""
+    """Return the kinds of variables of a block, for each kind of element of the block."""
     return {"of": block.of, "rows": [row(kind) for kind in block.kinds]}
 
 
@@ -166,7 +169,7 @@ def _output(kind: Kind) -> dict[str, Any]:
 
 
 def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
-    """Return a parameter or an input: its words, its range and what it means."""
+    """Return the data of a parameter or an input: its words, its range and its meaning."""
     items, rule = choices.get(kind.choices, ()), kind.derived
     one = Variable.of(kind, {}, IN_TEMPLATES, items=tuple(items))
     _, _, _, _, low, high, _, _ = variable_row(one, 0, 0)
@@ -186,7 +189,7 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
             "ofBox": rule.of_box and _rule(rule.of_box, owner),
         },
         "trivial": kind.trivial,
-        "missing": json.dumps(kind.if_missing),  # JSON has no infinite numbers
+        "missing": json.dumps(kind.if_missing),  # as text, because JSON has no infinite numbers
         "word": words(kind.place) if kind.place else None,
         "given": kind.given and words(kind.given),
         "givenIf": kind.given_if or ALWAYS,
@@ -194,7 +197,7 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
 
 
 def _rule(rule: Derived, owner: str) -> dict[str, Any]:
-    """Return the rule by which a parameter follows from others.
+    """Return the rule by which a parameter follows from other parameters.
 
     Keys without a dot belong to the table ``owner``.
     """
@@ -203,19 +206,19 @@ def _rule(rule: Derived, owner: str) -> dict[str, Any]:
 
 
 def _sentence(item: Item) -> str:
-    """Return the sentence on a choice; for a contact law, its range of use and its source."""
+    """Return the sentence on a choice; for a contact law, the range of use and the source."""
     law = CONTACT_LAWS.get(item.name)
     return f"{law.limits} {law.source}." if law else item.description
 
 
 def _law(name: str) -> dict[str, Any]:
-    """Return the properties of a contact law that decide whether it goes with a scene."""
+    """Return the properties of a contact law that determine whether it suits a scene."""
     law = CONTACT_LAWS.get(name)
     return {"name": name, "impulsive": bool(law and law.impulsive)}
 
 
 def _layout() -> dict[str, Any]:
-    """Return the places in the record from which the page reads the results of a run."""
+    """Return the indices of the words of the record from which the page reads the results of a run."""
     record = layout_of(*SAMPLES[0])
     statistics = record["statistics"].names or ()
     return {
@@ -238,7 +241,7 @@ def _layout() -> dict[str, Any]:
 
 
 def _is_real(place: Place) -> bool:
-    """Return whether the numbers of a place are real."""
+    """Return whether the numbers at a place in the record are real."""
     kind = layout_of(*SAMPLES[0])
     for step in place:
         kind = kind[step] if isinstance(step, str) and step != AT else kind.base
@@ -247,7 +250,7 @@ def _is_real(place: Place) -> bool:
 
 @cache
 def words(place: Place) -> list[int]:
-    """Return the place of a word in any record, see ``_affine``."""
+    """Return the index of a word for any record, as ``_affine`` describes."""
 
     def word(record: np.dtype, index: int) -> int:
         return word_index(record, filled(place, {"at": index}))

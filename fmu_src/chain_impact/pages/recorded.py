@@ -1,4 +1,7 @@
-"""The page that shows a recording: one file, which needs nothing else. The player makes its frames."""
+"""The page that shows a recording: one file that needs no other file.
+
+Its program, the player, makes the frames.
+"""
 
 from __future__ import annotations
 
@@ -27,16 +30,16 @@ PLAYER = (
     *("dom", "recording", "clock", "format", "room", "view", "trace"),
     *("arrow_scale", "placing", "scene", "charts", "curve_charts", "impacts", "controls", "player"),
 )
-"""The modules that show a recording, each after the modules that it imports."""
+"""The modules that show a recording; each comes after the modules that it imports."""
 FRAMES = ("pacing", "frames")
-"""The modules that make its frames."""
+"""The modules that make the frames of the player."""
 MODULES = (*PLAYER, *FRAMES, "packed", "main")
 FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r"^import [^;]+;\n", re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 FINEST = 65535  # the largest number of 16 bits
-MOST_ROWS = 80_000  # the number of rows beyond which a page leaves out rows
+MOST_ROWS = 80_000  # the largest number of rows of a page; with more rows, some are left out
 
 
 def page(recording: Recording, speed: float, impact_time: float) -> str:
@@ -53,20 +56,20 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
 
 
 def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
-    """Return a page with a player.
+    """Return a page with a player, from a template and its parts.
 
     Args:
-        template: HTML with places to fill, ``{{ name }}``.
+        template: HTML in which ``{{ name }}`` stands for a part.
         title: the title of the page.
         styles: the texts of the style sheets.
-        modules: the page's program, as ``program`` gives it.
-        parts: the texts for the other places of the template.
+        modules: the program of the page, from ``program``.
+        parts: name → text for the other parts of the template.
     """
     scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
     parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
     parts |= {"libraries": scripts, "program": modules}
     parts |= {name: text_of(f"{name}.html") for name in FRAGMENTS}
-    # one pass: a text that is filled in may look like a place to fill
+    # one pass, because a text that is filled in may contain ``{{ name }}``
     return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], template)
 
 
@@ -76,15 +79,15 @@ def styles() -> list[str]:
 
 
 def program(names: Iterable[str]) -> str:
-    """Return modules one after the other as one program, without their imports from each other."""
+    """Return modules joined to one program, without their imports from each other."""
     return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(f"{name}.js"))) for name in names)
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:
-    """Return a recording without most of its rows, if it has very many rows.
+    """Return a recording without most of its rows, if it has more than MOST_ROWS rows.
 
-    One in so many rows stays, and so do the rows beside frames at real time, and beside onsets and ends of
-    impacts.
+    Rows at equal distances stay, and also the rows next to frames at real time, and next to onsets and ends
+    of impacts.
     """
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_ROWS:
@@ -98,12 +101,12 @@ def thinned(recording: Recording, impact_time: float) -> Recording:
 
 
 def script_data(content: Any) -> str:
-    """Return data as text in a page."""
+    """Return data as text for a script element of a page."""
     return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def data(recording: Recording) -> dict[str, Any]:
-    """Return the data for the page's ``packed.js``, with numbers as small as the screen allows."""
+    """Return the data for the page's ``packed.js``, with numbers only as accurate as the screen needs."""
     points, touches = recording.all_points, recording.touches
     return {
         "name": recording.name,
@@ -133,7 +136,7 @@ def data(recording: Recording) -> dict[str, Any]:
 
 
 def impacts(recording: Recording) -> list[dict[str, Any]]:
-    """Return the impacts as the page lists them; unknown values are null."""
+    """Return the list of impacts for the page; unknown values are null."""
     at = zip(recording.impacts, recording.end_speeds.tolist(), recording.at_stops.tolist(), strict=True)
     return [
         {
@@ -158,18 +161,18 @@ def _known(value: float) -> float | None:
 
 
 def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
-    """Return the free side of each wall, as the page draws it."""
+    """Return the free side of each wall, in the form that the page draws."""
     return {name: {"normal": wall.normal, "offset": wall.offset} for name, wall in walls.items()}
 
 
 def _range(joint: int, one: JointRange) -> dict[str, Any]:
-    """Return the range of a joint, as the page draws it."""
+    """Return the range of a joint, in the form that the page draws."""
     marks = [stop for stop in (one.low, one.high) if math.isfinite(stop)]
     return {"joint": joint, "arc": one.arc, "marks": marks}
 
 
 def _rail(recording: Recording) -> dict[str, Any] | None:
-    """Return the line of a slider and its stops, as the page draws them, and the carriage about the base."""
+    """Return the line of a slider, its stops, and the carriage around the base, as the page draws them."""
     rail, size = recording.rail, size_of(recording)
     return (
         None
@@ -185,7 +188,7 @@ def _rail(recording: Recording) -> dict[str, Any] | None:
 def _touch(one: Touch) -> dict[str, Any] | None:
     """Return force and friction between a point and a wall, in the rows in which they touch.
 
-    None if they never do.
+    Returns None if they never touch.
     """
     there = one.sticking if one.force is None else one.force
     rows = np.flatnonzero(np.zeros(0) if there is None else there > 0.0)

@@ -1,4 +1,4 @@
-"""Data about signals for the page: the keys of their forms, and the tables of its scene."""
+"""Data about signals for the page: the keys of each form, and the tables of the page's scene."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from chain_impact.scene.signals import OTHER, REQUIRED, driven_by
 
 
 def kit_of_signals(scene: Scene) -> dict[str, Any]:
-    """Return all data about signals, as JSON can hold them."""
+    """Return all data about signals that the page needs; JSON can hold them."""
     return {
         "forms": FORMS,
         "shapes": SHAPES,
@@ -28,7 +28,7 @@ def kit_of_signals(scene: Scene) -> dict[str, Any]:
 
 
 def _table(scene: Scene, name: str) -> dict[str, Any]:
-    """Return a table: its file, and the polynomials of each input that the table drives."""
+    """Return a table: the name of its file, and the polynomials of each input that the table drives."""
     signal, columns = scene.signals[name], {}
     for one in driven_by(scene):
         if one.signal == name:
@@ -48,5 +48,5 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
 
 
 def _packed(numbers: np.ndarray) -> str:
-    """Return numbers as text from which the page can read all their digits."""
+    """Return numbers as text from which the page reads the same numbers."""
     return encoded(numbers.astype("<f8").tobytes())

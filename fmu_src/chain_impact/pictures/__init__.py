@@ -1,4 +1,7 @@
-"""Pictures of a recording. `plot` writes a file; other pictures use the same functions."""
+"""Pictures of a recording.
+
+``overview.plot`` writes a file; other modules have functions for other pictures.
+"""
 
 from chain_impact.pictures.bars import bars_size, fill_bars
 from chain_impact.pictures.changes import fill_sensitivities

@@ -1,4 +1,4 @@
-"""Bars to the left and to the right of zero, one for each name."""
+"""Bars to the left and to the right of zero, one bar for each name."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.style import BLUE, GREY, INK, VERMILLION, headline, is_narrow, styled
 
-# inches: the width of the page, the space above and below the bars, and the height for a bar
+# [inch] the width of the page, the space above and below the bars, and the height for one bar
 WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
-# inches, the room for a number beside a bar; and the part of the page's width for the axes
+# NUMBER: [inch] the space for a number beside a bar. PART: the width of the axes over the width of the page.
 NUMBER, PART = 0.6, 0.45
-THICK = 0.66  # the thickness of a bar, as a fraction of the distance of bars
+THICK = 0.66  # the thickness of a bar, over the distance between bars
 
 
 def bars_size(count: int) -> tuple[float, float]:
-    """Return the usual size of a page for a number of bars [inches]."""
+    """Return the default size of a page [inches] for a number of bars."""
     return WIDTH, AROUND + BAR * max(count, 2)
 
 
@@ -32,14 +32,14 @@ def fill_bars(
     told: Sequence[str],
     label: str,
 ) -> None:
-    """Draw one bar for each name, the first on top, on an empty page.
+    """Draw one bar for each name, the first name at the top, on an empty page.
 
     Args:
         page: the page to draw on.
         title: the title of the picture.
         conditions: the text below the title.
         names: the names of the bars.
-        values: their lengths, to the left below 0.
+        values: the lengths of the bars; negative bars go to the left.
         told: the text at the end of each bar.
         label: the label of the axis.
     """

@@ -1,4 +1,4 @@
-"""Bodies in pictures: links with points as outlines, and a base on a slider with its line."""
+"""Bodies in pictures: outlines of links with points, and a sliding base with its line."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import placed
 
-FILL = 0.13  # the opacity of a body
-SITE = 3.0  # points, the size of the mark for a point of a link
-CARRIAGE = 0.5  # the opacity of a carriage
+FILL = 0.13  # the opacity of the outline of a body, from 0 to 1
+SITE = 3.0  # [points] the size of the mark for a point of a link
+CARRIAGE = 0.5  # the opacity of a carriage, from 0 to 1
 
 
 def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:
-    """Draw the links with points, the points and the carriage in a row of a recording."""
+    """Draw the outlines of links, the points and the carriage in one row of a recording."""
     points, sites = recording.points[row], recording.sites[row]
     for link, corners in recording.outlines.items():
         look = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
@@ -35,12 +35,12 @@ def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, line
 
 
 def body_look(colour: Any) -> dict[str, Any]:
-    """Return how the outline of a body is drawn, as matplotlib names it."""
+    """Return the properties of a body's outline, with matplotlib's names."""
     return {"facecolor": (*to_rgb(colour), FILL), "edgecolor": colour, "joinstyle": "round"}
 
 
 def draw_rail(axes: Axes, recording: Recording) -> list[Artist]:
-    """Draw the line of a slider with its stops; return the artists."""
+    """Draw the line of a slider with its stops, and return the artists."""
     if not recording.rail:
         return []
     lines = recording.rail.lines(recording.points[:, 0], size_of(recording))

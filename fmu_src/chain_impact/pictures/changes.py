@@ -31,16 +31,16 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
 
-NOTHING = 1e-12  # smaller changes, as fractions of the range of an output, are round-off
-STEEP = 30.0  # the axis is not linear if the largest change is so many times as large as a usual one
+NOTHING = 1e-12  # the largest change that counts as round-off, over the range of an output
+STEEP = 30.0  # the ratio of the largest change to a usual change above which the axis is not linear
 Looks = list[dict[str, Any]]
 
 
 @styled()
 def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
-    """Draw the changes of outputs, and of the speeds of impacts, with each parameter, on an empty page.
+    """Draw, for each parameter, the changes of outputs and of the speeds of impacts on an empty page.
 
-    The outputs are named as in ``Sensitivities.drawn``.
+    ``outputs`` are names as in ``Sensitivities.drawn``.
     """
     found = recording.sensitivities
     assert found is not None
@@ -72,7 +72,7 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
 
 
 def calm(recording: Recording) -> np.ndarray:
-    """Return which rows are outside of impacts, shape (T,).
+    """Return whether each row is outside of all impacts, shape (T,).
 
     Within an impact all quantities change so fast that a shift in time makes the derivative very large.
     """
@@ -83,9 +83,9 @@ def calm(recording: Recording) -> np.ndarray:
 
 
 def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequence[str]) -> np.ndarray:
-    """Return the largest change of the outputs over their range, outside of impacts, shape (T, P).
+    """Return the largest changes of the outputs, outside of impacts, over their ranges, shape (T, P).
 
-    0 within.
+    The result is 0 within impacts.
     """
     ranges = [np.ptp(recording.columns[name]) or 1.0 for name in outputs]
     shares = [np.abs(found.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
@@ -95,7 +95,7 @@ def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequen
 
 
 def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
-    """Return how each parameter is drawn: the parameters with the largest effects in colours, others in grey.
+    """Return the look of each parameter: colours for those with the largest effects, grey for others.
 
     A parameter without effect has no colour.
     """
@@ -117,7 +117,7 @@ def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
 
 
 def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output: str, looks: Looks) -> None:
-    """Draw the change of an output over time, with each parameter; there are gaps where it is not known."""
+    """Draw the changes of an output over time for each parameter, with gaps where they are unknown."""
     changes = found.changes(output)
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
     if len(grey) > MOST_GREY:
@@ -130,7 +130,7 @@ def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output:
 
 
 def draw_speeds(axes: Axes, recording: Recording, found: Sensitivities, looks: Looks) -> None:
-    """Draw the change of each impact's speed, with each parameter: a dot at a wall, a diamond at a stop."""
+    """Draw the changes of each impact's speed for each parameter: a dot at a wall, a diamond at a stop."""
     changes, stopped = found.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
@@ -146,7 +146,7 @@ def draw_speeds(axes: Axes, recording: Recording, found: Sensitivities, looks: L
 
 
 def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
-    """Fit the axis to some changes: logarithmic on both sides of zero if the largest are much larger.
+    """Set the scale of the axis for some changes: logarithmic on both sides of 0 if some are very large.
 
     Changes below ``least`` are round-off and do not count.
     """
@@ -166,7 +166,7 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
 
 
 def mark_unknown(axes: Axes, recording: Recording, found: Sensitivities) -> None:
-    """Shade the time in which derivatives are not known."""
+    """Shade the time in which derivatives are unknown."""
     unknown = np.isnan(found.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]

@@ -1,4 +1,4 @@
-"""Outputs over time as curves: a panel for each unit, and a line at each impact."""
+"""Outputs over time as curves: a panel for each unit, with a line at each impact."""
 
 from __future__ import annotations
 
@@ -19,18 +19,19 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
 
 DASHES = ("-", "--", ":")
-MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8  # the largest number of curves in a panel, and of panels
-PANEL, AROUND = 1.9, 1.1  # inches: the height of a panel, and the space above and below all panels
-SIDE = 8  # the largest number of curves whose names stand beside the panel
+# largest number of curves in a panel, and largest number of panels
+MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
+PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
+SIDE = 8  # the largest number of curves whose names are at the side of the panel
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
-    """Return the usual size of a page with curves [inches]."""
+    """Return the default size of a page with curves [inches]."""
     return FULL, max(3.4, AROUND + PANEL * len(curves.panels))
 
 
 def check_curves(curves: Curves) -> None:
-    """Refuse curves that a reader could not tell apart.
+    """Refuse curves that a reader could not distinguish.
 
     Raises:
         ValueError: when there are no curves, or too many.
@@ -46,7 +47,7 @@ def check_curves(curves: Curves) -> None:
 
 @styled()
 def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
-    """Draw the curves on an empty page; the title "" stands for the summary of the run, None for no title.
+    """Draw the curves on an empty page. The title "" stands for the run's summary, None for no title.
 
     Raises:
         ValueError: when there are no curves, or too many.
@@ -66,7 +67,7 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
 
 
 def seen(recording: Recording, curves: Curves) -> list[str]:
-    """Return the impact in view in words, in a list; empty for a view of the whole run."""
+    """Return a list with words for the impact in view; an empty list for a view of the whole run."""
     if not curves.number:
         return []
     impact = recording.impacts[curves.number - 1]
@@ -76,10 +77,10 @@ def seen(recording: Recording, curves: Curves) -> list[str]:
 
 @styled({})
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
-    """Draw each panel into given axes.
+    """Draw each panel into the given axes.
 
     Raises:
-        ValueError: when the number of axes is not that of panels, or there are too many curves.
+        ValueError: when the numbers of axes and panels differ, or there are too many curves.
     """
     check_curves(curves)
     count = len(curves.panels)
@@ -89,7 +90,7 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
 
 
 def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None:
-    """Draw a panel into each of some axes."""
+    """Draw the panels into the axes of a grid."""
     start, factor, label = 0.0, 1.0, "time [s]"
     if curves.onset is not None:
         start, factor = curves.onset, 1e3
@@ -115,14 +116,14 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None
 
 
 def axis_label(names: Sequence[str], unit: str) -> str:
-    """Return the label of an axis: the last part of the names, if all have the same, and the unit."""
+    """Return the label of an axis: the last part of the names if all names have the same, and the unit."""
     last = {name.rpartition(".")[2] for name in names}
     shared = last.pop() if len(last) == 1 else ""
     return f"{shared} [{unit}]".lstrip() if unit else shared
 
 
 def name_curves(axes: Axes, count: int) -> None:
-    """Name the curves beside their panel where there is room, else above it."""
+    """Write the names of the curves beside their panel if there is room, else above the panel."""
     page = axes.get_figure(root=True)
     if page is not None and not is_narrow(page) and count <= SIDE:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)

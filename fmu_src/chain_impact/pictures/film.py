@@ -1,4 +1,4 @@
-"""A film of a recording: frames drawn by matplotlib, packed by Pillow (gif) or PyAV (mp4)."""
+"""A film of a recording: matplotlib draws the frames, Pillow (gif) or PyAV (mp4) packs them."""
 
 from __future__ import annotations
 
@@ -42,29 +42,30 @@ from chain_impact.scene.names import STOPS
 MUTED, CHAIN, TIP, FORCE, LOAD = "#566076", "#2b4a9f", "#c2255c", "#d9480f", "#0b7285"
 ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
 COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
-"""All colours of a film, except white and the shades between."""
-SHADES = 6  # the shades of each colour in a gif, towards white
-WHITISH = 0.96  # the least part of red, green and blue in a shade that Pillow takes for white
+"""All colours of a film, except white and the shades between the colours and white."""
+SHADES = 6  # number of shades of each colour in a gif, from the colour towards white
+WHITISH = 0.96  # the least value of red, green and blue in a shade that Pillow treats as white
 STYLE: Any = PICTURES | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
 STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
-# frames per second; the time of a frame in a gif is in hundredths of a second
+# [1/s] frames per second, by suffix; a gif stores the time of a frame in hundredths of a second
 RATES = {".gif": 20, ".mp4": 30}
-HOLD = 1.5  # s, the time for which a gif stays at its end before it starts anew
-QUALITY = "20"  # the quality of H.264: 0 loses nothing, 51 is the worst
-# pixels per inch: usual, the least with energies, and on a page without energies
+HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
+QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
+# pixels per inch: the usual number, the least number with energies, and the number on a page without energies
 DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
-ROOM = (8.0, 4.5)  # inches, the least width and height of a page with energies
-# left, bottom, width and height, as fractions of the page
+ROOM = (8.0, 4.5)  # [inch] the least width and height of a page with energies
+# position and size of the axes: left, bottom, width and height, over the size of the page
 SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)
-CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)  # left and middle of the height, as fractions of the page
+# position of the texts: left and middle of the height, over the size of the page
+CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
-"""The same places on a page that has no room for energies."""
+"""The axes and texts on a page that has no room for energies, in the form of SCENE, CLOCK and RATE."""
 LONGEST, LEAST, BAR = 0.26, 0.02, 0.035
-"""Fractions of the smaller side of the scene: the longest and the shortest arrow; half a bar of sticking."""
-# s of simulated time in which the trace of the tip fades; and the number of its pieces
+"""Longest and shortest arrow, and half a bar of sticking, over the smaller side of the scene."""
+# TAIL: [s] the simulated time in which the trace of the tip fades; TAIL_PARTS: the number of its pieces
 TAIL, TAIL_PARTS = 0.3, 40
-# a rate within REAL of 1 is real time; below SLOW, slow motion; factors from TENS on have no decimals
+# largest difference from 1 in real time, largest rate in slow motion, least factor without decimals
 REAL, SLOW, TENS = 0.02, 0.5, 9.95
 
 
@@ -77,15 +78,15 @@ def write_film(
     size: tuple[int, int],
     progress: Progress,
 ) -> None:
-    """Write a gif or an mp4, as the suffix says.
+    """Write a gif or an mp4, according to the suffix.
 
     Args:
         recording: the recording to show.
         path: the file.
-        speed: simulated seconds per second on the screen, except in slow motion.
+        speed: simulated seconds per second on the screen, outside of slow motion.
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
-        size: width and height [pixels]; for an mp4 they are rounded down to even numbers.
-        progress: is called with the finished fraction.
+        size: width and height [pixels]; in an mp4 both are rounded down to even numbers.
+        progress: called with the finished fraction, 0 to 1.
 
     Raises:
         MissingExtraError: when PyAV is not installed, for an mp4.
@@ -110,10 +111,10 @@ def draw_frames(
     with matplotlib.style.context(["default", STYLE]):
         dpi = resolution(size)
         figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
-        canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no types for it
+        canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
         film = Film(figure, recording, times)
         canvas.draw()
-        ground = canvas.copy_from_bbox(figure.bbox)  # the parts that do not move are drawn once
+        ground = canvas.copy_from_bbox(figure.bbox)  # the parts that do not move are drawn only once
         for frame, rate in enumerate(rates.tolist()):
             canvas.restore_region(ground)
             for artist in film.show(frame, rate):
@@ -123,13 +124,16 @@ def draw_frames(
 
 
 def resolution(size: tuple[int, int]) -> float:
-    """Return the pixels per inch of a film: fewer for a small film, so that its page has room for all."""
+    """Return the pixels per inch of a film: fewer pixels for a small film, so that all texts have room."""
     found = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
     return min(DPI, found) if found >= LEAST_DPI else SMALL_DPI
 
 
 def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int) -> None:
-    """Write pictures with the same few colours as a gif; parts that do not move take no room in the file."""
+    """Write pictures as a gif with a few common colours.
+
+    Parts that do not change need no space in the file.
+    """
     from PIL import Image
 
     full = np.array([to_rgb(colour) for colour in COLOURS])
@@ -145,7 +149,7 @@ def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int) -> None:
 
 
 def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple[int, int]) -> None:
-    """Write pictures as H.264, which every browser and slide program plays."""
+    """Write pictures as H.264, which all browsers and slide programs can play."""
     av = require("av", "video")
     with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
         stream = container.add_stream("libx264", rate=rate, options={"crf": QUALITY})
@@ -157,7 +161,7 @@ def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple
 
 
 class Film:
-    """The page for the frames of a film: the chain between its walls, energies, a clock, forces."""
+    """The page on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
 
     def __init__(self, figure: Figure, recording: Recording, times: np.ndarray) -> None:
         """Draw the parts that do not move."""
@@ -231,7 +235,8 @@ class Film:
         pinned = self.recording.pinned
         view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
-        # x and y have the same scale: the axes show the view, and more beside or above it as the page allows
+        # x and y have the same scale: the axes show the view, and more space beside or above the view, as the
+        # page allows
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
         seen = room * (size / room).max()
         low = view[0] - anchor * (seen - size)
@@ -252,7 +257,7 @@ class Film:
         return [*draw_room(self.scene, self.view, walls), *pin]
 
     def _moved_room(self, frame: int) -> list[Artist]:
-        """Return the room in a frame if walls or the base move; else nothing, as it is drawn already."""
+        """Return the artists of the room in a frame if walls or the base move; else an empty list."""
         if not self.room_moves:
             return []
         for artist in self.room:
@@ -274,7 +279,7 @@ class Film:
         self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)
 
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
-        """Move to a frame; return the artists to draw, in order.
+        """Move the chain to its pose in a frame; return the artists to draw, in order.
 
         Args:
             frame: the number of the frame.
@@ -316,7 +321,7 @@ class Film:
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
     def _forces(self, frame: int) -> Iterator[Artist]:
-        """Yield arrows of wall forces and stop moments with their sizes, and marks of joints that stick."""
+        """Yield arrows of wall forces and stop moments with their sizes, and marks of sticking joints."""
         for artist in self.moving:
             artist.remove()
         self.moving.clear()
@@ -339,7 +344,7 @@ class Film:
         yield from self.moving
 
     def _add_loads(self, frame: int) -> None:
-        """Add the forces in joints that are large enough to be seen, and the size of the largest one."""
+        """Add the arrows of joint forces that are large enough to be seen, and the largest force as text."""
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
         for joint, force in forces.items():
@@ -352,7 +357,10 @@ class Film:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
     def _add_contact(self, place: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
-        """Add the force on a point, normal and along the wall; and a bar along the wall if it sticks."""
+        """Add the normal and the tangential force on a point.
+
+        Add a bar along the wall if the contact sticks.
+        """
         plane = self.plane[wall]
         normal = np.array(plane.normal)
         tangent = np.array([normal[1], -normal[0]])
@@ -365,7 +373,7 @@ class Film:
     def _add_arrow(
         self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, told: bool = True
     ) -> None:
-        """Add the arrow of a force [N] from a place in a direction; with ``told``, also its size in words."""
+        """Add the arrow of a force [N] from a place in a direction; with ``told``, also its size as text."""
         head = foot + self.side * max(LEAST, LONGEST * whole / self.peak) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
@@ -383,7 +391,7 @@ class Film:
 
 
 def rate_text(rate: float) -> str:
-    """Return how many times slower or faster than in reality a film runs, for example: 480 × slower."""
+    """Return how many times slower or faster than real time a film runs, for example: 480 × slower."""
     if abs(rate - 1.0) < REAL:
         return "real time"
     times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")

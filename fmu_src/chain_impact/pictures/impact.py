@@ -1,4 +1,4 @@
-"""The picture of one impact: force, penetration and speed over time, and the force over the penetration."""
+"""The picture of one impact: force, penetration and speed over time, and force over penetration."""
 
 from __future__ import annotations
 
@@ -31,18 +31,19 @@ from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
-SIZE = (7.5, 4.8)  # inches
-PEAK = 0.95  # the part of the largest force from which the peak counts as reached
-AFTER_PEAK = 4.0  # the least time for which an impact is shown, in units of the time to the peak force
-MUCH_LONGER = 2.0  # a contact longer than so many times its impact is shown for the time of the impact only
-EDGE = 0.03  # the time before the onset, as a fraction of the time shown
-DOT = 5.0  # points, the size of the mark at the end of a contact that lasts
-LOOP = 1.6  # the height of the loop on a narrow page, in heights of a panel over time
+SIZE = (7.5, 4.8)  # [inch] default width and height of the page
+PEAK = 0.95  # the force, over the largest force, from which on the peak counts as reached
+AFTER_PEAK = 4.0  # the least time for which an impact is shown, over the time until the peak force
+# the ratio of the durations of contact and impact above which only the time of the impact is shown
+MUCH_LONGER = 2.0
+EDGE = 0.03  # the shown time before the onset, over the whole shown time
+DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
+LOOP = 1.6  # the height of the loop on a narrow page, over the height of a panel over time
 
 
 @styled()
 def fill_impact(page: Figure, recording: Recording, number: int, course: Course) -> None:
-    """Draw an impact, by its number, on an empty page: the loop on the right, on a narrow page below."""
+    """Draw the impact ``number`` on an empty page, with the loop on the right or, on a narrow page, below."""
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
     hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
@@ -80,9 +81,10 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
 
 
 def shown_time(impact: np.void, course: Course) -> float:
-    """Return how long after the onset [s] an impact is shown: of a long contact only the time of the impact.
+    """Return the time after the onset [s] for which an impact is shown; of a long contact only the impact.
 
-    This time is the longer one of the duration of an impact by theory, and of a few times to the peak force.
+    For a long contact this is the longer of two times: the theoretical duration of the impact, and a few
+    times the time until the peak force.
     """
     if not len(course.time):
         return 0.0
@@ -95,14 +97,14 @@ def shown_time(impact: np.void, course: Course) -> float:
 
 
 def duration_text(impact: np.void, course: Course) -> str:
-    """Return the duration of a contact in words."""
+    """Return words for the duration of a contact."""
     lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
     told = force_text(lasting, "s") if lasting > 0.0 else "0 s"
     return f"lasts to the end, for {told}" if lasts(impact) else f"lasts {told}"
 
 
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
-    """Draw the force over the penetration; the area inside is the energy that the contact dissipates.
+    """Draw force over penetration; the area inside the loop is the energy that the contact dissipates.
 
     The loop of a contact that lasts is open, with a dot at its end.
     """
@@ -124,7 +126,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
 
 
 def say_impulse(axes: Axes) -> None:
-    """Say in axes that there is nothing to draw."""
+    """Write into axes that an impulse has no curve to draw."""
     axes.text(0.5, 0.5, "an impulse, without duration", transform=axes.transAxes, ha="center", color=GREY)
     axes.set(xticks=[], yticks=[])
 
@@ -140,7 +142,7 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
-    """Return the numbers of an impact in words."""
+    """Return words for the numbers of an impact."""
     parts = [restitution_text(impact), duration_text(impact, course), f"{course.energy_lost:.3g} J lost"]
     parts = parts[1:] if lasts(impact) else parts
     parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
@@ -152,13 +154,13 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
 
 
 def restitution_text(impact: np.void) -> str:
-    """Return the realised restitution in words: the speed of separation over the speed of approach."""
+    """Return words for the realised restitution: the separation speed over the impact speed."""
     found = impact["separation_speed"] / impact["impact_speed"]
     return "in contact to the end" if math.isnan(found) else f"restitution {found:.4g} realised"
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor from a unit to a unit with a prefix that suits the largest value, and this unit."""
+    """Return a unit with a prefix that suits the largest value, and the factor to this unit."""
     power = 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
     power = min(max(power, min(EngFormatter.ENG_PREFIXES)), max(EngFormatter.ENG_PREFIXES))
     return 10.0**-power, f"{EngFormatter.ENG_PREFIXES[power]}{unit}"

@@ -1,4 +1,4 @@
-"""Labels beside their places: searched for where they meet no line, mark or other label."""
+"""Labels next to places in a picture, at positions where they cover no line, mark or other label."""
 
 from __future__ import annotations
 
@@ -15,23 +15,24 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
-CLOSE = 4.0  # points from the place to its label
-FARTHER = (1.0, 1.75, 2.5)  # times as far a label may stand
-FAR = (4.0, 5.5, 7.5)  # likewise, if a line leads to it
-TURNS = (0, 1, -1, 2, -2, 3, -3, 4)  # eighths of a turn away from where a label stands best
-PAD = 1.0  # points that stay free around a label
+CLOSE = 4.0  # [points] distance from a place to its label
+FARTHER = (1.0, 1.75, 2.5)  # factors on this distance that are tried
+FAR = (4.0, 5.5, 7.5)  # factors on this distance that are tried if a line connects label and place
+# directions that are tried: eighths of a turn away from the best direction of a label
+TURNS = (0, 1, -1, 2, -2, 3, -3, 4)
+PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
-LEAST_RUN = 3  # numbers in a row that are told by the first and the last
+LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 
 
 class Label(NamedTuple):
-    """A label at a place.
+    """A label for a place.
 
     Attributes:
-        text: what it says.
-        place: in data coordinates.
-        away: unit vector of the direction from its place to the label that is best.
-        short: what it says where the text has no room, if anything.
+        text: the text of the label.
+        place: the place, in data coordinates.
+        away: unit vector of the best direction from the place to the label.
+        short: a short text if the full text has no room; "" for none.
     """
 
     text: str
@@ -41,12 +42,12 @@ class Label(NamedTuple):
 
 
 class Ink:
-    """Which pixels of a page are drawn on, but for the areas of one colour that are a ground for labels."""
+    """The pixels of a page that are drawn on, except areas of one colour on which labels may stand."""
 
     def __init__(self, page: Figure) -> None:
-        """Draw the page, which arranges it, and look at it."""
+        """Draw the page, which also arranges its contents, and store its pixels."""
         own = page.canvas
-        canvas: Any = FigureCanvasAgg(page)  # matplotlib says nothing of its types
+        canvas: Any = FigureCanvasAgg(page)  # matplotlib has no type information for the canvas
         canvas.draw()
         page.set_canvas(own)
         grounds = [*FLAT, page.get_facecolor(), *(axes.get_facecolor() for axes in page.axes)]
@@ -55,7 +56,7 @@ class Ink:
         self._drawn = ~np.isin(colours, [_packed(ground) for ground in grounds])
 
     def take(self, low: np.ndarray, high: np.ndarray) -> bool:
-        """Take a box, from a corner to the other in pixels, if nothing is drawn there; return whether."""
+        """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free."""
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box = self._drawn[y0:y1, x0:x1]
         if box.any():
@@ -67,20 +68,20 @@ class Ink:
 def place_labels(
     axes: Axes, labels: Sequence[Label], ink: Ink, *, lines: bool = False, **look: Any
 ) -> list[Label]:
-    """Write the labels, the most important first, where nothing else is drawn; return those without room.
+    """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
     Args:
-        axes: the labels keep inside.
-        labels: what to write.
-        ink: of the page; it has the labels afterwards.
-        lines: whether a label may be far from its place, with a line between.
-        look: how text is drawn.
+        axes: the axes inside which the labels stay.
+        labels: the labels to write.
+        ink: the used pixels of the page; afterwards they include the labels.
+        lines: whether a label may be far from its place, connected by a line.
+        look: properties of the text, with matplotlib's names.
     """
     return [label for label in labels if not _place(axes, label, ink, look, FARTHER + FAR * lines)]
 
 
 def _place(axes: Axes, label: Label, ink: Ink, look: dict[str, Any], steps: Sequence[float]) -> bool:
-    """Write a label, or its short form, at the first place that is free; return whether there is one."""
+    """Write a label, or its short form, at the first free position; return whether there is one."""
     page = axes.get_figure(root=True)
     assert page is not None
     point, inside = page.dpi / 72.0, axes.get_window_extent()
@@ -108,7 +109,7 @@ def _place(axes: Axes, label: Label, ink: Ink, look: dict[str, Any], steps: Sequ
 
 
 def _directions(away: tuple[float, float]) -> Iterator[np.ndarray]:
-    """Yield unit vectors all around, those that are nearest to one first."""
+    """Yield unit vectors in all directions, those nearest to ``away`` first."""
     best = math.atan2(away[1], away[0])
     for turn in TURNS:
         angle = best + 0.25 * math.pi * turn
@@ -116,13 +117,13 @@ def _directions(away: tuple[float, float]) -> Iterator[np.ndarray]:
 
 
 def _packed(colour: Any) -> int:
-    """Return a colour as one number, as a pixel has it."""
+    """Return a colour as one number, in the form of a pixel."""
     red, green, blue = (round(255.0 * float(part)) for part in to_rgb(colour))
     return (red << 16) + (green << 8) + blue
 
 
 def listed(numbers: Iterable[int]) -> str:
-    """Tell whole numbers in order, those in a row by the first and the last: "3, 7–9"."""
+    """Return whole numbers as text, in order, with successive numbers as a range: "3, 7–9"."""
     runs: list[list[int]] = []
     for one in sorted(set(numbers)):
         if runs and one == runs[-1][-1] + 1:

@@ -1,4 +1,4 @@
-"""Legends above their axes: no wider than these, in as few rows as have room."""
+"""Legends above their axes, not wider than the axes, with as few rows as possible."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ ABOVE: dict[str, Any] = {
     "handletextpad": 0.4,
     "labelspacing": 0.2,
 }
-MARK = "above"  # the gid of a legend above its axes
+MARK = "above"  # the gid of a legend above its axes, by which the legend is found
 
 
 def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: int = 1) -> None:
-    """Put a legend above axes; ``fit_legends`` gives it as many columns as have room."""
+    """Put a legend above axes; ``fit_legends`` later sets its number of columns."""
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
     if handles:
@@ -30,7 +30,7 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: i
 
 
 def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> None:
-    """Give each legend above its axes the most columns with which it is not wider than these."""
+    """Give each legend above its axes the most columns with which it is not wider than the axes."""
     for axes in page.axes if wanted is None else wanted:
         legend = axes.get_legend()
         if legend is None or legend.get_gid() != MARK:

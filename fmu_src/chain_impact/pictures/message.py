@@ -13,11 +13,11 @@ from chain_impact.pictures.style import SEPARATOR, headline, is_narrow, number
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
 
-ROUND_OFF = 1e-12  # dissipated energy below this part of the largest energy is round-off
+ROUND_OFF = 1e-12  # dissipated energy, over the largest energy, below which it is round-off
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
-    """Return the headline: the impacts and, if not ``short``, the energy lost.
+    """Return the headline: the number of impacts and, if not ``short``, the lost energy.
 
     For example "Box: 14 impacts in 2 s, 50.3 J dissipated".
     """
@@ -27,16 +27,16 @@ def message(recording: Recording, *, short: bool = False) -> str:
 
 
 def dissipated(recording: Recording) -> str:
-    """Return the energy lost in words, "50.3 J dissipated"; "" if none is lost."""
+    """Return words for the lost energy, "50.3 J dissipated"; "" if no energy is lost."""
     lost = recording.energies.get("dissipated", np.zeros(1))[-1]
     least = ROUND_OFF * np.abs(recording.energies.get("total", np.zeros(1))).max()
     return f"{lost:.3g} J dissipated" if lost > least else ""
 
 
 def write_head(page: Figure, recording: Recording, title: str, *first: str) -> None:
-    """Write a title, or the message if the title is "", and the conditions after some other parts.
+    """Write a title, or the message if the title is "", and the conditions, which begin with other parts.
 
-    The conditions tell the energy lost if the message is short.
+    If the message is short, the conditions give the lost energy.
     """
     short = is_narrow(page)
     told = [dissipated(recording)] if short and not title else []
@@ -44,7 +44,7 @@ def write_head(page: Figure, recording: Recording, title: str, *first: str) -> N
 
 
 def conditions(recording: Recording, *first: str) -> str:
-    """Return the known conditions that an engineer needs to read the picture, after some other parts."""
+    """Return the known conditions of the recording, after some other parts."""
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
     for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
@@ -70,7 +70,7 @@ def conditions(recording: Recording, *first: str) -> str:
 
 
 def friction(name: str, value: Any) -> str:
-    """Return a coefficient of dry friction, of all walls or of one, in words; "" for any other parameter."""
+    """Return words for a coefficient of dry friction, of all walls or of one; "" for other parameters."""
     at = re.fullmatch(r"(?:contact|wall\.(\w+))\.(static_)?friction", name)
     if not at or not (value or (at[1] and not at[2])):
         return ""

@@ -1,4 +1,4 @@
-"""The picture of the motion: a few strong poses, the paths of the points, faint poses, and the impacts."""
+"""The picture of the motion: a few strong poses, the paths of points, faint poses, and the impacts."""
 
 from __future__ import annotations
 
@@ -31,19 +31,20 @@ from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import TICK
 
-STRONG = 6  # the largest number of strong poses at impacts: the impacts with the highest speeds
-FAINT = 80  # the number of faint poses, at even distances in time
-MARKED = 12  # the largest number of points that have marks
-FEW = 6  # the number of points beyond which their paths are fainter
-RING = 6.5  # points, the size of the mark of an impact
-SQUARE = 4.0  # points, the size of the mark where a contact or a joint sticks
-NEAR_PLACE = 0.03  # impacts at a wall share a ring within this part of the view's width
-LONGEST_LOAD = 0.3  # the arrow of the largest force in a joint, as a fraction of the smaller side of the view
-LISTED = 2  # the numbers at a ring with more than three impacts
+STRONG = 6  # the largest number of strong poses at impacts; these are the fastest impacts
+FAINT = 80  # the number of faint poses, at equal distances in time
+MARKED = 12  # the largest number of points that get marks
+FEW = 6  # the largest number of points with clear paths; with more points the paths are fainter
+RING = 6.5  # [points] the size of the mark of an impact
+SQUARE = 4.0  # [points] the size of the mark where a contact or a joint sticks
+NEAR_PLACE = 0.03  # the distance within which impacts at a wall share a ring, over the width of the view
+# the length of the arrow of the largest force in a joint, over the smaller side of the view
+LONGEST_LOAD = 0.3
+LISTED = 2  # the number of impacts that are listed at a ring with more than three impacts
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
-    """Draw walls, faint poses, paths of points, and strong poses at the start, at the end and at impacts.
+    """Draw walls, faint poses, paths of points, and strong poses at start, end and impacts.
 
     ``shape`` is the height of the axes over their width; the view fills axes of this shape.
     """
@@ -83,10 +84,10 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
     Args:
         axes: the axes to draw into.
         points: positions of the points 0…N, shape (N+1, 2) [m].
-        look: properties of the line, as matplotlib names them: color, linewidth, markersize, label, …
+        look: properties of the line, with matplotlib's names: color, linewidth, markersize, label, …
 
     Returns:
-        The line; `set_data(*points.T)` moves it to another pose.
+        The line; `set_data(*points.T)` moves the line to another pose.
     """
     style: dict[str, Any] = {"marker": "o", "markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
     style |= {"solid_joinstyle": "round", "solid_capstyle": "round"}
@@ -95,20 +96,20 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
 
 
 def colour_of_time(recording: Recording) -> Any:
-    """Return the function from a time to its colour."""
+    """Return a function that returns the colour for a time."""
     start, end = recording.time[0], recording.time[-1]
     norm = Normalize(start, end if end > start else start + 1.0)
     return lambda time: TIME_COLOURS(norm(time))
 
 
 def strongest(recording: Recording, count: int) -> np.ndarray:
-    """Return the impacts with the highest approach speeds, the highest first."""
+    """Return the rows of the fastest impacts, the fastest first."""
     found: np.ndarray = recording.impacts[by_speed(recording)[:count]]
     return found
 
 
 def by_speed(recording: Recording) -> np.ndarray:
-    """Return the numbers of the impacts in the order of their approach speeds, the highest first."""
+    """Return the numbers of the impacts in the order of their impact speeds, the fastest first."""
     return np.argsort(-recording.end_speeds, kind="stable")
 
 
@@ -119,7 +120,7 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
 
 
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
-    """Draw the paths of the points; the path of the tip is strong, in the colours of time."""
+    """Draw the paths of the points; the path of the tip has the colours of time."""
     *others, tip = recording.points.transpose(1, 0, 2)
     others += [*recording.sites.transpose(1, 0, 2)]
     alpha = 0.45 * min(1.0, FEW / (len(others) + 1))
@@ -133,14 +134,14 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def draw_rings(axes: Axes, recording: Recording) -> None:
-    """Draw a ring at each place where a point hit a wall, or a joint came to its stop."""
+    """Draw a ring at each place where a point hit a wall, or a joint hit its stop."""
     look: dict[str, Any] = {"marker": "o", "markersize": RING, "markerfacecolor": "none", "linestyle": ""}
     if spots := list(rings(axes, recording)):
         axes.plot(*np.transpose(spots), **look, color=INK, zorder=5, label="impacts")
 
 
 def draw_sticking(axes: Axes, recording: Recording) -> None:
-    """Draw a square at each contact and joint that sticks at the end."""
+    """Draw a square at each contact and each joint that sticks at the end."""
     last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
     places = []
     for phase in last[last["mode"] == STICKS]:
@@ -156,10 +157,10 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 
 
 def draw_loads(axes: Axes, recording: Recording) -> None:
-    """Draw the largest force in each joint as an arrow, at the place of the joint at that time.
+    """Draw the largest force in each joint as an arrow, at the position of the joint at that time.
 
-    The size is the largest one also between the rows, if the recording has these peaks. Direction and place
-    are from the row with the largest force.
+    The length shows the peak force, also between rows if the recording has peaks. Direction and position come
+    from the row with the largest force.
     """
     arrows = []
     for joint, force in recording.loads.items():
@@ -187,7 +188,7 @@ def draw_loads(axes: Axes, recording: Recording) -> None:
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
     """Write the numbers of the impacts outside of the walls, in the order of speed.
 
-    Return the numbers that have no room.
+    Returns the numbers that have no room.
     """
     found, labels = rings(axes, recording), []
     for spot, hits in found.items():
@@ -206,9 +207,9 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
 def _label_place(
     recording: Recording, impact: np.void, spot: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the place of the label of an impact, and its direction from there: into the wall.
+    """Return the place of an impact's label, and the direction from the impact to the label: into the wall.
 
-    At the stop of a joint, the direction is across the link. At the stop of a slider, the label is beyond the
+    For a stop of a joint, the direction is across the link. For a stop of a slider, the label is beyond the
     mark.
     """
     if recording.is_stop(impact["wall"]):
@@ -223,9 +224,9 @@ def _label_place(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """Return the places of impacts on walls → the rows of the impacts there, the hardest first.
+    """Return place of impacts on walls → the rows of the impacts there, the fastest first.
 
-    Impacts near to each other share a place.
+    Impacts close to each other share a place.
     """
     spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     found: dict[tuple[float, float], list[int]] = {}

@@ -1,4 +1,4 @@
-"""Walls and a base that move: strong at the start, at the end and at impacts, faint between, with a trace."""
+"""Walls and a base that move: strong at start, end and impacts, faint in between, with a trace."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from chain_impact.pictures.style import INK
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import pin_mark
 
-FAINT = 40  # the number of faint places of a wall that moves, at even distances in time
-FAINT_MARKS = 8  # the number of faint ground marks of a base that moves, at even distances in time
-BESIDE = 0.04  # the distance of the trace from the end of a wall, as a fraction of the wall's length in view
+FAINT = 40  # the number of faint positions of a moving wall, at equal distances in time
+FAINT_MARKS = 8  # the number of faint ground marks of a moving base, at equal distances in time
+BESIDE = 0.04  # the distance of the trace from the end of a wall, over the visible length of the wall
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
-    """Draw walls and a base that move, in the colours of time: strong at start, end and some times."""
+    """Draw walls and a base that move, in the colours of time; strong at start, end and ``times``."""
     (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
@@ -40,7 +40,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
 
 
 def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
-    """Draw the ground mark of a base that moves, and the trace of the base."""
+    """Draw the ground mark of a moving base, and the trace of the base."""
     bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
     look: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
     rows = np.linspace(0, len(bases) - 1, FAINT_MARKS).astype(int)
@@ -51,7 +51,7 @@ def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the path of a place on a wall, near the end far from the chain, shape (T, 2) [m]."""
+    """Return the path of a point on a wall, near the end that is far from the chain, shape (T, 2) [m]."""
     wall, moved = recording.walls[name], recording.moved_walls[name]
     line = next((one for one in lines if len(one) > 1), np.zeros((0, 2)))
     if not len(line):
@@ -72,7 +72,7 @@ def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> N
 
 
 def _moved(lines: Sequence[np.ndarray], ways: np.ndarray) -> list[np.ndarray]:
-    """Return lines, each moved by each of some displacements, shape (W, 2) [m]."""
+    """Return lines that are moved by each of some displacements, shape (W, 2) [m]."""
     return [line + way for way in ways for line in lines]
 
 

@@ -1,4 +1,4 @@
-"""The pictures over time: the energies, the speeds of the impacts, and the colours of time."""
+"""The panels over time: the energies, the speeds of impacts, dry friction, and the colours of time."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ from chain_impact.recording.text import speed_unit
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
 ENERGY_COLOURS |= {"supplied": PURPLE}
 PARTS = {"friction": BROWN}
-"""The colours of energies that are parts of other energies."""
+"""Energies that are parts of other energies → colours."""
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
-TOLD = 5  # the largest number of points with colours of their own, so that the legend has room
+TOLD = 5  # the largest number of points with individual colours, so that the legend has room
 NUMBERED = 60  # the largest number of impacts that get numbers
-SEEN = 0.01  # a contact shorter than this part of the time shown has no band
-DOT = 4.0  # points, the size of the mark of an impact
+SEEN = 0.01  # the least duration of a contact that gets a band, over the shown time
+DOT = 4.0  # [points] the size of the mark of an impact
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
-    """Draw the axis of time, in the colours of the motion."""
+    """Draw the axis of time with the colours that the motion has at each time."""
     start, end = recording.time[0], max(recording.time[-1], recording.time[0] + 1e-9)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
     shown = shown_time(recording)
@@ -57,7 +57,7 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     label = "; ".join(filter(None, ("time [s]", told)))
     axes.set(xlabel=label, yticks=[], xlim=(start - margin, end + margin))
     axes.spines[:].set_visible(False)
-    axes.tick_params(bottom=False, labelbottom=False)  # the panel above has the numbers
+    axes.tick_params(bottom=False, labelbottom=False)  # the panel above has the numbers of this axis
     give_ticks(axes)
 
 
@@ -80,7 +80,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
-    """Shade the rests, and give both axes numbers."""
+    """Shade rests in all panels, and give the axes numbers."""
     shade_rests(axes, shown_time(recording))
     give_ticks(axes)
 
@@ -109,7 +109,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
 
 
 def phase_lengths(recording: Recording) -> np.ndarray:
-    """Return how long each phase of dry friction lasts, shape (F,) [s]."""
+    """Return the duration of each phase of dry friction, shape (F,) [s]."""
     phases = recording.stick_slip
     ends = np.where(np.isnan(phases["end"]), recording.time[-1], phases["end"])
     return np.asarray(ends - phases["start"])
@@ -125,7 +125,7 @@ def rubbing_places(recording: Recording) -> list[str]:
 
 
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
-    """Draw a line at each impact; the axis of time is zero at ``start``, and ``factor`` is its unit [1/s]."""
+    """Draw a line at each impact. The axis begins at ``start``, with the unit ``factor`` [1/s]."""
     onsets = factor * (recording.impacts["onset"] - start)
     axes.vlines(
         onsets, 0.0, 1.0, faint(axes, LINE), linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform()
@@ -133,9 +133,11 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
-    """Draw the approach speed of each impact over time, coloured by point; of many points, most share a grey.
+    """Draw the impact speed of each impact over time, with a colour for each point.
 
-    A band behind the mark shows the duration of the contact, if that is long enough to be seen. If there are
+    Most of many points are grey.
+
+    A band behind the mark shows the duration of a contact that is long enough to be seen. If there are
     impacts at walls and at stops, the speeds at stops have their own axis on the right.
     """
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
@@ -168,7 +170,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
 def contact_ends(recording: Recording) -> np.ndarray:
     """Return the ends of the contacts, shape (I,) [s].
 
-    A contact that lasts ends with the recording. A contact with an unknown end ends at its onset.
+    The end of a contact that lasts is the end of the recording. An unknown end is replaced by the onset.
     """
     impacts = recording.impacts
     ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
@@ -176,9 +178,9 @@ def contact_ends(recording: Recording) -> np.ndarray:
 
 
 def stop_scale(recording: Recording) -> float:
-    """Return the height [m/s] of 1 rad/s in the picture of speeds.
+    """Return the height [m/s] of 1 rad/s in the picture of impact speeds.
 
-    The fastest impacts at walls and at stops have the same height.
+    With this scale the fastest impacts at walls and at stops have the same height.
     """
     speeds, stopped = recording.impacts["impact_speed"], recording.at_stops
     at_walls, at_stops = (speeds[kind].max(initial=0.0) for kind in (~stopped, stopped))
@@ -186,13 +188,13 @@ def stop_scale(recording: Recording) -> float:
 
 
 def heights(recording: Recording) -> np.ndarray:
-    """Return the heights of the impacts in the picture of speeds, in units of its left axis, shape (I,)."""
+    """Return the heights of the impacts in the picture of speeds, in units of the left axis, shape (I,)."""
     scales = np.where(recording.at_stops, stop_scale(recording), 1.0)
     return np.asarray(recording.impacts["impact_speed"] * scales)
 
 
 def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
-    """Return name, colour and impacts of each group of impacts: of the points hit hardest, and of all others.
+    """Return name, colour and impacts of each group of impacts: points with the fastest impacts, and others.
 
     Impacts of points and of joints at their stops are in different groups.
     """
@@ -210,9 +212,9 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
 
 
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
-    """Write the numbers of the impacts at their speeds, the highest first.
+    """Write the numbers of the impacts at their speeds, the fastest impact first.
 
-    Return the numbers without room.
+    Returns the numbers without room.
     """
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
     order = by_speed(recording)

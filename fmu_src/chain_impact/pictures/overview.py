@@ -1,4 +1,4 @@
-"""The page with a recording: the motion with its impacts, the energy, and the impacts over time."""
+"""The page on a recording: the motion with its impacts, the energy, and the impacts over time."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ from chain_impact.pictures.room import view_of
 from chain_impact.pictures.style import SEPARATOR, broken, is_narrow, styled, write_foot
 from chain_impact.recording.recording import Recording
 
-SLIM, BROAD = 0.6, 1.2  # the width of the panel of motion, in heights: the least and the largest
-# the height for dry friction, and for each line in it, as fractions of the panel of energies
+SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion, over its height
+# the height of the panel of dry friction, and of each of its lines, over the height of the energies
 RUBBING, RUBBING_ROW = 0.3, 0.15
-HEIGHT = 0.46  # the height of the panel of motion, as a fraction of the page's width
-# the heights of the panel of motion, when above the others, and of the clock, in heights of the energies
+HEIGHT = 0.46  # the height of the panel of motion, over the width of the page
+# ABOVE_TIME: the height of the panel of motion above the other panels; CLOCK: the height of the axis of
+# colours; both over the height of the energies
 ABOVE_TIME, CLOCK = 1.1, 0.06
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
@@ -41,22 +42,22 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "impacts": draw_impact_speeds,
     "friction": draw_stick_slip,
 }
-"""The panels of a picture: name → function that draws it."""
+"""The panels of a picture: name → function that draws the panel."""
 NUMBERS = {"motion": number_rings, "impacts": number_impacts}
-"""The functions that write the numbers of impacts into a panel, after its place is fixed.
+"""Name of a panel → function that writes the numbers of impacts into it, after the layout is final.
 
-They return the numbers without room.
+The functions return the numbers without room.
 """
 TOLD_AS = {"motion": "motion", "impacts": "speeds"}
-"""The names of panels in the sentence on numbers without room."""
+"""Name of a panel → word for the panel in the sentence on numbers without room."""
 
 
 @styled()
 def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
-    """Draw panels of PANELS on an empty page, by default all that the recording has.
+    """Draw panels of PANELS on an empty page; by default all panels for which the recording has data.
 
-    On a wide page the motion is on the left of the panels over time, else above them. The title "" stands for
-    the summary of the run, None for no title.
+    On a wide page the motion is to the left of the panels over time, on a narrow page above them. The title
+    "" stands for the summary of the run, None for no title.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -79,7 +80,7 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: 
         draw_motion(motion, recording, room.height / room.width)
         settle(page, motion)
     engine = page.get_layout_engine()
-    page.set_layout_engine("none")  # artists drawn to find room for labels stay in place
+    page.set_layout_engine("none")  # artists that were drawn to find room for labels keep their positions
     if missing := number_all(page, found, recording):
         page.set_layout_engine(engine)
         for axes in (found[name] for name in NUMBERS if name in found):
@@ -94,9 +95,9 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: 
 
 
 def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> str:
-    """Write the numbers of impacts into all panels that have them.
+    """Write the numbers of impacts into all panels that have numbers.
 
-    Return a sentence on numbers without room.
+    Returns a sentence on the numbers without room.
     """
     ink, parts = Ink(page), []
     for name, write in NUMBERS.items():
@@ -107,10 +108,10 @@ def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> st
 
 @styled({})
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
-    """Draw each of some panels into given axes: one, or as many as panels.
+    """Draw some panels into given axes: one axes, or one for each panel.
 
     Raises:
-        ValueError: when a panel does not exist, or the number of axes is another one.
+        ValueError: when a panel does not exist, or the numbers of axes and panels differ.
     """
     shown, given = chosen(recording, panels), np.ravel(axes).tolist()
     if len(shown) != len(given):
@@ -142,13 +143,13 @@ def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
 
 
 def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
-    """Return the axes of the panels, and of the clock below the panels over time, by their names."""
+    """Return the axes of the panels, and of the axis of colours below the panels over time, by name."""
     timed = [name for name in shown if name != "motion"]
     rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
     heights = [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
     width, height = np.ptp(view_of(recording).corners, axis=0)
     parts = [part for part, there in (("motion", "motion" in shown), ("time", timed)) if there]
-    share = HEIGHT * min(max(width / height, SLIM), BROAD)  # the motion fills its panel
+    share = HEIGHT * min(max(width / height, SLIM), BROAD)  # with this share the motion fills its panel
     across = len(parts) > 1 and not is_narrow(page)
     sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": ABOVE_TIME, "time": sum(heights)}
     ratios = [sizes[part] for part in parts]
@@ -161,7 +162,8 @@ def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[st
         if part == "motion":
             found[part] = page.add_subplot(cell, label=part)
             continue
-        rows = cell.subgridspec(len(heights), 1, height_ratios=heights)  # with a margin of its own
+        # the panels over time have their own margin
+        rows = cell.subgridspec(len(heights), 1, height_ratios=heights)
         found[part] = clock = page.add_subplot(rows[-1], label=part)
         for k, name in enumerate(timed):
             found[name] = page.add_subplot(rows[k], sharex=clock, label=name)
@@ -169,5 +171,5 @@ def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[st
 
 
 def plot(recording: Recording, path: Path, draw: Callable[[Figure, Recording], None] = fill) -> None:
-    """Draw the recording into a file; the suffix png, svg or pdf gives its kind."""
+    """Draw the recording into a file; the suffix png, svg or pdf determines the kind."""
     drawn(lambda page: draw(page, recording), path, usual=SIZE)

@@ -1,4 +1,4 @@
-"""Pages of a given size for pictures, if there is room for all panels, and labels that do not overlap."""
+"""Pages of a given size for pictures, with a check that all panels have room and labels do not overlap."""
 
 from __future__ import annotations
 
@@ -22,15 +22,17 @@ from matplotlib.transforms import Bbox
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import FULL, LEAST_TICKS, Page, save, styled
 
-SIZE, LEAST = (FULL, 5.4), 2.0  # inches: the usual width and height of a page, and the least ones
-LEAST_SIDE = 0.3  # inches, the least height of axes with a label
-NEARLY = 1.0  # pixels by which texts may reach beyond the page, or onto one another
-ROUND_OFF = 1e-9  # a difference below this part of an axis is round-off
-# the largest number of quarters of an inch by which a page is made higher, to find a height that suffices
+# [inch] the default width and height of a page, and the least width and height
+SIZE, LEAST = (FULL, 5.4), 2.0
+LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
+NEARLY = 1.0  # [pixels] how far texts may reach beyond the page, or overlap
+ROUND_OFF = 1e-9  # the largest difference that is round-off, over the length of an axis
+# the largest number of quarters of an inch by which the height of a page is increased, to find a sufficient
+# height
 HIGHER = 40
-LONGER = 1.1  # a label longer than so many lengths of its axis is broken into two lines
+LONGER = 1.1  # the length of a label, over the length of its axis, above which it is broken into two lines
 Fill = Callable[[Figure], None]
-"""A function that draws on an empty page."""
+"""A function that draws a picture on an empty page."""
 
 
 def drawn(
@@ -39,16 +41,16 @@ def drawn(
     size: Sequence[float] | None = None,
     usual: tuple[float, float] = SIZE,
 ) -> Figure | None:
-    """Draw a page into a file, or return it.
+    """Draw a page into a file, or return the page.
 
     Args:
-        fill: draws the page.
-        path: the file, whose suffix png, svg or pdf gives its kind; None to return the page.
+        fill: function that draws the page.
+        path: the file; its suffix png, svg or pdf determines the kind. None returns the page.
         size: width and height [inches].
         usual: width and height [inches] if ``size`` is None.
 
     Raises:
-        ValueError: when a page cannot have this size, or has no room for the panels.
+        ValueError: when the size is not possible, or has no room for the panels.
         OSError: when the file cannot be written.
     """
     inches = usual if size is None else page_size(size)
@@ -65,7 +67,7 @@ def page_size(size: Sequence[float]) -> tuple[float, float]:
     """Return the width and the height of a page [inches].
 
     Raises:
-        ValueError: when they are less than LEAST, or not two numbers.
+        ValueError: when the size is not two numbers, or one of them is less than LEAST.
     """
     try:
         width, height = map(float, size)
@@ -87,7 +89,7 @@ def check_alone(path: object, size: object) -> None:
 
 
 def fill_or_refuse(fill: Fill, page: Figure) -> None:
-    """Draw on a page, or refuse the page if there is too little room; the error names a height that suffices.
+    """Draw on a page, or refuse a page with too little room; the error names a sufficient height.
 
     Raises:
         ValueError: when there is too little room.
@@ -110,7 +112,7 @@ def fill_or_refuse(fill: Fill, page: Figure) -> None:
 
 @styled()
 def has_room(fill: Fill, page: Figure) -> bool:
-    """Draw on a page; return whether axes have some height, and texts are neither cut off nor overlap."""
+    """Draw on a page; return whether axes have some height and texts are complete and do not overlap."""
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
         fill(page)
@@ -127,7 +129,7 @@ def has_room(fill: Fill, page: Figure) -> bool:
 
 
 def text_boxes(page: Figure) -> Iterator[Bbox]:
-    """Yield the rectangles of the texts and legends around the axes of a page, in pixels."""
+    """Yield the rectangles of texts and legends around the axes of a page, in pixels."""
     texts, legends = list(page.texts), [legend for axes in page.axes if (legend := axes.get_legend())]
     yield from (legend.get_window_extent() for legend in legends)
     for axes in page.axes:
@@ -141,9 +143,9 @@ def text_boxes(page: Figure) -> Iterator[Bbox]:
 
 
 def settle(page: Figure, scaled: Axes | None = None) -> None:
-    """Arrange the page: legends get the width of their axes, and labels longer than their axes are broken.
+    """Arrange a page: legends get the width of their axes, and labels longer than their axes are broken.
 
-    Axes with the same scale along x and y have room for their labels, however slim they become.
+    Axes with the same scale along x and y have room for their labels, even if they become narrow.
     """
     engine = page.get_layout_engine()
     for turn in range(2):
@@ -159,12 +161,12 @@ def settle(page: Figure, scaled: Axes | None = None) -> None:
 
 
 def meet(one: Bbox, two: Bbox) -> bool:
-    """Return whether a number overlaps the next one."""
+    """Return whether two successive numbers of an axis overlap."""
     return bool(one.x1 > two.x0)
 
 
 def break_labels(page: Figure) -> None:
-    """Break labels that are longer than their axes, and give axes fewer numbers where these would overlap."""
+    """Break labels that are longer than their axes, and give axes fewer numbers if these would overlap."""
     for axes in page.axes:
         label, inside = axes.yaxis.label, axes.get_window_extent()
         if label.get_window_extent().height > LONGER * inside.height:

@@ -1,4 +1,4 @@
-"""The rests of a motion, and the part of its time that a picture shows."""
+"""The rests of a motion, and the time that a picture shows."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.style import SHADE, faint
 from chain_impact.recording.recording import Recording
 
-# a point counts as at rest at a speed that takes it so far, as a part of its longest way, in the whole time
+# the speed of a point at rest: in the whole time, it moves the point by this part of the longest path
 SLOW = 0.02
-LEAST = 0.05  # the shortest rest that is shown, as a fraction of the time
-MUCH = 0.7  # rests at the start and the end are left out if they are this part of the time, or more
-BEFORE, AFTER = 0.1, 0.25  # the rest shown before and after the motion, as fractions of the time with motion
+LEAST = 0.05  # the shortest rest that is shown, over the time
+MUCH = 0.7  # rests at the start and the end are left out if they take at least this part of the time
+BEFORE, AFTER = 0.1, 0.25  # the shown rest before and after the motion, over the time with motion
 
 
 class Shown(NamedTuple):
-    """The part of the time that a picture shows.
+    """The time that a picture shows.
 
     Attributes:
         start: the start of the axis [s].
         end: the end of the axis [s].
         rests: start and end [s] of each rest.
-        told: the words on rest in the label of the axis; "" without a rest.
+        told: words on the rest for the label of the axis; "" without a rest.
     """
 
     start: float
@@ -35,7 +35,7 @@ class Shown(NamedTuple):
 
 
 def shown_time(recording: Recording) -> Shown:
-    """Return the time that is shown: without most of a long rest at the start and at the end."""
+    """Return the time that a picture shows, without most of a long rest at the start or the end."""
     found = rests(recording)
     first, last = (float(recording.time[row]) for row in (0, -1))
     start, end = first, last
@@ -53,7 +53,7 @@ def shown_time(recording: Recording) -> Shown:
 
 
 def rest_word(recording: Recording) -> str:
-    """Return the word for the rest at the end: "held" by dry friction, or "at rest"."""
+    """Return the word for the rest at the end: "held" if dry friction holds the chain, or "at rest"."""
     last = recording.stick_slip[np.isnan(recording.stick_slip["end"])]
     return "held" if (last["mode"] == STICKS).any() else "at rest"
 
@@ -65,7 +65,7 @@ def ends_at_rest(recording: Recording) -> bool:
 
 
 def rests(recording: Recording) -> list[tuple[float, float]]:
-    """Return start and end [s] of each time in which nothing moves noticeably, and nothing is hit."""
+    """Return start and end [s] of each time in which no point moves noticeably, and no impact happens."""
     time, places = recording.time, recording.all_points
     span, size = time[-1] - time[0], np.hypot(*np.ptp(places, axis=0).T).max()
     if len(time) < 3 or not size > 0.0:  # noqa: PLR2004 - no motion between rows

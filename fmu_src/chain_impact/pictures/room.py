@@ -1,4 +1,4 @@
-"""The room of the motion: its walls, the free sides of the walls, and the part in view."""
+"""The room of the motion: the walls, their free sides, and the visible part."""
 
 from __future__ import annotations
 
@@ -17,13 +17,16 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen
 from chain_impact.scene.half_planes import HalfPlane
 
-# fractions of the motion's width: the margin at the edges of the view, and outside of walls; √2 BAND < NEAR
+# MARGIN: the margin at the edges of the view; BAND: the margin outside of walls; both over the width of the
+# motion; √2 BAND < NEAR
 MARGIN, BAND = 0.04, 0.14
-FARTHEST = 1.0  # a wall that moves is in view if it is within so many widths of the motion
-SLIMMEST = 0.3  # the least ratio of the shorter side of the view to the longer one
+FARTHEST = 1.0  # the largest distance of a moving wall in view, over the width of the motion
+SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
 BROADEST = 1.6  # the largest ratio of width to height to which a view grows to fill its axes
-STRAIGHT = 0.99  # a wall is along one axis if its normal has this component, or more, along the other one
-# the distance of a wall from a corner on it, as a fraction of the size of the view, by round-off
+# the least component of a wall's normal along one axis with which the wall counts as parallel to the other
+# axis
+STRAIGHT = 0.99
+# the largest distance of a wall from a corner on it that is round-off, over the size of the view
 ROUND_OFF = 1e-9
 
 
@@ -42,9 +45,9 @@ class View(NamedTuple):
 def view_of(recording: Recording, shape: float | None = None) -> View:
     """Return the view: the motion, with a margin, and the walls near it.
 
-    A wall that is far from the motion all the time is left out. A wall that comes near is in view at all
-    times when it is not very far. ``shape`` is the height of the view over its width, if there is room beside
-    the motion inside the walls; else the view is slimmer.
+    A wall that is always far from the motion is left out. A wall that comes near is visible at all times when
+    it is not very far. ``shape`` is the wanted height of the view over its width; the view is narrower if the
+    walls leave no room beside the motion.
     """
     places = {
         (name, end): wall
@@ -78,7 +81,7 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
         if at not in near and beyond > 0.0:
             met[at] = wall
             along = int(np.abs(normal).argmax())
-            if abs(normal[along]) > STRAIGHT:  # the view grows no farther than to such a wall
+            if abs(normal[along]) > STRAIGHT:  # the view grows at most to such a wall
                 view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * max(
                     0.0, beyond - BAND * width
                 )
@@ -86,7 +89,7 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
-    """Yield the walls where each leaves the chain the most room in the recording, then where the least."""
+    """Yield the walls twice: where each leaves the chain the most room in the recording, and the least."""
     for extreme in (np.min, np.max):
         found = dict(recording.walls)
         for name, moved in recording.moved_walls.items():
@@ -97,8 +100,8 @@ def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
 def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
     """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
 
-    The view is by default that of ``view_of``. ``draw_moving`` draws walls and a base that move. The room is
-    white where the chain may be at all times, and pale grey where it may be at some times.
+    The default view is the result of ``view_of``. ``draw_moving`` draws walls and a base that move. The room
+    is white where the chain may be at all times, and pale grey where it may be only at some times.
     """
     corners, near = view or view_of(recording)
     moving = moving_walls(recording, near)
@@ -112,12 +115,12 @@ def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> No
 
 
 def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
-    """Return the walls, among some, that do move."""
+    """Return the walls in ``names`` that move in the recording."""
     return [name for name in names if moves(recording.moved_walls.get(name, np.zeros(1)))]
 
 
 def moves(places: np.ndarray) -> bool:
-    """Return whether places over time, shape (T, …), are not all the same."""
+    """Return whether positions over time, shape (T, …), change."""
     return bool((places != places[0]).any())
 
 
@@ -139,13 +142,13 @@ def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
 def draw_room(
     axes: Axes, view: np.ndarray, near: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
 ) -> list[Artist]:
-    """Draw the room between some walls in white and all beyond in grey, and set the limits of the axes.
+    """Draw the room between some walls in white and the area beyond in grey, and set the axes' limits.
 
     Args:
         axes: the axes to draw into.
         view: lower left and upper right corner of the axes' view, shape (2, 2) [m].
         near: the walls.
-        lines: the walls that have a line, by default all.
+        lines: the walls that get a line; by default all walls.
 
     Returns:
         The artists.
@@ -162,7 +165,7 @@ def draw_room(
 
 
 def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
-    """Return the ends of the line of a wall at the room between some walls in a view, shape (C, 2) [m]."""
+    """Return the ends of the visible line of a wall at the room between some walls, shape (C, 2) [m]."""
     corners = _corners(walls, view)
     gaps = corners @ np.array(wall.normal) - wall.offset
     return np.asarray(corners[abs(gaps) < ROUND_OFF * np.ptp(view)])

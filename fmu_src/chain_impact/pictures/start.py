@@ -1,4 +1,4 @@
-"""Pictures of a chain at its start: the drawing in an FMU's documentation, and the icon of the FMU."""
+"""Pictures of a chain at its start: the drawing in an FMU's documentation, and the icon of an FMU."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ from chain_impact.scene.bodies import outlines_of, placed, rail_of
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
-SIZE, ICON = (7.6, 4.6), (1.28, 1.28)  # inches, width and height of the drawing, and of the icon
-# inches, the space around the picture, both sides together: of the drawing, and of the icon
+SIZE, ICON = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of the drawing, and of the icon
+# [inch] the free space at both sides together, of the drawing and of the icon
 BORDER, MARGIN = 1.4, 0.3
-# points: the length of an arrow, the radius of the arc of an angle, the length of the line at its start
+# [points] the length of an arrow, the radius of the arc of an angle, the length of the line from which an
+# angle is measured
 ARROW, ARC, REFERENCE = 30.0, 18.0, 32.0
-# the number of points beyond which not every point has a label, and only the first angle is shown
+# the largest number of points that all get labels; with more points only the first angle is shown
 LABELLED = 8
 SIGNS = (
     "This is the start. Link i ends at point i. Angles, angular velocities and torques are positive "
@@ -42,7 +43,7 @@ SIGNS = (
 
 @contextmanager
 def repeatable() -> Iterator[None]:
-    """Draw equal scenes in the same way, whatever the settings of matplotlib."""
+    """Let equal scenes give equal pictures, whatever the settings of matplotlib are."""
     own = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
     with matplotlib.style.context("default"), matplotlib.rc_context(own):
         yield
@@ -94,15 +95,15 @@ def _chain(
 ) -> tuple[Any, np.ndarray, float]:
     """Draw the chain at its start, and the walls.
 
-    Return the axes, the points [m], and the size of a point [m].
+    Returns the axes, the positions of the points [m], and the size of a typographic point [m].
 
-    The view holds the chain and the nearest points of all walls.
+    The view contains the chain and the nearest points of all walls.
     """
     places = np.array([place[:2] for place in scene.start.values()])
     joints, sites = np.split(places, [len(scene.chain.links) + 1])
     planes, middle = list(scene.walls_at_start.values()), joints.mean(axis=0)
     seen = np.array([*places, *(_foot(plane, middle) for plane in planes)])
-    scale = max(np.ptp(seen, axis=0) / (np.array(size) - border))  # m for an inch
+    scale = max(np.ptp(seen, axis=0) / (np.array(size) - border))  # m per inch
     centre = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
     axes = Figure(figsize=size).add_axes((0.0, 0.0, 1.0, 1.0), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
@@ -122,14 +123,14 @@ def _chain(
 
 
 def _foot(plane: HalfPlane, place: np.ndarray) -> np.ndarray:
-    """Return the point of a wall that is nearest to a place."""
+    """Return the point of a wall that is nearest to a given point."""
     return np.asarray(place - plane.clearance(*place) * np.array(plane.normal))
 
 
 def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
-    """Draw the line and the name of a wall, and an arrow for each letter: its normal, then its tangent.
+    """Draw the line and the name of a wall, and an arrow with a letter for the normal and for the tangent.
 
-    The arrows are beside the middle, where the chain is less likely to be.
+    The arrows are away from the middle of the wall, where the chain may be.
     """
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     foot, normal = _foot(plane, 0.5 * (low + high)), np.array(plane.normal)
@@ -145,23 +146,23 @@ def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
 
 
 def _draw_angle(axes: Axes, place: np.ndarray, text: str, angle: float, unit: float) -> None:
-    """Draw the angle of a link from the x axis, at its joint, within -180° to 180°."""
+    """Draw the angle of a link from the x axis, at the link's joint, within -180° to 180°."""
     x, y = place
     turned = math.degrees(math.remainder(angle, math.tau))
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
     axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
-    below = -9.0 if turned > 0.0 else 6.0  # the side without the link
+    below = -9.0 if turned > 0.0 else 6.0  # the side on which the link is not
     _text(axes, text.replace("-", "−"), place, (0.7 * REFERENCE, below), ha="left")
 
 
 def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float]) -> None:
-    """Draw an arrow from a place, with a letter at its tip."""
+    """Draw an arrow from a point in a direction, with a letter at its tip."""
     _text(axes, letter, start, ARROW * np.array(direction), arrowprops={"arrowstyle": "<-", "shrinkB": 0.0})
 
 
 def _text(axes: Axes, text: str, place: np.ndarray, offset: Iterable[float], **look: Any) -> None:
-    """Draw a text beside a place; the offset is in points."""
+    """Draw a text next to a point; the offset is in typographic points."""
     x, y = offset
     style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", "zorder": 6}
     axes.annotate(text, (place[0], place[1]), (x, y), annotation_clip=False, **(style | look))

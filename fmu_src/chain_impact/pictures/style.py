@@ -1,4 +1,4 @@
-"""The look of all pictures: fonts, colours that the colour-blind can tell apart, the headline."""
+"""The style of all pictures: fonts, colours that colour-blind readers can distinguish, the headline."""
 
 from __future__ import annotations
 
@@ -24,18 +24,19 @@ from chain_impact.system import written_whole
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
 BLUE, VERMILLION, PURPLE, BROWN = "#0072b2", "#d55e00", "#cc79a7", "#7a4b2a"
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
-"""Colours for curves.
+"""The colours of curves.
 
 Okabe and Ito, Color Universal Design (2008), without yellow, which is too pale on white, and without black.
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
-"""The greys: curves in the background; lines of a grid; text and outlines."""
+"""The greys: of curves in the background, of a grid's lines, and of text and outlines."""
 OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
-"""The colours of the ground: beyond walls; where the chain may be at times."""
+"""The colours of the ground: beyond walls, and where the chain may be only at some times."""
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
-"""The colours of the ground on which labels may stand."""
-SHADE, LINE = 0.05, 0.1  # the fraction of the colour of text in a rest, and in the line of an impact
-# viridis without its end, which is too pale on white
+"""The colours of areas on which labels may stand."""
+# SHADE: the fraction of the text colour in the shade of a rest; LINE: in the line of an impact
+SHADE, LINE = 0.05, 0.1
+# the colour map viridis without its end, which is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 
 STYLE: Any = {
@@ -52,13 +53,13 @@ STYLE: Any = {
     "legend.borderaxespad": 0.2,
     "xtick.labelsize": "small",
     "ytick.labelsize": "small",
-    "pdf.fonttype": 42,  # TrueType: many journals refuse Type 3
+    "pdf.fonttype": 42,  # TrueType fonts, because many journals refuse Type 3 fonts
     "ps.fonttype": 42,
-    "svg.fonttype": "none",  # text stays text, and does not become outlines
-    # the width of text does not depend on the resolution, so the layout holds for all resolutions
+    "svg.fonttype": "none",  # text stays text; it does not become outlines
+    # without hinting the width of text does not depend on the resolution, so one layout fits all resolutions
     "text.hinting": "none",
 }
-"""Settings of matplotlib for every picture, unless a user or a style sheet has changed them."""
+"""Settings of matplotlib for every picture, unless a user or a style sheet has changed these settings."""
 COLOURS: Any = {
     name: "white" if name.endswith("facecolor") else "black"
     for name in (
@@ -66,27 +67,27 @@ COLOURS: Any = {
         *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
     )
 }
-"""Settings that hold in any style: the colours of pictures are chosen for a white page."""
+"""Settings that apply in any style, because the colours of pictures are chosen for a white page."""
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
-"""The kinds of settings that matter when a page is drawn."""
+"""The kinds of settings that have an effect when a page is drawn."""
 DPI = 160
-FULL, WIDE = 10.0, 6.0  # inches: the width of a page, and the least width for two columns of axes
-LEFT, TOP = 0.12, 0.08  # inches from the left and from the upper edge of the page to the headline
-GAP = 0.09  # inches below the headline, and below the conditions
-MOST_HEAD = 0.33  # the largest height of headline and conditions, as a fraction of the page's height
-MOST_FOOT = 0.15  # the largest height of the texts at the foot, as a fraction of the page's height
-# the sizes tried for a headline longer than a line, as fractions of its usual size
+FULL, WIDE = 10.0, 6.0  # [inch] FULL: the width of a page; WIDE: the least width for two columns of axes
+LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the page
+GAP = 0.09  # [inch] space below the headline, and below the conditions
+MOST_HEAD = 0.33  # the largest height of headline and conditions, over the height of the page
+MOST_FOOT = 0.15  # the largest height of the texts at the foot, over the height of the page
+# the font sizes that are tried for a headline longer than a line, over its usual size
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
 STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten
-SEPARATOR = "\u00a0\u00a0·\u00a0 "  # a line is broken only after it
+SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
 
 
 @contextmanager
 def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
-    """Draw in the style of all pictures; also usable as a decorator.
+    """Draw in the style of all pictures; the context manager is also a decorator.
 
-    Given axes are drawn into without ``colours``: they keep the colours of their own style.
+    A user's axes are drawn without ``colours``, so that they keep the colours of their own style.
     """
     kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
     with mpl.rc_context(kept | colours):
@@ -96,11 +97,11 @@ def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
 class Page(Figure):
     """An empty page for a picture.
 
-    A notebook shows the page exactly once, whatever else was imported.
+    A notebook shows the page exactly once, whatever backend of matplotlib is in use.
     """
 
     def __init__(self, **options: Any) -> None:
-        """Make a page that arranges its contents; the options are those of a figure."""
+        """Make a page that arranges its contents; the options are those of a matplotlib figure."""
         with styled():
             super().__init__(**{"layout": "constrained"} | options)
             self._settings = {
@@ -108,7 +109,7 @@ class Page(Figure):
             }
 
     def draw(self, renderer: Any) -> None:
-        """Draw with the settings that the layout is for: they decide on fonts and ticks."""
+        """Draw with the settings for which the page was arranged, because they determine fonts and ticks."""
         with mpl.rc_context(self._settings):
             super().draw(renderer)
 
@@ -118,32 +119,32 @@ class Page(Figure):
             super().savefig(*args, **options)
 
     def _repr_png_(self) -> bytes:
-        """Return the picture for IPython where no backend of matplotlib has told it how to show a figure."""
+        """Return the picture for IPython if no backend of matplotlib has registered a way to show figures."""
         file = BytesIO()
         self.savefig(file, format="png", dpi="figure")
         return file.getvalue()
 
 
 def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
-    """Return the colour of axes mixed with a fraction of the colour of text: it suits dark styles, too."""
+    """Return a mixture of the axes' colour and a fraction of the text colour; it suits dark styles, too."""
     ground, text = (np.array(to_rgb(one)) for one in (axes.get_facecolor(), mpl.rcParams["text.color"]))
     red, green, blue = (ground + fraction * (text - ground)).tolist()
     return red, green, blue
 
 
 def is_full(axes: Axes) -> bool:
-    """Return whether axes stand on a page of full width."""
+    """Return whether axes belong to a page of full width."""
     page = axes.get_figure(root=True)
     return page is None or page.get_figwidth() >= FULL
 
 
 def is_narrow(page: Figure) -> bool:
-    """Return whether a page has no room for two columns of axes."""
+    """Return whether a page is too narrow for two columns of axes."""
     return bool(page.get_figwidth() < WIDE)
 
 
 def give_ticks(*axes: Axes) -> None:
-    """Give each axis at least LEAST_TICKS numbers, unless they are chosen by hand."""
+    """Give each axis at least LEAST_TICKS numbers, unless its ticks are set by hand."""
     for one in axes:
         for axis in (one.xaxis, one.yaxis):
             if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
@@ -151,10 +152,10 @@ def give_ticks(*axes: Axes) -> None:
 
 
 def headline(page: Figure, message: str, conditions: str = "") -> None:
-    """Write a message over the picture, and below it, smaller, the conditions.
+    """Write a message above the picture and, in a smaller font below it, the conditions.
 
-    Lines are broken at the edge of the page; the message is made smaller first. On a narrow page the
-    conditions are at the foot. A page that is too low has no conditions.
+    Lines are broken at the edge of the page, after the font of the message was made smaller. On a narrow page
+    the conditions are at the foot. A page that is too low has no conditions.
     """
     width, height = page.get_size_inches()
     place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
@@ -180,7 +181,7 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
 
 
 def broken(page: Figure, text: str) -> str:
-    """Return a small text, broken into lines at the edge of the page, with a margin on both sides."""
+    """Return a small text with line breaks, so that it fits between the margins of the page."""
     probe = page.text(0.0, 0.0, "", fontsize="small")
     lines: list[str] = []
     for word in text.split(" "):
@@ -206,20 +207,20 @@ def write_foot(page: Figure, text: str) -> Text | None:
 
 
 def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
-    """Put a legend for all axes below them, above other texts at the foot."""
+    """Put a legend for all axes at the foot of the page, above other texts there."""
     low = _foot(page)
     legend = page.legend(handles=list(handles), loc="lower center", bbox_to_anchor=(0.5, low), **look)
     _reserve(page, 0.0, low + legend.get_window_extent().height / page.bbox.height)
 
 
 def _foot(page: Figure) -> float:
-    """Return the height of the texts at the foot, as a part of the page's height."""
+    """Return the height of the texts at the foot, over the height of the page."""
     engine = page.get_layout_engine()
     return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
 
 
 def _reserve(page: Figure, top: float, bottom: float) -> None:
-    """Keep at least a part of the page's height free of axes, at the top and at the bottom."""
+    """Keep a part of the page's height free of axes, at the top and at the bottom."""
     engine = page.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, low, width, height = engine.get()["rect"]
@@ -229,7 +230,7 @@ def _reserve(page: Figure, top: float, bottom: float) -> None:
 
 
 def words_of(page: Figure) -> dict[str, str]:
-    """Return the words of a picture for its file: the headline, and all others but the numbers at ticks."""
+    """Return the words of a picture for its file: the headline, and all texts except the numbers at ticks."""
     title = page.get_suptitle()
     told = [text.get_text().replace("\n", " ") for text in page.texts if text.get_text() != title]
     for axes in page.axes:
@@ -242,7 +243,7 @@ def words_of(page: Figure) -> dict[str, str]:
 def save(
     path: str | os.PathLike[str], fill: Callable[[Figure], None], size: tuple[float, float] | None = None
 ) -> None:
-    """Draw an empty page with ``fill``, and write it into a file; the suffix png, svg or pdf gives the kind.
+    """Draw an empty page with ``fill``, and write it into a file; the suffix determines the kind.
 
     Raises:
         OSError: when the file cannot be written.
@@ -255,10 +256,10 @@ def save(
 
 
 def force_text(value: float, unit: str) -> str:
-    """Return a force or a moment above zero, with a prefix and three digits: 12.3 kN."""
+    """Return a positive force or moment as text, with a prefix and three digits: 12.3 kN."""
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number with at most so many digits, and without useless zeros: 1e8, 2.145e10."""
+    """Return a number as text with at most ``digits`` digits, without zeros at the end: 1e8, 2.145e10."""
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")

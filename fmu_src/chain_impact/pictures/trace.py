@@ -6,19 +6,19 @@ import numpy as np
 
 from chain_impact.recording.recording import Recording
 
-PIECE = 0.004  # the length of a piece, about, as a fraction of the size of the view
+PIECE = 0.004  # the approximate length of a piece of the curve, over the size of the view
 MOST_PARTS = 32  # the largest number of pieces between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the path of the last point, with places between the rows where these are far from each other.
+    """Return the path of the last point, with additional points between rows that are far from each other.
 
     Args:
         recording: the recording to show.
         size: the size of the view [m].
 
     Returns:
-        The times, shape (S,) [s], and the places, shape (S, 2) [m].
+        The times, shape (S,) [s], and the positions, shape (S, 2) [m].
     """
     time, tip = recording.time, recording.points[:, -1]
     speeds, steps = _speeds(recording), np.diff(time)
@@ -27,7 +27,7 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     row = np.repeat(np.arange(len(steps)), parts)
     s = ((np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row])[:, None]
     h = steps[row, None]
-    # Hermite: p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁)
+    # Hermite interpolation: p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁)
     start, end = tip[row], tip[row + 1]
     before = (1.0 - s) ** 2 * ((1.0 + 2.0 * s) * start + s * h * speeds[row])
     after = s**2 * ((3.0 - 2.0 * s) * end - (1.0 - s) * h * speeds[row + 1])
@@ -38,7 +38,7 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 def _speeds(recording: Recording) -> np.ndarray:
     """Return the velocity of the last point, shape (T, 2) [m/s].
 
-    An unknown velocity follows from parabolas through the rows.
+    If the velocity is unknown, it is computed from parabolas through the rows.
     """
     last = recording.points.shape[1] - 1
     known = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]
@@ -49,7 +49,7 @@ def _speeds(recording: Recording) -> np.ndarray:
 
 
 def _broken(recording: Recording) -> np.ndarray:
-    """Return where the velocity may jump between rows, or is of a curve across a jump, shape (T − 1,)."""
+    """Return where the velocity may jump between rows, or follows from a curve across a jump, (T − 1,)."""
     at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)
     knows = f"point[{recording.points.shape[1] - 1}].vx" in recording.columns

@@ -1,1 +1,1 @@
-"""A recorded motion: its table, its lists of impacts and changes, and what is computed from them."""
+"""A recorded motion: its table, its lists of impacts and changes, and values that are computed from these."""

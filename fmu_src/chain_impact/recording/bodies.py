@@ -1,4 +1,4 @@
-"""Bodies in results: the outlines of links with points, and the line of a base on a slider."""
+"""Bodies in results: the outlines of links with points, and the line of a sliding base."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from chain_impact.scene.tables import CORNERS
 
 
 def is_of_body(name: str) -> bool:
-    """Return whether a parameter tells how a body looks."""
+    """Return whether a parameter determines how a body looks."""
     is_of_link = name.startswith("link[") and (".point[" in name or name.endswith((".length", ".height")))
     return is_of_link or name.startswith("slider.") or name == "contact.radius"
 
@@ -26,7 +26,10 @@ def site_radii(values: Mapping[str, Any]) -> list[float]:
 
 
 def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
-    """Return the points of each link that has any, in the order of their numbers, corners of a box first."""
+    """Return the points of each link that has points, in the order of their numbers.
+
+    Corners of a box come first.
+    """
     found: dict[int, list[Disc]] = {}
     for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
         discs: list[Disc] = []
@@ -43,7 +46,7 @@ def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
 
 
 def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[int, np.ndarray]:
-    """Return the outlines of the links with points, each in its own axes, by the values of parameters.
+    """Return the outlines of the links with points, each in the link's axes, from the values of parameters.
 
     Args:
         values: name of a parameter → value.
@@ -60,16 +63,17 @@ def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[
 
 
 def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
-    """Return the line of a slider; None where there is none.
+    """Return the line of a slider; None if the base does not slide.
 
     Args:
         bases: the positions of the base, shape (T, 2) [m].
-        positions: the outputs ``slider.position``, shape (T,) [m]; None where they are not known.
+        positions: the outputs ``slider.position``, shape (T,) [m]; None if they are not known.
         values: name of a parameter → value.
     """
     if "slider.angle" in values:
         angle = float(values["slider.angle"])
-    elif positions is not None:  # the direction in which it moves, between the least and the largest position
+    # without parameters, the line goes from the place of the least to the place of the largest position
+    elif positions is not None:
         x, y = bases[positions.argmax()] - bases[positions.argmin()]
         angle = math.atan2(y, x)
     else:

@@ -1,4 +1,4 @@
-"""The course of one impact: force, penetration and speed, also at times between the rows of the result."""
+"""The course of one impact: force, penetration and speed over time, also between the rows of the result."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
 from chain_impact.variables.model import Model
 
-SAMPLES = 400  # the times of the course of an impact
-MANY = 4000  # the same for a contact that lasts long
-SOON = 1e-6  # the first of these times after the onset, as a fraction of the length of the contact
+SAMPLES = 400  # the number of times in the course of an impact
+MANY = 4000  # the number of times in the course of a contact that lasts long
+SOON = 1e-6  # the first time after the onset, over the length of the contact
 
 Rerun = Callable[[np.ndarray], np.ndarray]
-"""A function: times [s] that increase, shape (S,) → the outputs at these times. It repeats the run."""
+"""A function that repeats the run: increasing times [s], shape (S,) → outputs at these times."""
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """One impact over time. At a stop of a joint, the quantities are the moment and the angle.
+    """One impact over time. At a stop of a joint, the quantities are a moment and an angle.
 
     Attributes:
         time: from the onset to the end, shape (S,) [s]; empty for an impulse.
         force: shape (S,) [N].
         penetration: shape (S,) [m].
-        speed: of penetration, positive when closing, shape (S,) [m/s].
+        speed: rate of penetration, positive during compression, shape (S,) [m/s].
         energy_lost: the energy [J] that the whole chain dissipates from just before the onset until just
             after the end.
     """
@@ -46,18 +46,18 @@ def course_of(
 ) -> Course:
     """Return the course of an impact, a row of ``Result.impacts``.
 
-    The run is repeated up to the end of the impact, with rows within it. It is the same run to the last bit,
-    as rows do not change the solution.
+    The run is repeated up to the end of the impact, with additional rows during the impact. The repeated run
+    has the same bits, because rows do not change the solution.
 
     Args:
         model: the model of the scene.
         rerun: ``Result.rerun``.
-        impact: the row.
-        until: the end of the course where the impact has none [s].
-        near: the time after the onset [s] within which the samples of a longer contact are close together.
+        impact: the row of ``Result.impacts``.
+        until: the end of the course if the impact has no end [s].
+        near: the time after the onset [s] in which the samples of a longer contact are dense.
 
     Raises:
-        ValueError: when the result cannot be run once more.
+        ValueError: when the run of the result cannot be repeated.
     """
     if rerun is None:
         raise ValueError(f"{model.scene.name}: only a result of simulate() has the course of an impact")
@@ -73,7 +73,7 @@ def course_of(
     at, sign = place_of(model, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
-    if len(speed):  # the outputs have no speed of penetration where there is no penetration
+    if len(speed):  # outputs have no rate of penetration while there is no penetration
         speed[0] = impact["impact_speed"]
     if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
         speed[-1] = -impact["separation_speed"]
@@ -87,7 +87,7 @@ def course_of(
 
 
 def place_of(model: Model, impact: np.void) -> tuple[int, float]:
-    """Return the index of the contact of an impact in the outputs, and the sign of its force there."""
+    """Return the index of an impact's contact in the outputs, and the sign of its force in these outputs."""
     pairs, scene = model.candidates, model.scene
     if not at_stop(scene, impact["wall"]):
         return pairs.index((impact["point"], impact["wall"])), 1.0

@@ -1,4 +1,4 @@
-"""A recording from a table of an FMU's outputs, as `simulate --csv` or another tool writes it."""
+"""A recording from a table of an FMU's outputs, which `simulate --csv` or another tool has written."""
 
 from __future__ import annotations
 
@@ -21,21 +21,22 @@ NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
 
 class NeedsSceneError(SceneError):
-    """An error: a table has walls, but does not tell where they are."""
+    """Raised when a table has contacts with walls, and no scene gives the positions of the walls."""
 
 
 def read_csv(path: Path, scene: Scene | None = None) -> Recording:
     """Read a table with a head line.
 
     Args:
-        path: the file; columns ``time`` [s] and outputs of the FMU, at least the positions of the points.
+        path: the file, with columns ``time`` [s] and outputs of the FMU, at least the positions of the
+            points.
         scene: the scene with the walls and stops, which are not in a table.
 
     Returns:
         The recording, with the name of the file, and with impacts if the table has the columns ``impact.*``.
 
     Raises:
-        SceneError: when the file is no such table, or has a wall that is not in the scene.
+        SceneError: when the file is not such a table, or has a wall that is not in the scene.
         NeedsSceneError: when the table has walls, and no scene is given.
         OSError: when the file cannot be read.
     """
@@ -81,7 +82,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         check_separator(head)
         names = [name.strip().strip('"') for name in head.split(",")]
         rows = _numbers(names, text)
-    except ValueError as error:  # a cell that is no number, a line that is too long, or another encoding
+    except ValueError as error:  # a cell is not a number, a line is too long, or the encoding is wrong
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED if name not in names]
     if missing:
@@ -93,7 +94,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )
-    # a derivative does not exist at all times
+    # derivatives may be missing at some times
     slopes = [name.startswith(SENSITIVITY) for name in names]
     for row in np.flatnonzero(~(np.isfinite(rows) | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")
@@ -104,7 +105,7 @@ def _numbers(names: list[str], text: list[str]) -> np.ndarray:
     """Return the numbers in the lines below the head line, shape (rows, cells).
 
     Raises:
-        ValueError: naming the line and the column where there is no number.
+        ValueError: when a cell is not a number; the message names the line and the column.
     """
     try:
         return np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))
@@ -116,7 +117,7 @@ def _numbers(names: list[str], text: list[str]) -> np.ndarray:
 
 
 def _check_line(where: str, names: list[str], cells: list[str]) -> None:
-    """Refuse a line with a cell that is no number, or with too few or too many cells."""
+    """Refuse a line with a cell that is not a number, or with too few or too many cells."""
     for name, cell in zip(names, cells, strict=False):
         try:
             float(cell)

@@ -1,4 +1,4 @@
-"""Outputs over time, as curves in a picture: also within impacts, where a result has few rows or none."""
+"""Outputs over time as curves for a picture, also within impacts, where a result has few rows or none."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.reading import matching
 from chain_impact.variables.model import Model, elsewhere
 
-# the times within an impact, and the largest number of impacts that have such times
+# WITHIN: the number of times within an impact; FOLLOWED: the largest number of impacts that get such times
 WITHIN, FOLLOWED = 50, 400
-CLOSE = 1000  # the times in a view of one impact
-BEFORE, AFTER = 0.5, 1.0  # the time seen before and after an impact, as a fraction of its duration
-LONGEST = 0.02  # the duration of a contact that lasts to the end, as seen, as a fraction of the run
-LEAST = 1e-3  # the duration of an impulse, as seen, as a fraction of the run
+CLOSE = 1000  # the number of times in a view of one impact
+BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, over the duration of the impact
+LONGEST = 0.02  # the shown duration of a contact that lasts to the end, over the duration of the run
+LEAST = 1e-3  # the shown duration of an impulse, over the duration of the run
 
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Some outputs over time, to be drawn as curves.
+    """Some outputs over time, which a picture shows as curves.
 
     Attributes:
         time: shape (T,) [s].
         values: name → shape (T,).
-        units: name → unit; "" where there is none.
+        units: name → unit; "" for an output without a unit.
         onset: the onset [s] of the impact in a close view; None in a view of the whole run.
-        number: the number of this impact, from 1.
+        number: the number of the impact in a close view, from 1.
     """
 
     time: np.ndarray
@@ -63,13 +63,14 @@ def curves_of(
         recording: the recording with the outputs.
         names: the names of the outputs; ``*`` stands for any text.
         units: name → unit.
-        around: the number of an impact, for a close view of it.
+        around: the number of an impact, for a close view of this impact.
         model: the model of the scene, if it is known.
-        rerun: gives outputs at other times; without it the curves have the rows only.
+        rerun: function that returns outputs at other times; without this function the curves have only the
+            rows.
 
     Raises:
-        UnknownNameError: when there is no output of a name.
-        ValueError: when there is no impact of that number.
+        UnknownNameError: when no output has a name.
+        ValueError: when no impact has the number.
     """
     like = (matching(recording.name, one, recording.columns, "no output", elsewhere) for one in names)
     chosen = list(dict.fromkeys(name for found in like for name in found))
@@ -92,7 +93,10 @@ def curves_of(
 
 
 def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
-    """Return the onset of an impact, and start and end of its view [s]; without one, of the whole run."""
+    """Return the onset of an impact, and start and end of its view [s].
+
+    Without an impact, of the whole run.
+    """
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:
         return None, start, end
@@ -109,7 +113,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
-    """Return times between the rows [s]: everywhere in a close view, else within impacts only."""
+    """Return times [s] between the rows: everywhere in a close view, else only within impacts."""
     if close:
         return np.linspace(low, high, CLOSE)
     impacts = recording.impacts[:FOLLOWED]

@@ -1,4 +1,4 @@
-"""Equality of dataclasses with arrays: ``==`` of two arrays is an array."""
+"""Equality of dataclasses that contain arrays, for which ``==`` returns an array."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 
 
 def same(one: Any, other: Any) -> bool:
-    """Return whether two objects have one class and equal fields: the method ``__eq__`` of a dataclass."""
+    """Return whether two objects have the same class and equal fields: ``__eq__`` of a dataclass."""
     if type(other) is not type(one):
         return False
     return all(equal(getattr(one, it.name), getattr(other, it.name)) for it in fields(one) if it.compare)
 
 
 def equal(first: Any, second: Any) -> bool:
-    """Return whether two values are equal, also if they are, or hold, arrays; NaN equals NaN."""
+    """Return whether two values are equal; the values may be or contain arrays, and NaN equals NaN."""
     match first, second:
         case (np.ndarray(), _) | (_, np.ndarray()):
             return type(first) is type(second) and _equal_arrays(first, second)

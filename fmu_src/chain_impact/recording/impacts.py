@@ -1,4 +1,4 @@
-"""The table of impacts: its columns, and how to make it from a record of an FMU's outputs."""
+"""The table of impacts: its columns, and how to compute it from the outputs of an FMU."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LOG_DTYPE = np.dtype(
         ("joint", np.int64),
     ]
 )
-"""The columns of ``IMPACT_DTYPE`` that the kernel's log of contacts has."""
+"""The columns of ``IMPACT_DTYPE`` that the log of contacts in the kernel contains."""
 IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
 """One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
 speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
@@ -57,11 +57,11 @@ COLUMNS = {
     "max_penetration": "max_penetration",
     "impulse": "impulse",
 }
-"""Field of the table → last part of the name of the FMU's variable."""
+"""Field of the table → last part of the name of the variable in the FMU."""
 
 
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
-    """Return impacts with the names of their walls; ``walls`` has the names by number."""
+    """Return impacts with the names of their walls; ``walls`` has the names, by number."""
     table = np.zeros(len(impacts), IMPACT_DTYPE)
     # NumPy copies rows of numbers much faster than rows of fields
     _numbers(table)[:, : len(LOG_DTYPE.names or ())] = _numbers(impacts)
@@ -89,16 +89,16 @@ def _numbers(table: np.ndarray) -> np.ndarray:
 
 
 def lasts(impacts: np.ndarray | np.void) -> Any:
-    """Return whether contacts last to the end of the simulation and their peak forces are known."""
+    """Return for each contact whether it lasts to the end of the simulation and has a known peak force."""
     return np.isnan(impacts["end"]) & ~np.isnan(impacts["peak_force"])
 
 
 def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str] = ()) -> np.ndarray:
-    """Rebuild the table of impacts from a record of the FMU's outputs over time.
+    """Compute the table of impacts from a record of the FMU's outputs over time.
 
     An FMU shows the latest impacts at each communication point: `impact[1].time` and so on. The table is
     complete if no communication step has more new impacts than the FMU shows (`[outputs] impacts` of the
-    scene). Else `impact.count` at the end is larger than the number of rows.
+    scene). Otherwise `impact.count` at the end is larger than the number of rows.
 
     Args:
         record: columns of values over time, each of shape (T,), by their names: a mapping, a structured array
@@ -127,7 +127,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     if shown == 0:
         raise ValueError("there is no column impact[1].time: the scene has outputs.impacts = 0")
     number = np.arange(1, counts[-1] + 1)
-    # the last row that shows each impact
+    # the last row of the record that shows each impact
     row = np.searchsorted(counts, number + shown - 1, side="right") - 1
     seen = counts[row] >= number
     number, row = number[seen], row[seen]
@@ -140,14 +140,14 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     lasting = (table["end"] == time[row]) & (table["end"] > table["onset"])
     for field in ("end", "separation_speed"):
         table[field][lasting] = np.nan
-    # these quantities are unknown for a contact that newer impacts pushed out of the list
+    # these quantities are unknown for a contact that newer impacts have pushed out of the FMU's list
     for field in ("peak_force", "max_penetration", "impulse"):
         table[field][lasting & (row < len(time) - 1)] = np.nan
     return named(np.sort(table, order=["onset", "point", "wall"]), walls or wall_names_of(record))
 
 
 def wall_names_of(record: Any) -> list[str]:
-    """Return the names of the walls by their numbers, as far as they follow from the names of the columns."""
+    """Return the names of the walls by their numbers, as far as the names of the columns contain them."""
     names = [str(name) for name in names_of(record)]
     touched = [name.split(".")[1] for name in names if is_like(name, "contact[{n}].{name}.force")]
     ends = [stop for stop in SLIDER_STOPS if stop in touched]
@@ -157,10 +157,10 @@ def wall_names_of(record: Any) -> list[str]:
 
 
 def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
-    """Return the impacts in the outputs of an FMU, whatever the length of its list, see `IMPACT_DTYPE`.
+    """Return the impacts in the outputs of an FMU with a list of any length, see `IMPACT_DTYPE`.
 
     ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` shows only the
-    last impact of each communication step, without its end and the quantities that are known at the end only.
+    last impact of each communication step, without its end and the quantities that are known only at the end.
     """
     if "impact[1].time" in names_of(record):
         return impacts_of(record, walls)

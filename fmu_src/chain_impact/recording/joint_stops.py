@@ -1,4 +1,4 @@
-"""The stops of joints in results: their ranges, the units of impacts at them, and where they are drawn."""
+"""The stops of joints in results: ranges of joints, units of impacts at stops, and the marks in pictures."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
 
-ARC = 0.25  # the radius of the arc of a range, as a fraction of the link's length
-OPEN = 0.5 * math.pi  # rad, the length of the arc of a joint with only one stop
-TICK = 0.3  # the length of the mark of a stop, as a fraction of the radius
-CORNERS = 33  # the number of points of the line of an arc
+ARC = 0.25  # the radius of the arc that shows a range, over the length of the link
+OPEN = 0.5 * math.pi  # [rad] the length of the arc of a joint with only one stop
+TICK = 0.3  # the length of the mark of a stop, over the radius of the arc
+CORNERS = 33  # the number of points on the line of an arc
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +23,9 @@ class JointRange:
     """The range of a joint that has a stop.
 
     Attributes:
-        low: joint_min [rad]; −∞ if the joint has none.
-        high: joint_max [rad]; ∞ if the joint has none.
-        length: the length of its link [m].
+        low: joint_min [rad]; −∞ without this stop.
+        high: joint_max [rad]; ∞ without this stop.
+        length: the length of the joint's link [m].
     """
 
     low: float
@@ -34,14 +34,14 @@ class JointRange:
 
     @property
     def arc(self) -> tuple[float, float]:
-        """The two ends of the arc in a picture [rad], from the direction of the previous link."""
+        """The angles [rad] of the arc's two ends in a picture, from the direction of the previous link."""
         low = self.low if math.isfinite(self.low) else self.high - OPEN
         high = self.high if math.isfinite(self.high) else self.low + OPEN
         return low, min(high, low + math.tau)
 
 
 def ranges_of(scene: Scene) -> dict[int, JointRange]:
-    """Return the ranges of the joints with stops of a scene."""
+    """Return the ranges of the joints with stops in a scene."""
     links = scene.chain.links
     return {
         joint: JointRange(*ends, links[joint - 1].length) for joint, ends in scene.chain.joint_ranges.items()
@@ -49,7 +49,7 @@ def ranges_of(scene: Scene) -> dict[int, JointRange]:
 
 
 def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
-    """Return the ranges of the joints with stops, by the values of an FMU's parameters."""
+    """Return the ranges of the joints with stops, from the values of an FMU's parameters."""
     found = {}
     for joint in range(1, sum(name.endswith(".length") for name in values) + 1):
         low, high = (values.get(f"link[{joint}].{stop}") for stop in STOPS)
@@ -60,16 +60,16 @@ def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
 
 
 def at_stop(scene: Scene, wall: int) -> bool:
-    """Return whether a wall, by its index into ``scene.wall_names``, stands for the stops of joints."""
+    """Return whether a wall, by its index in ``scene.wall_names``, stands for the stops of joints."""
     return bool(scene.chain.stops) and scene.wall_names[wall] in STOPS
 
 
 def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterator[np.ndarray]:
-    """Yield the lines that show the ranges of joints in a pose: an arc each, and a mark for each stop.
+    """Yield the lines that show the ranges of joints in a pose: an arc for each joint, a mark for each stop.
 
     Args:
         points: positions of the points 0…N, shape (N+1, 2) [m].
-        ranges: joint → its range.
+        ranges: joint → range of the joint.
     """
     for joint, one in ranges.items():
         centre = points[joint - 1]
@@ -87,7 +87,7 @@ def _directions(angles: np.ndarray) -> np.ndarray:
 
 
 def touching_place(points: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the link of a joint crosses the arc of its range [m], and the direction of the link.
+    """Return the point [m] where the link of a joint crosses the arc of its range, and the link's direction.
 
     Args:
         points: positions of the points 0…N, shape (N+1, 2) [m].

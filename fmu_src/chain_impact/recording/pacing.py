@@ -1,6 +1,6 @@
-"""The speed at which a film shows the simulated time: slower during impacts, so that they can be seen.
+"""The ratio of simulated time to time on the screen in a film: smaller during impacts, to show them slowly.
 
-The pages pace themselves likewise, in ``pages/browser/pacing.js``.
+``pages/browser/pacing.js`` computes the same ratio for pages.
 """
 
 from __future__ import annotations
@@ -11,27 +11,30 @@ import numpy as np
 
 from chain_impact.recording.recording import Recording
 
-IMPACT_TIME = 0.6  # s, the time on the screen that an impact takes
-RAMP = 0.05  # s of simulated time: the slowing down begins so long before an impact
-LONGEST = 0.1  # s, the part of a contact shown in slow motion; in a longer one the chain rests or leans
-SHORTEST = 1e-4  # s, the duration assumed for a contact without one, as between rigid walls
-FRAME_RATE = 60.0  # frames per second on the screen
+IMPACT_TIME = 0.6  # [s] the time on the screen for one impact
+RAMP = 0.05  # [s] the simulated time before an impact at which the film begins to slow down
+# [s] the longest part of a contact that is shown in slow motion; in a longer contact the chain rests or leans
+LONGEST = 0.1
+SHORTEST = 1e-4  # [s] the assumed duration of a contact without a duration, such as an impulse
+FRAME_RATE = 60.0  # [1/s] frames per second on the screen
 FRAMES_OF_A_PERIOD = 16.0  # the least number of frames in a period of the fastest sine that drives an input
-FLIGHT_STEP = 1 / 240  # s, the step of the grid on which the rate is computed, far from impacts
-NEAR = np.geomspace(1e-3, 1.0, 48)  # the points of this grid near an impact, as fractions of RAMP
-WITHIN = np.linspace(0.0, 1.0, 25)  # the points of this grid within a contact, as fractions of its duration
-SLOW_SPEED = 0.05  # fraction of the speed of the fastest impact: slower impacts are not shown in slow motion
-SLOW_COUNT = 100  # the largest number of impacts shown in slow motion: the fastest ones
-LONGEST_IMPACT = 5.0  # the longest impact, in units of penetration over approach speed
-SLOWEST = 1e-6  # m/s, the least approach speed: a point that comes to rest at a wall has none
+FLIGHT_STEP = 1 / 240  # [s] the step, far from impacts, of the grid of times on which the ratio is computed
+NEAR = np.geomspace(1e-3, 1.0, 48)  # the times of this grid near an impact, over RAMP
+WITHIN = np.linspace(0.0, 1.0, 25)  # the times of this grid within a contact, over the contact's duration
+# the least speed of an impact that is shown in slow motion, over the speed of the fastest impact
+SLOW_SPEED = 0.05
+SLOW_COUNT = 100  # the largest number of impacts that are shown in slow motion; these are the fastest impacts
+LONGEST_IMPACT = 5.0  # the longest duration of an impact, over penetration divided by approach speed
+# [m/s] the least approach speed for this ratio, because a point that comes to rest at a wall has no speed
+SLOWEST = 1e-6
 
 Span = tuple[float, float]
 
 
 def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
-    """Return the ends of the impacts, shape (I,) [s]; a contact that lasts has an end of its impact, too.
+    """Return the ends of the impacts, shape (I,) [s], also for contacts that last.
 
-    By Hertz an impact takes 2.9 δ/v, at a linear spring π δ/v, and longer with losses.
+    An impact takes 2.9 δ/v with Hertz's law, π δ/v with a linear spring, and longer with losses.
     """
     speeds = np.maximum(impacts["impact_speed"], SLOWEST)
     lasting = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
@@ -39,7 +42,7 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
 
 
 def slow_spans(recording: Recording) -> list[Span]:
-    """Return onset and end [s] of the impacts to be shown slowly."""
+    """Return the onsets and ends [s] of the impacts that are shown slowly."""
     impacts, speeds = recording.impacts, recording.end_speeds
     ends = impact_ends(impacts, float(recording.time[-1]))
     fastest = np.argsort(-speeds, kind="stable")[:SLOW_COUNT]
@@ -48,14 +51,14 @@ def slow_spans(recording: Recording) -> list[Span]:
 
 
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
-    """Return the simulated seconds per second on the screen, shape (T,); the rate is 1 far from impacts.
+    """Return simulated seconds per second on the screen, shape (T,); 1 far from impacts.
 
     During an impact the rate is such that the impact takes ``impact_time``. Before and after it the rate
     grows in proportion to the distance in time from the impact.
 
     Args:
         time: shape (T,) [s].
-        spans: onset and end of each impact to be seen [s].
+        spans: onset and end of each impact that is shown slowly [s].
         impact_time: the time [s] that an impact takes on the screen.
     """
     slowest = np.ones_like(time)
@@ -67,7 +70,7 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
 
 
 def frame_rate(recording: Recording) -> float:
-    """Return the frames per second of a page: so many that the sines that drive inputs are seen."""
+    """Return the frames per second of a page, enough to show the sines that drive inputs."""
     known, stop, fastest = recording.parameters, float(recording.time[-1]), 0.0
     for name, value in known.items():
         if name.startswith("signal.") and name.endswith(".frequency"):
@@ -85,15 +88,15 @@ def frame_times(
     *,
     usual: float = FRAME_RATE,
 ) -> tuple[np.ndarray, float]:
-    """Return the simulated times of frames that follow each other evenly on the screen.
+    """Return the simulated times of the frames of a film, which follow each other evenly on the screen.
 
     Args:
         start: the start of the simulation [s].
         stop: the end of the simulation [s].
-        spans: onset and end of each impact to be seen slowly [s].
+        spans: onset and end of each impact that is shown slowly [s].
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
         most: the largest number of frames; a longer film has fewer frames per second.
-        usual: frames per second where there are not too many.
+        usual: frames per second of a film that is not too long.
 
     Returns:
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.

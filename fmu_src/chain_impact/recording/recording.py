@@ -27,7 +27,7 @@ from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import matching
 from chain_impact.system import written_whole
 
-ROWS_AT_ONCE = 10_000  # the number of rows written at a time
+ROWS_AT_ONCE = 10_000  # the number of rows that are written at a time
 _NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
 """The parts of an output's name in the FMU: owner, number, wall, and quantity."""
 
@@ -40,19 +40,19 @@ class Recording:
         name: the model's name.
         time: communication points, shape (T,) [s].
         columns: FMU variable name → values, shape (T,).
-        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; of an FMU, the impacts that
-            its outputs have shown.
+        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; for an FMU, the impacts in
+            its outputs.
         walls: name → free side, of each wall.
         wall_names: the names of all walls, by their numbers in ``impacts`` and ``stick_slip``.
-        parameters: FMU variable name → value at the start, as a name if it is a choice; empty if they are
+        parameters: FMU variable name → value at the start, for a choice its name; empty if the values are
             unknown.
-        sensitivities: the derivatives that were asked for, if any.
+        sensitivities: the requested derivatives, if any.
         stops: the joints with stops, and their ranges.
         point_names: the names of points, by their numbers; not every point has a name.
         stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if the scene names
             none, or if it is unknown, as for an FMU.
-        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; of an FMU with times to within a
-            communication step.
+        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; the times of an FMU's phases are
+            accurate to a communication step.
     """
 
     __eq__ = same
@@ -73,7 +73,7 @@ class Recording:
 
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
-        """The columns by owner, number and wall, and quantity."""
+        """The columns, by owner, number and wall, and quantity."""
         found: dict[tuple[str, int, str], dict[str, np.ndarray]] = {}
         for name, values in self.columns.items():
             if at := _NAME.fullmatch(name):
@@ -86,7 +86,10 @@ class Recording:
 
     @cached_property
     def link_count(self) -> int:
-        """N, from the numbers of links and joints; without any of these, all points are ends of links."""
+        """The number N of links, from the numbers of links and joints in names.
+
+        Else all points count as ends of links.
+        """
         numbers = [n for owner in ("link", "joint") for n, _ in self._of(owner)]
         return max(numbers, default=self.all_points.shape[1] - 1)
 
@@ -109,7 +112,7 @@ class Recording:
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
 
     def walls_at(self, time: float) -> dict[str, HalfPlane]:
-        """Return the walls where they are at a time [s]."""
+        """Return the walls in their positions at a time [s]."""
         found = dict(self.walls)
         for name, moved in self.moved_walls.items():
             wall = found[name]
@@ -117,7 +120,7 @@ class Recording:
         return found
 
     def sides_at(self, time: float) -> dict[str, HalfPlane]:
-        """Return the walls where they are at a time [s], and the stops of a slider."""
+        """Return the walls in their positions at a time [s], and the stops of a slider."""
         return self.walls_at(time) | (self.rail.stops if self.rail else {})
 
     @cached_property
@@ -128,9 +131,9 @@ class Recording:
 
     @cached_property
     def pinned(self) -> bool:
-        """Whether the base is a joint, which a motion may move: only such a chain has a joint 1.
+        """Whether the base is a joint; only a chain with such a base, at rest or moving, has a joint 1.
 
-        If no joint is known, a base that stays in place counts as a joint.
+        If no joint is known, a base that does not move counts as a joint.
         """
         joints, bases = self._of("joint"), self.points[:, :1]
         if self.rail is not None:
@@ -139,14 +142,14 @@ class Recording:
 
     @cached_property
     def rail(self) -> Rail | None:
-        """The line of a base on a slider; None for another base."""
+        """The line of a sliding base; None for another base."""
         return rail_from(self.all_points[:, 0], self.columns.get("slider.position"), self.parameters)
 
     @cached_property
     def outlines(self) -> dict[int, np.ndarray]:
-        """The outlines of links with points, along each link and to its left, shape (C, 2) [m].
+        """The outlines of links with points, in the links' axes, shape (C, 2) [m].
 
-        There are none if the places on the links are not known.
+        The dict is empty if the places of points on links are not known.
         """
         return outlines_from(self.parameters, self.touching)
 
@@ -160,7 +163,7 @@ class Recording:
 
     @property
     def energies(self) -> Mapping[str, np.ndarray]:
-        """The energies that are known: kinetic, potential, … → shape (T,) [J]."""
+        """The known energies: kinetic, potential, … → shape (T,) [J]."""
         return self._of("energy").get((0, ""), {})
 
     @cached_property
@@ -175,12 +178,12 @@ class Recording:
 
     @cached_property
     def knows_joint_forces(self) -> bool:
-        """Whether any impact has its largest force in a joint."""
+        """Whether the largest force in a joint is known for any impact."""
         return bool(np.isfinite(self.impacts["joint_force"]).any())
 
     @cached_property
     def touches(self) -> list[Touch]:
-        """Contacts at walls and at stops of joints over time, and dry friction in joints."""
+        """The contacts at walls and at stops of joints over time, and dry friction in joints."""
         found = [
             Touch(
                 *at,
@@ -211,7 +214,7 @@ class Recording:
 
     @property
     def impact_count(self) -> int:
-        """How many impacts there were, listed or not."""
+        """The number of impacts, including impacts that are not listed."""
         counted = self.columns.get("impact.count", np.zeros(1))
         return max(len(self.impacts), int(counted[-1]))
 
@@ -233,14 +236,14 @@ class Recording:
 
     @cached_property
     def at_stops(self) -> np.ndarray:
-        """Which impacts are at stops of joints, shape (I,)."""
+        """Whether each impact is at a stop of a joint, shape (I,)."""
         return np.array([self.is_stop(wall) for wall in self.impacts["wall"]], bool)
 
     @property
     def end_speeds(self) -> np.ndarray:
         """The speeds of the impacts, shape (I,) [m/s].
 
-        At a stop, the link's end has this speed about its joint.
+        For an impact at a stop, this is the speed of the link's end about the joint.
         """
         arms = [
             self.stops[point].length if stopped else 1.0
@@ -250,20 +253,20 @@ class Recording:
         return speeds
 
     def at(self, rows: np.ndarray) -> Recording:
-        """Return the recording with some of its rows, and without derivatives; all impacts stay."""
+        """Return the recording with only some of the rows, and without derivatives; all impacts stay."""
         parts = {one.name: getattr(self, one.name) for one in fields(Recording)}
         columns = {name: values[rows] for name, values in self.columns.items()}
         parts |= {"time": self.time[rows], "columns": columns, "sensitivities": None}
         return Recording(**parts)
 
     def point_at(self, point: int, time: float) -> np.ndarray:
-        """Position [m] of a point at a time [s], interpolated between communication points, shape (2,)."""
+        """Return the position [m] of a point at a time [s], interpolated between rows, shape (2,)."""
         return np.array([np.interp(time, self.time, self.all_points[:, point, axis]) for axis in (0, 1)])
 
     def pose_at(self, time: float) -> np.ndarray:
         """Return positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
 
-        Between rows a link is not straight: interpolated, it would be too short.
+        An interpolated link would be too short.
         """
         pose: np.ndarray = self.points[self.row_at(time)]
         return pose
@@ -273,7 +276,7 @@ class Recording:
         return int(np.abs(self.time - time).argmin())
 
     def spot(self, impact: np.void) -> np.ndarray:
-        """Return the place [m] of an impact on its wall, a radius away from the point.
+        """Return the place [m] of an impact on its wall, which is a radius away from the point.
 
         An impact at a stop is at the mark of the stop.
         """
@@ -290,7 +293,7 @@ class Recording:
     def save_impacts(self, path: Path | str) -> None:
         """Write the list of impacts, with the names of walls, as CSV, JSON or Parquet.
 
-        The suffix gives the kind.
+        The suffix of the file determines the format.
 
         Raises:
             ValueError: when the file has another suffix.
@@ -304,7 +307,7 @@ class Recording:
 
         Args:
             path: the file.
-            output: the names of the columns; ``*`` stands for any text; by default all.
+            output: the names of the columns; ``*`` stands for any text; by default all columns.
 
         Raises:
             UnknownNameError: when a column does not exist.
@@ -319,7 +322,7 @@ class Recording:
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
-            # lists take four times the room of arrays
+            # as lists, all rows at once would take four times the memory of arrays
             for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):
                 values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
                 writer.writerows(zip(*values, strict=True))

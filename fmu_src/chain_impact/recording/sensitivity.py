@@ -17,7 +17,8 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
-"""The part of its value by which a parameter changes, when changes are told; of its unit if that is 0."""
+"""The change of a parameter for which changes of results are given: over its value or, if that is 0, over its
+unit."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -27,12 +28,12 @@ class Sensitivities:
     Attributes:
         model: the model of the scene.
         varied: the parameters and inputs.
-        chosen: the names of the outputs; None for all outputs that change all the time.
+        chosen: the names of the outputs; None for all outputs that change continuously.
         slopes: derivatives of the outputs, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
         impact_slopes: quantity of an impact → derivatives, shape (I, P).
-        limits: sentences: from when on there are no derivatives, and why; and how far friction leaves them
-            undetermined.
+        limits: sentences: from which time on there are no derivatives, and why; and the errors of derivatives
+            by friction.
     """
 
     __eq__ = same
@@ -53,13 +54,13 @@ class Sensitivities:
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """Name in the FMU → value; the value of an input is 0."""
+        """The values of the parameters: name in the FMU → value; 0 for an input."""
         values = self.model.scene.values
         return {variable.name: float(values.get(variable.name, 0.0)) for variable in self.varied}
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """Name of a parameter, an output, or a derivative of one → its unit."""
+        """The units: name of a parameter, an output, or a derivative of an output → unit."""
         model = self.model
         own = derivatives(model.motion, self.varied)
         variables = (*model.parameters, *model.inputs, *model.outputs, *own)
@@ -67,7 +68,7 @@ class Sensitivities:
 
     @cached_property
     def columns(self) -> dict[str, int]:
-        """Name of an output → its column in ``slopes``."""
+        """The columns: name of an output → index in ``slopes``."""
         if self.chosen is None:
             return self.model.columns
         return {name: column for column, name in enumerate(self.chosen)}
@@ -81,7 +82,7 @@ class Sensitivities:
         )
 
     def _repr_html_(self) -> str:
-        """Return the same for a notebook, with the changes of usual outputs at the end by each parameter."""
+        """Return the text of ``repr`` for a notebook, with the changes of some outputs at the end."""
         outputs = [name for name in self._usual if name in self.columns]
         ends = [self.changes(name)[-1:] for name in outputs]
         head = ("parameter", "value", "change", *(f"{name} [{self.units[name]}]" for name in outputs))
@@ -110,7 +111,7 @@ class Sensitivities:
     def drawn(self, outputs: Sequence[str]) -> list[str]:
         """Return the full names of some outputs.
 
-        If none are named, they are the place of the last point, and the energy.
+        By default these outputs are the position of the last point, and the energy.
         """
         return [self._output(name) for name in outputs or self._usual]
 
@@ -149,17 +150,20 @@ class Sensitivities:
         return f"{100.0 * PART:g} %" if self.parameters[parameter] else f"{PART:g} {self.units[parameter]}"
 
     def changes(self, output: str) -> np.ndarray:
-        """Return the change of an output by the ``step`` of each parameter, to first order, shape (T, P)."""
+        """Return the change of an output by each parameter's ``step``, to first order, shape (T, P)."""
         changes: np.ndarray = self.slopes[:, self.columns[output]] * self._steps
         return changes
 
     def impact_changes(self, quantity: str) -> np.ndarray:
-        """Return the change of a quantity of the impacts by the ``step`` of each parameter, shape (I, P)."""
+        """Return the change of a quantity of impacts by each parameter's ``step``, to first order, (I, P)."""
         changes: np.ndarray = self.impact_slopes[quantity] * self._steps
         return changes
 
     def relative(self, quantity: str) -> np.ndarray:
-        """Return ``impact_changes`` over the value, also for the ``duration``; NaN where that is unknown."""
+        """Return ``impact_changes`` over the value of the quantity, also for ``duration``.
+
+        NaN if it is unknown.
+        """
         rows = self.impacts
         if quantity == "duration":
             values = rows["end"] - rows["onset"]

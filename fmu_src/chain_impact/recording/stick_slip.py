@@ -1,4 +1,4 @@
-"""Contacts over time, and the phases of sticking and sliding in them."""
+"""Contacts over time, and their phases of sticking and sliding."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ is NaN in a phase that lasts to the end of the simulation; mode 0 for sticking, 
 −t, with t = (n_y, −n_x) of the wall's normal n. For a joint the wall is −1, the point is the number of the
 joint, 1…N, and in mode 1 its angle grows."""
 NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
-"""The phases of a run without dry friction."""
+"""The empty array of phases for a run without dry friction."""
 NO_PHASES.flags.writeable = False
 MODES = {0: "stick", 1: "slip +", -1: "slip -"}
-"""The modes in words."""
+"""Mode → words for the mode."""
 JOINT = -1
-"""The number that stands for the wall in a phase of a joint."""
+"""The number of the wall in a phase of a joint."""
 
 
 def phases_of(changes: np.ndarray) -> np.ndarray:
-    """Return the phases in a log of changes, in order of their start, see ``STICK_SLIP_DTYPE``."""
+    """Return the phases in a log of changes, in the order of their starts, see ``STICK_SLIP_DTYPE``."""
     found: list[tuple[int, int, float, float, int]] = []
     order = np.argsort(changes["time"], kind="stable")
     for place in np.unique(changes[["point", "wall"]]):
@@ -46,9 +46,9 @@ def phases_of(changes: np.ndarray) -> np.ndarray:
 
 
 def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]:
-    """Yield the phases in the changes of one contact or joint, those of no length left out."""
+    """Yield the phases in the changes of one contact or joint; phases of no length are left out."""
     lasting = np.append(np.diff(changes["time"]) > 0.0, True)
-    changes = changes[lasting]  # only the last of several changes at one time counts
+    changes = changes[lasting]  # of several changes at the same time, only the last one counts
     changes = changes[np.append(True, np.diff(changes["mode"]) != 0)]
     ends = np.append(changes["time"][1:], np.nan)
     for change, end in zip(changes, ends, strict=True):
@@ -57,7 +57,7 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
 
 
 def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
-    """Return the place of a phase: "point 2 at y_min", "point 5 (heel) at y_min", "joint 3", "the slider".
+    """Return words for the place of a phase: "point 2 at y_min", "point 5 (heel) at y_min" or "joint 3".
 
     Args:
         phase: the phase of dry friction.
@@ -70,7 +70,7 @@ def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> 
 
 
 def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
-    """Return a phase in words: start, end, where (see ``place_of``), and mode."""
+    """Return a phase as texts: start, end, place (see ``place_of``), and mode."""
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
     return f"{phase['start']:.6f}", end, place_of(phase, walls, names), MODES[int(phase["mode"])]
 
@@ -80,16 +80,16 @@ class Touch:
     """A contact of a point with a wall, or of a joint with one of its stops; or dry friction in a joint.
 
     Attributes:
-        point: the number of the point; of a joint the number of the joint, 1…N; of a slider 0.
-        wall: the name of the wall; of a stop joint_min, joint_max, slider_min or slider_max; "" for dry
+        point: the number of the point; for a joint its number, 1…N; for a slider 0.
+        wall: the name of the wall; for a stop joint_min, joint_max, slider_min or slider_max; "" for dry
             friction in a joint or on a slider.
-        force: the force of the wall on the point, shape (T,) [N]; at a stop the size of the moment [N·m];
-            None for dry friction in a joint.
+        force: the force of the wall on the point, shape (T,) [N]; for a stop the absolute moment [N·m]; None
+            for dry friction in a joint.
         penetration: shape (T,) [m]; None if not known.
         rate: the rate of penetration, shape (T,) [m/s]; None if not known.
-        friction: dry friction along t = (n_y, −n_x), shape (T,) [N]; in a joint the moment [N·m]; None
+        friction: dry friction along t = (n_y, −n_x), shape (T,) [N]; for a joint the moment [N·m]; None
             without dry friction.
-        sticking: above 0 in rows in which the contact sticks, shape (T,); None without dry friction.
+        sticking: a number above 0 in rows in which the contact sticks, shape (T,); None without dry friction.
     """
 
     point: int
@@ -116,7 +116,7 @@ class Touch:
 
 
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
-    """Return the phases of dry friction in rows, to within a communication step, see ``STICK_SLIP_DTYPE``."""
+    """Return the phases of dry friction in rows, with times accurate to a row, see ``STICK_SLIP_DTYPE``."""
     changes: list[tuple[float, int, int, int]] = []
     for one in touches:
         if one.sticking is None or one.friction is None or one.wall not in ("", *walls):

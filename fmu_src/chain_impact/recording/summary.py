@@ -1,4 +1,4 @@
-"""The summary of a run in some lines: of a result, in Python and in notebooks, and of a recording."""
+"""The summary of a run or of a recording in some lines, for Python, notebooks and the command line."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from chain_impact.recording.stick_slip import place_of
 from chain_impact.recording.text import Table, plural
 from chain_impact.scene.scene import Scene
 
-LISTED, FEW = 30, 10  # impacts that are listed, and in a text
-SHOWN = 3  # contacts and joints that stick at the end
+LISTED, FEW = 30, 10  # the largest number of impacts in a list, and in a short text
+SHOWN = 3  # the largest number of contacts and joints that the text names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 UNITS, STOP_UNITS = ("m/s", "ms", "N", "N·s"), ("rad/s", "ms", "N·m", "N·m·s")
-"""Columns of the list of impacts, with their units at walls and at stops of joints."""
-NONE = "—"  # in place of a number that there is not
-LASTS = "lasts"  # the duration of a contact that lasts to the end
-LONG, MILLION = 1e4, 1e6  # between these, four digits would need an exponent
+"""The columns of the list of impacts, with their units at walls and at stops of joints."""
+NONE = "—"  # the text for a number that does not exist
+LASTS = "lasts"  # the text for the duration of a contact that lasts to the end
+LONG, MILLION = 1e4, 1e6  # the range of numbers that have no exponent in four digits
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Yield the energies at the end, and their balance, if they are known.
+    """Yield a line on the energies at the end and a line on their balance, if they are known.
 
-    The balance is a check. It bounds no error of the motion: in free flight, positions may be wrong by the
-    tolerance while the energy is constant to round-off.
+    The balance is only a check, not a bound on errors of the motion: in free flight, positions may be wrong
+    by the tolerance while the energy is constant up to round-off.
     """
     if not {"total", "dissipated"} <= energies.keys() or not len(energies["total"]):
         return
@@ -48,7 +48,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
 
     Args:
         result: the result of a scene.
-        outputs: the number of its outputs.
+        outputs: the number of outputs of the result.
         facts: lines on the scene and the solver.
         most: the largest number of impacts in the list.
     """
@@ -60,7 +60,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
 
 
 def impact_list(result: Recording, most: int) -> Iterator[str | Table]:
-    """Yield the first impacts as a table, and the number of other impacts."""
+    """Yield the first impacts as a table, and a line with the number of other impacts."""
     impacts = enumerate(result.impacts[:most], start=1)
     rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
     if rows:
@@ -78,8 +78,8 @@ def _headline(result: Recording, outputs: int) -> str:
 def impact_heads(result: Recording) -> tuple[str, ...]:
     """Return the heads of the columns of ``impact_cells``, with their units.
 
-    Impacts at stops have units of their own. Beside others, or with the two columns of loads, heads
-    are broken into lines, so that a row fits into 80 columns.
+    Impacts at stops have other units than impacts at walls. With both kinds of impacts, or with the two
+    columns of loads, the heads have several lines, so that a row fits into 80 characters.
     """
     stopped = result.at_stops
     kinds = [units for units, there in ((UNITS, not stopped.all()), (STOP_UNITS, stopped.any())) if there]
@@ -96,9 +96,9 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
 
 
 def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
-    """Tell an impact: time, point, wall, speed, duration, peak force, impulse.
+    """Return the texts for an impact: time, point, wall, speed, duration, peak force, impulse.
 
-    The cells have units if these differ between impacts. If loads are known, two more cells are the largest
+    The cells have units if these differ between impacts. If loads are known, two more cells have the largest
     force in a joint, and the joint.
     """
     point = result.toucher(impact).removeprefix("point ")
@@ -111,12 +111,12 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _peak(value: float) -> str:
-    """Return a peak force or a duration as ``digits``; a dash for an impulse, where 0 is stored."""
+    """Return the text of a peak force or a duration; a dash for an impulse, for which 0 is stored."""
     return digits(value) if value else NONE
 
 
 def digits(value: float) -> str:
-    """Return a number in four digits, without an exponent below a million; a dash where there is none."""
+    """Return a number with four digits, without an exponent below a million; a dash for a missing number."""
     if np.isnan(value):
         return NONE
     text = f"{value:.4g}"
@@ -124,7 +124,7 @@ def digits(value: float) -> str:
 
 
 def load_lines(result: Recording) -> Iterator[str]:
-    """Yield the largest force in a joint, if the scene asks for loads."""
+    """Yield a line with the largest force in a joint, if the scene asks for loads."""
     peaks = {
         name.split(".")[0]: values[-1]
         for name, values in result.columns.items()
@@ -136,7 +136,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
-    """Yield the number of phases of dry friction, and the contacts and joints that stick at the end."""
+    """Yield lines with the number of phases of dry friction, and with what sticks at the end."""
     phases = result.stick_slip
     if not len(phases):
         return
@@ -152,7 +152,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
-    """Yield the steps of the solver, and the way it ended."""
+    """Yield a line with the number of steps of the solver, and a line on how the run ended."""
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]
@@ -160,10 +160,10 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return a sentence on a wall that yields by more than the length of the shortest link, so is no wall.
+    """Return a sentence on a wall in which a point went deeper than the length of the shortest link.
 
-    The sentence names the wall with the largest penetration. A chain of one link that touches with one point
-    is a ball: the length of its link means nothing.
+    Such a wall does not act as a wall. The sentence names the wall with the largest penetration. A chain of
+    one link that touches with only one point is a ball: the length of its link has no meaning.
     """
     links = scene.chain.links
     if len(links) == len(scene.contact.points) == 1:

@@ -38,15 +38,15 @@ STOP_UNITS = {
     "effective_mass": "kg.m2",
     "impulse": "N.m.s",
 }
-"""The units at a stop that differ from the units at a wall."""
+"""The units of quantities at a stop that differ from the units at a wall."""
 SUFFIXES = (".csv", ".json", ".parquet")
-"""The suffixes of a file with the list of impacts."""
+"""The suffixes of a file with a list of impacts."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
-"""Element → the dimensions of its arrays."""
+"""Kind of element → dimensions of arrays for this kind."""
 
 
 def dataframe(model: Model, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
-    """See ``Result.to_dataframe``."""
+    """Return the table that ``Result.to_dataframe`` describes."""
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
     units = {variable.name: variable.unit for variable in model.outputs}
@@ -55,7 +55,7 @@ def dataframe(model: Model, time: np.ndarray, columns: Mapping[str, np.ndarray])
 
 
 def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> Any:
-    """See ``Result.impact_table``; ``stops`` tells whether joints have stops."""
+    """Return the table that ``Result.impact_table`` describes; ``stops``: whether joints have stops."""
     pandas = require("pandas", "pandas")
     columns = {name: impacts[name] for name in LOG_DTYPE.names or ()}
     columns["wall"] = np.array(walls, dtype=object)[columns["wall"]]
@@ -67,7 +67,7 @@ def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> A
 
 
 def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
-    """See ``Result.stick_slip_table``."""
+    """Return the table that ``Result.stick_slip_table`` describes."""
     pandas = require("pandas", "pandas")
     columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
     columns["wall"] = ["" if wall == JOINT else walls[wall] for wall in phases["wall"]]
@@ -78,7 +78,10 @@ def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
 
 
 def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
-    """See ``Result.to_xarray``; ``motion`` are the outputs that change all the time."""
+    """Return the dataset that ``Result.to_xarray`` describes.
+
+    ``motion`` are the outputs that change continuously.
+    """
     xarray = require("xarray", "xarray")
     scene = model.scene
     pairs = [(point, scene.wall_names[wall]) for point, wall in point_wall_pairs(scene)]
@@ -96,7 +99,8 @@ def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) ->
             values = np.full((len(time), *(sizes[one] for one in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
         index = variable.index[: len(dimensions)]
-        if owner == "contact":  # the stops of joints are between the contacts of points and of a slider
+        # the stops of joints stand between the contacts of points and the stops of a slider
+        if owner == "contact":
             index = (contacts.index(variable.name.rpartition(".")[0]),)
         data[key][1][(slice(None), *index)] = motion[variable.name]
     coordinates = {
@@ -124,7 +128,7 @@ def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[
 
 
 def save_impacts(path: Path, impacts: np.ndarray, walls: Sequence[str]) -> None:
-    """Write the list of impacts, one in a row, numbers in full precision.
+    """Write a list of impacts, one impact in a row, with numbers in full precision.
 
     JSON has an object for each impact.
 

@@ -1,4 +1,4 @@
-"""Words for results."""
+"""Words for results: counts, names and tables."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from chain_impact.scene.names import SLIDER_STOPS, point_label
 
 
 def plural(count: int, what: str) -> str:
-    """Return a count with its noun: 1 impact, 2 impacts."""
+    """Return a count with its noun, for example 1 impact, 2 impacts."""
     return f"{count} {what}{'s' if count != 1 else ''}"
 
 
 def what(number: int, stop: str, names: Mapping[int, str]) -> str:
-    """Return the name of the point or joint of an impact: "point 2", "point 5 (heel)"; "joint 2", "slider".
+    """Return the name of the point or joint of an impact: "point 2", "point 5 (heel)", "joint 2" or "slider".
 
     Args:
         number: the number of the point, or of the joint.
-        stop: the name of the stop among the walls, "" at a wall.
+        stop: the name of the stop among the walls; "" for an impact at a wall.
         names: the names of points, by their numbers.
     """
     if stop in SLIDER_STOPS:
@@ -29,7 +29,7 @@ def what(number: int, stop: str, names: Mapping[int, str]) -> str:
 
 
 def speed_unit(at_stop: bool) -> str:
-    """Return the unit of a speed of an impact."""
+    """Return the unit of an impact's speed, at a stop or at a wall."""
     return "rad/s" if at_stop else "m/s"
 
 
@@ -42,7 +42,7 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
 
 
 class Table(NamedTuple):
-    """A table of texts."""
+    """A table of texts: the head and the rows."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]

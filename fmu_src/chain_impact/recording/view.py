@@ -1,4 +1,4 @@
-"""The view of a motion: its extent, and the walls near it."""
+"""The rectangle that a picture of a motion shows, and the walls near the motion."""
 
 from __future__ import annotations
 
@@ -10,24 +10,27 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import HalfPlane
 
-NEAR = 0.2  # a wall farther from the motion than this part of the motion's width is left out
-ROOM = 1.0  # the same distance, in an animation, for walls that close a room together
-MARGIN = 0.06  # the margin around the view of a film, as a fraction of its size
-LEAST = 1e-6  # m, the size assumed for a chain that does not move
-UPRIGHT = 0.5  # a wall whose normal has this component along an axis, or more, bounds the view on that axis
-ALONE = 1e-3  # a radius below this part of the size of the motion is not drawn
-PIN = 0.08  # the height of the ground mark of a pinned base, as a fraction of the motion's width
-SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])  # in heights of the mark
+NEAR = 0.2  # the distance beyond which a wall is left out, over the width of the motion
+# the distance within which an animation shows walls that together close a room, over the width of the motion
+ROOM = 1.0
+MARGIN = 0.06  # the margin around the view of a film, over the size of the view
+LEAST = 1e-6  # [m] the size assumed for a chain that does not move
+# the least component of a wall's normal along an axis with which the wall bounds the view on this axis
+UPRIGHT = 0.5
+ALONE = 1e-3  # the largest radius that is not drawn, over the size of the motion
+PIN = 0.08  # the height of the ground mark of a pinned base, over the width of the motion
+# the corners of the support, over the height of the mark
+SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
 Place = TypeVar("Place", bound=Hashable)
-"""The type of a wall's name, or of one of the places of a wall that moves."""
+"""A name of a wall, or of one of several positions of a wall that moves."""
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 
 
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
     """Return the lines of a pinned base's ground mark at the start: a support on hatched ground.
 
-    It is above the base if the chain is on the mean below it, else below.
+    The mark is above the base if the chain is on average below the base, else below it.
 
     Args:
         points: positions, shape (T, N+1, 2) [m].
@@ -54,12 +57,12 @@ def seen(
 
     Args:
         points: positions, shape (T, N+1, 2) [m].
-        walls: name → free side; a wall that moves has a name for each of several places.
+        walls: name → free side; a wall that moves has a name for each of several positions.
         radius: the radius of the points [m].
-        near: the largest distance of a near wall from the motion, as a fraction of the motion's width.
-        room: a distance as a fraction of the motion's width. If the walls close a room that ends nearer than
-            this, all of the room is in the rectangle, and all walls are near.
-        pinned: whether the base has a ground mark, which moves with it.
+        near: the largest distance of a near wall from the motion, over the width of the motion.
+        room: a distance over the width of the motion. If the walls close a room that ends within this
+            distance, the rectangle contains the whole room, and all walls are near.
+        pinned: whether the base has a ground mark, which moves with the base.
 
     Returns:
         The lower left and the upper right corner, shape (2, 2) [m], and the walls that are near.
@@ -75,7 +78,8 @@ def seen(
         shown = np.concatenate([shown, corners])
     view, found = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
     for name, wall in () if corners else walls.items():
-        corner = np.where(np.array(wall.normal) > 0.0, *reach)  # the corner that is nearest to the wall
+        # the corner of the rectangle that is nearest to the wall
+        corner = np.where(np.array(wall.normal) > 0.0, *reach)
         gap = wall.clearance(*corner)
         if -width <= gap <= near * width:
             met = corner - max(0.0, gap) * np.array(wall.normal)
@@ -90,8 +94,8 @@ def framed(
     """Return the view of a film: the motion, the near walls, a closed room, and a margin.
 
     Returns:
-        The lower left and the upper right corner, shape (2, 2) [m]; and the part, 0…1, of any further room
-        that is to be left of it and below it: further room goes to the side without a wall.
+        The lower left and the upper right corner, shape (2, 2) [m]; and for each axis the fraction, 0…1, of
+        additional space that goes to the left or below: additional space goes to the side without a wall.
     """
     view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
     margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
@@ -99,11 +103,11 @@ def framed(
 
 
 def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the part, 0…1, of an extension of a view that lies left and below, and whether a side is open.
+    """Return which fraction, 0…1, of an extension lies left or below, and whether a side is open.
 
-    Both are along x and y. A view is extended to the sides without a wall.
+    Both results have a value for x and a value for y. A view is extended to the sides without a wall.
     """
-    open_sides = np.ones((2, 2))  # left and below, right and above
+    open_sides = np.ones((2, 2))  # rows: left and below, right and above
     for wall in walls:
         normal = np.array(wall.normal)
         open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
@@ -124,13 +128,16 @@ def places_of(recording: Recording) -> np.ndarray:
 
 
 def radius_of(recording: Recording) -> float:
-    """Return the largest radius of the points that can touch [m]; 0 if too small to be seen, or unknown."""
+    """Return the largest radius [m] of the points that can touch.
+
+    0 if it is unknown or too small to be seen.
+    """
     radius = max(recording.touching.values(), default=0.0)
     return radius if radius > ALONE * size_of(recording) else 0.0
 
 
 def closed_room(walls: Mapping[Place, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of the room between some walls, if it is within a rectangle on all sides; else none.
+    """Return the corners of the room between some walls, if a rectangle contains the whole room; else none.
 
     Args:
         walls: name → free side.
@@ -142,7 +149,7 @@ def closed_room(walls: Mapping[Place, HalfPlane], around: np.ndarray) -> list[np
 
 
 def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of the part of a rectangle that is on the free sides of some walls."""
+    """Return the corners of the part of a rectangle that is on the free sides of all walls."""
     corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for wall in walls:
         corners = list(_clipped(corners, wall))

@@ -1,4 +1,4 @@
-"""An animation of a recording as a file; the suffix of the file gives the kind."""
+"""An animation of a recording as a file; the suffix of the file determines the kind."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from chain_impact.recording.recording import Recording
 from chain_impact.system import written_whole
 
 FORMATS = (".html", ".gif", ".mp4")
-SIZE = (960, 540)  # pixels of a film
+SIZE = (960, 540)  # [pixels] width and height of a film
 
 
 class AnimationError(ValueError):
-    """An animation that cannot be made; the message is one line."""
+    """Raised when an animation cannot be made; the message is one line."""
 
 
 def animate(
@@ -30,7 +30,7 @@ def animate(
     size: tuple[int, int] = SIZE,
     progress: Progress | None = None,
 ) -> InlinePage | None:
-    """Write an animation of a recording, or return its page, see ``chain_impact.animate``."""
+    """Write an animation of a recording, or return its page, as ``chain_impact.animate`` describes."""
     path, progress = None if path is None else Path(path), progress or silent
     kind = path.suffix.lower() if path else ".html"
     if kind not in FORMATS:

@@ -24,11 +24,12 @@ if TYPE_CHECKING:
 
 
 class Pictured(Recording):
-    """A result with pictures and an animation.
+    """A result with methods for pictures and an animation.
 
     Attributes:
         model: the model of the scene that was simulated.
-        rerun: gives the outputs of the same run at other times; None if the run cannot be repeated.
+        rerun: function that returns the outputs of the same run at other times; None if the run cannot be
+            repeated.
     """
 
     model: Model
@@ -53,26 +54,26 @@ class Pictured(Recording):
     ) -> Any:
         """Draw motion, energy and impacts, or any outputs over time.
 
-        The picture shows the rows of this result and nothing between them: with a coarse ``output_step`` a
-        path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates
-        once more if there are fewer than 1000 rows.
+        The picture shows only the rows of this result: with a coarse ``output_step`` a path is straight
+        between rows. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates once more if there are
+        fewer than 1000 rows.
 
         Fonts follow matplotlib's settings and style sheets.
 
         Args:
-            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned,
-                which a notebook shows; ``figure.axes`` have the names of panels as labels.
+            path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
+                returned, for a notebook; ``figure.axes`` have the names of panels as labels.
             kind: the name of a single panel, in place of ``panels``.
             size: width and height [inches]. On a page narrower than 6 inches the motion is above the rest.
-            panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all that the
-                result has.
+            panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all panels for
+                which the result has data.
             curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:
                 ``["contact[*].y_min.force", "point[4].y"]``. Each unit has a panel. The run is repeated with
                 more rows within impacts.
             around: the number of an impact, from 1, around which the curves are drawn.
             title: the title of the picture, by default a summary of the run; None for no title.
-            ax: axes of matplotlib to draw into, one for each panel, by default for ``motion`` alone. They are
-                returned.
+            ax: axes of matplotlib to draw into, one for each panel; by default for ``motion`` alone. The axes
+                are returned.
 
         Raises:
             ValueError: when a panel or an impact does not exist, the page is smaller than 2 by 2 inches or
@@ -80,7 +81,7 @@ class Pictured(Recording):
             UnknownNameError: when ``simulate(output=…)`` left out an output that is drawn.
             OSError: when the file cannot be written.
         """
-        from chain_impact import pictures  # imported here, as loading takes a second
+        from chain_impact import pictures  # this import takes a second
 
         if curves:
             found = self.curves([curves] if isinstance(curves, str) else curves, around)
@@ -106,7 +107,7 @@ class Pictured(Recording):
         return ax
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
-        """Return outputs over time as ``plot(curves=…)`` draws them, with many times within impacts."""
+        """Return outputs over time for ``plot(curves=…)``, with many additional times within impacts."""
         units = {variable.name: variable.unit for variable in self.model.outputs}
         return curves_of(self, names, units, around=around, model=self.model, rerun=self.rerun)
 
@@ -118,18 +119,19 @@ class Pictured(Recording):
         size: Sequence[float] | None = None,
         ax: Any = None,
     ) -> Any:
-        """Draw one impact: force, penetration and speed over time, and the force over the penetration.
+        """Draw one impact: force, penetration and speed over time, and force over penetration.
 
-        The picture tells the realised restitution, and the energy that the whole chain lost during the
-        impact. If the contact lasts much longer than the impact, the picture shows the impact alone over
-        time. Rows are usually farther apart than an impact is long, so the run is repeated up to its end with
-        rows within it. It is the same run to the last bit, as rows do not change the solution.
+        The picture gives the realised restitution, and the energy that the whole chain lost during the
+        impact. If the contact lasts much longer than the impact, the picture shows only the impact over time.
+        Rows are usually farther apart than an impact is long, so the run is repeated up to the end of the
+        impact, with rows within the impact. The repeated run has the same bits, because rows do not change
+        the solution.
 
         Args:
             number: the number of the impact, from 1, as in pictures and tables.
             path: as for ``plot``.
             size: as for ``plot``.
-            ax: axes of matplotlib, into which the force over the penetration is drawn. They are returned.
+            ax: axes of matplotlib for the force over the penetration. The axes are returned.
 
         Raises:
             ValueError: when the impact does not exist, the result is not from ``simulate`` or
@@ -160,21 +162,21 @@ class Pictured(Recording):
         *,
         size: Sequence[float] | None = None,
     ) -> Figure | None:
-        """Draw the changes of outputs, and of the speeds of impacts, when each parameter grows by 1 %.
+        """Draw the changes of outputs, and of the speeds of impacts, if each parameter grows by 1 %.
 
-        The changes are of first order: the derivative times 1 % of the parameter, or times 0.01 of its unit
-        where the value is zero.
+        The changes are of first order: the derivative times 1 % of the parameter, or times 0.01 of the
+        parameter's unit if its value is zero.
 
         Args:
             path: as for ``plot``.
-            outputs: outputs by their names in the FMU; by default the place of the last point, and the total
-                energy.
+            outputs: outputs by their names in the FMU; by default the position of the last point, and the
+                total energy.
             size: as for ``plot``.
 
         Raises:
-            ValueError: when a page cannot have the size, or has no room for the panels.
-            UnknownNameError: when ``simulate`` was asked for no derivatives, or left out an output that is
-                drawn.
+            ValueError: when the size is not possible, or has no room for the panels.
+            UnknownNameError: when the run had no derivatives, or ``simulate(output=…)`` left out an output
+                that is drawn.
             OSError: when the file cannot be written.
         """
         from chain_impact import pictures
@@ -185,11 +187,11 @@ class Pictured(Recording):
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> InlinePage | None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.
 
-        The animation shows an impact only by the rows within it. ``record_slowly`` simulates a scene with
-        more of these rows.
+        The animation shows an impact only by the rows within the impact. ``record_slowly`` simulates a scene
+        with more such rows.
 
         Args:
-            path: the file. Without a file the page is returned, which a notebook shows.
+            path: the file. Without a file the page is returned, for a notebook.
             options: ``speed``, ``impact_time``, ``size``, ``progress`` of ``chain_impact.animate``.
 
         Raises:

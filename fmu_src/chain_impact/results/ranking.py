@@ -27,14 +27,15 @@ LARGEST = {
     "stop.peak_moment": ("peak_force", True),
     "stop.max_penetration": ("max_penetration", True),
 }
-"""Name of a largest quantity of the run, as in sweeps → field of ``Result.impacts``, and whether at stops."""
+"""Name of a largest quantity of the run, as in sweeps → field of ``Result.impacts``, and whether it is at
+stops."""
 JOINT_FORCE = "joint_force"
-DURATION = "duration"  # the duration of an impact, from its onset to its end [s]
+DURATION = "duration"  # the duration of an impact [s], from its onset to its end
 OF_FMU = {"time": "onset", "speed": "impact_speed"}
-"""The names in the FMU's ``impact[j]`` that differ from the fields of ``Result.impacts``."""
-NOTHING = 1e-12  # an effect below this part of the quantity is round-off
+"""Field of ``Result.impacts`` → name in the FMU's ``impact[j]``, where the two differ."""
+NOTHING = 1e-12  # the largest effect that is round-off, over the quantity
 DRAWN = 16  # the largest number of bars
-ADDED = "*"  # marks a parameter of value 0, to which the step is added
+ADDED = "*"  # the mark of a parameter with the value 0, to which the step is added
 
 
 class Effect(NamedTuple):
@@ -44,8 +45,8 @@ class Effect(NamedTuple):
         parameter: the name of the parameter or input in the FMU.
         value: the value of the parameter, in its ``unit``.
         unit: the unit of the parameter.
-        step: the change in words: "1 %", or "0.01 N.m" where the value is 0.
-        change: the change of the quantity by this step, to first order, in the quantity's unit.
+        step: the change in words: "1 %", or "0.01 N.m" if the value is 0.
+        change: the change of the quantity by this step, to first order, in the unit of the quantity.
         derivative: the derivative of the quantity with respect to the parameter.
     """
 
@@ -58,7 +59,7 @@ class Effect(NamedTuple):
 
     @property
     def told(self) -> str:
-        """The value with its unit. For the value 0, the step is told, too: "0 + 0.01 N.m"."""
+        """The value with its unit; if the value is 0, also the step: "0 + 0.01 N.m"."""
         return f"{self.value:.6g} {self.unit}".rstrip() if self.value else f"0 + {self.step}"
 
 
@@ -71,10 +72,10 @@ class Ranking:
         quantity: the name of the quantity.
         value: the value of the quantity, in its ``unit``.
         unit: the unit of the quantity.
-        where: the impact, the joint or the time of the quantity, in words.
-        effects: the effects, of the parameters that have one.
+        where: words for the impact, the joint or the time of the quantity.
+        effects: the effects of the parameters that have an effect.
         without: the parameters without an effect.
-        unknown: the parameters whose derivative cannot be trusted; ``limits`` says why.
+        unknown: the parameters whose derivatives cannot be trusted; ``limits`` gives the reason.
         limits: sentences, as ``Result.sensitivity_limits``.
     """
 
@@ -97,7 +98,7 @@ class Ranking:
         return as_html(self.parts())
 
     def share(self, effect: Effect) -> float:
-        """Return the change over the size of the quantity; NaN if the size is 0."""
+        """Return the change over the absolute value of the quantity; NaN if the value is 0."""
         return effect.change / abs(self.value) if self.value else np.nan
 
     def parts(self) -> Iterator[str | Table]:
@@ -129,14 +130,15 @@ class Ranking:
     def plot(
         self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
     ) -> Figure | None:
-        """Draw the largest effects as bars, to the right where the quantity grows with the parameter.
+        """Draw the largest effects as bars, to the right if the quantity grows with the parameter.
 
         Args:
-            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned.
+            path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
+                returned.
             size: width and height [inches].
 
         Raises:
-            ValueError: when a page cannot have the size, or has no room for the bars.
+            ValueError: when the size is not possible, or has no room for the bars.
             OSError: when the file cannot be written.
         """
         from chain_impact import pictures
@@ -184,7 +186,7 @@ def ranking_of(recording: Recording, found: Sensitivities, quantity: str) -> Ran
         quantity: see ``Result.ranking``.
 
     Raises:
-        SceneError: when there is no such quantity, or the run does not have it.
+        SceneError: when the quantity does not exist, or the run does not have the quantity.
     """
     value, unit, where, slopes, size = _quantity(recording, found, quantity)
     names, units = list(found.parameters), found.units
@@ -211,7 +213,7 @@ def ranking_of(recording: Recording, found: Sensitivities, quantity: str) -> Ran
 
 
 _Found = tuple[float, str, str, np.ndarray, float]
-"""Value, unit, name in words, derivatives of shape (P,), and the size to which round-off is compared."""
+"""Value, unit, name in words, derivatives of shape (P,), and the size with which round-off is compared."""
 
 
 def _quantity(recording: Recording, found: Sensitivities, name: str) -> _Found:
@@ -278,7 +280,7 @@ def _joint_force(recording: Recording, found: Sensitivities) -> _Found:
 
 
 def _of_output(recording: Recording, found: Sensitivities, name: str) -> _Found:
-    """Return an output at the end."""
+    """Return an output at the end of the run."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))
     where = f"at the end, t = {recording.time[-1]:g} s"

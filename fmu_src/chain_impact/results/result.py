@@ -31,25 +31,28 @@ ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total"
 class Result(Pictured):
     """The result of a simulation: a recording with its scene.
 
-    A result cannot be changed: ``dataclasses.replace`` refuses it.
+    A result is immutable: ``dataclasses.replace`` refuses a change.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
-    the time. In a name, ``*`` stands for any text, and all matching outputs come as a dict:
-    ``result["contact[2].*.force"]``; so does a list of names: ``result[["point[4].x", "energy.*"]]``.
+    the time. In a name, ``*`` stands for any text, and the result is a dict of all matching outputs:
+    ``result["contact[2].*.force"]``. A list of names also gives a dict: ``result[["point[4].x",
+    "energy.*"]]``.
 
     Attributes:
         model: the model of the scene that was simulated.
         time: communication points, shape (T,) [s].
-        outputs: the outputs at these times, a structured array of shape (T,): all, see ``output_dtype`` in
-            kernel/record/instance.py, or only the outputs of ``simulate(output=…)``, by their names.
+        outputs: the outputs at these times, a structured array of shape (T,): all outputs, see
+            ``output_dtype`` in kernel/record/instance.py, or only those in ``simulate(output=…)``, by their
+            names.
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
-        sensitivities: the derivatives that ``simulate(sensitivities=…)`` asked for, if any.
-        stepwise: the outputs ``impact.*``, ``impact[j].*`` and ``solver.*``, which change at events and steps
-            only: name → shape (T,).
+        sensitivities: the derivatives that ``simulate(sensitivities=…)`` requested, if any.
+        stepwise: the outputs ``impact.*``, ``impact[j].*`` and ``solver.*``, which change only at events and
+            steps: name → shape (T,).
         stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
             ``STICK_SLIP_DTYPE``.
-        rerun: gives the outputs of the same run at other times; None if the run cannot be repeated.
+        rerun: function that returns the outputs of the same run at other times; None if the run cannot be
+            repeated.
     """
 
     model: Model
@@ -76,7 +79,7 @@ class Result(Pictured):
         vars(self).update(rerun=rerun, name=scene.name, stop_law=scene.stops.model or "")
 
     def __eq__(self, other: object) -> bool:
-        """Return whether two results are equal in all but ``stepwise`` and ``rerun``."""
+        """Return whether two results are equal; ``stepwise`` and ``rerun`` are not compared."""
         if not isinstance(other, Result):
             return NotImplemented
         names = ("model", "time", "outputs", "impacts", "statistics", "sensitivities", "stick_slip")
@@ -91,10 +94,10 @@ class Result(Pictured):
     def __getitem__(self, name: list[str]) -> dict[str, np.ndarray]: ...
 
     def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
-        """Return an output over time by its name, shape (T,), or a dict for a list of names and patterns.
+        """Return an output over time by name, shape (T,), or a dict for a list of names and patterns.
 
-        A single pattern gives a dict, too. Type checkers take the value for an array: give them
-        ``[pattern]``.
+        A single pattern also gives a dict. Type checkers assume an array for a text, so use ``[pattern]``
+        with type checkers.
 
         Raises:
             UnknownNameError: a KeyError, when no output has the name.
@@ -121,28 +124,28 @@ class Result(Pictured):
 
     @cached_property
     def columns(self) -> Mapping[str, np.ndarray]:
-        """The outputs over time: name → shape (T,)."""
+        """The outputs over time: name → values, shape (T,)."""
         return {**self.motion, **self.stepwise}
 
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
-        """The outputs that change all the time: name → shape (T,)."""
+        """The outputs that change continuously: name → values, shape (T,)."""
         known = self.outputs.dtype.names or ()
         return self.model.series(self.outputs) if self._has_all else {n: self.outputs[n] for n in known}
 
     @property
     def _has_all(self) -> bool:
-        """Whether the outputs are rows of the kernel's record."""
+        """Whether the outputs are complete rows of the kernel's record."""
         return "point_position" in (self.outputs.dtype.names or ())
 
     @cached_property
     def pinned(self) -> bool:
-        """Whether the base is a joint, which a motion may move."""
+        """Whether the base is a joint, at rest or moving."""
         return self.scene.chain.base == "pinned"
 
     @cached_property
     def walls(self) -> Mapping[str, HalfPlane]:
-        """Name → free side of the walls."""
+        """The walls: name → free side."""
         return self.scene.half_planes
 
     @cached_property
@@ -152,12 +155,12 @@ class Result(Pictured):
 
     @cached_property
     def point_names(self) -> Mapping[int, str]:
-        """The names of the points that have one, by their numbers."""
+        """The names of the points that have a name, by the numbers of the points."""
         return self.scene.point_names
 
     @cached_property
     def parameters(self) -> Mapping[str, Any]:
-        """Name of a parameter → its value, as a name if it is a choice."""
+        """The parameters: name → value; for a choice, its name."""
         values = self.scene.values
         return {name: values[name] for name in self.model.parameter_paths}
 
@@ -168,7 +171,7 @@ class Result(Pictured):
 
     @property
     def impact_count(self) -> int:
-        """The number of impacts, all of which are listed."""
+        """The number of impacts; a result lists all impacts."""
         return len(self.impacts)
 
     @cached_property
@@ -205,7 +208,7 @@ class Result(Pictured):
         return energy
 
     def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
-        """Return the derivative of an output with respect to a parameter, for all other parameters held.
+        """Return the partial derivative of an output with respect to a parameter.
 
         Args:
             quantity: an output by its name in the FMU: ``"point[4].x"``.
@@ -213,11 +216,11 @@ class Result(Pictured):
 
         Returns:
             Shape (T,), in the unit of the output over the unit of the parameter. NaN where the derivative
-            does not exist or cannot be trusted; ``sensitivity_limits`` says why. The method: see
-            ``chain_impact.kernel.tangent.replay``.
+            does not exist or cannot be trusted; ``sensitivity_limits`` gives the reason.
+            ``chain_impact.kernel.tangent.replay`` describes the method.
 
         Raises:
-            UnknownNameError: when the result has no derivatives under one of the names.
+            UnknownNameError: when the result has no derivatives for one of the names.
         """
         return self._derivatives.of_output(quantity, parameter)
 
@@ -230,33 +233,33 @@ class Result(Pictured):
             parameter: one of the parameters in ``simulate(sensitivities=…)``.
 
         Raises:
-            UnknownNameError: when the result has no derivatives under one of the names.
+            UnknownNameError: when the result has no derivatives for one of the names.
         """
         return self._derivatives.of_impacts(quantity, parameter)
 
     def ranking(self, quantity: str) -> Ranking:
-        """Return parameters and inputs in the order of their effect on a quantity, the largest first.
+        """Return parameters and inputs in the order of their effects on a quantity, the largest effect first.
 
-        The effect is the change of the quantity, to first order, by 1 % of the parameter, or by 0.01 of its
-        unit where its value is 0.
+        The effect is the change of the quantity, to first order, if the parameter changes by 1 %, or by 0.01
+        of its unit if its value is 0.
 
         Args:
-            quantity: the largest of the run, by its name in a sweep: ``peak_force`` and ``max_penetration``
-                at walls, ``stop.peak_moment`` and ``stop.max_penetration`` at stops of joints,
-                ``joint_force`` in joints, if the scene asks for loads; a quantity of one impact,
+            quantity: the largest value in the run, by its name in a sweep: ``peak_force`` and
+                ``max_penetration`` at walls, ``stop.peak_moment`` and ``stop.max_penetration`` at stops of
+                joints, ``joint_force`` in joints, if the scene asks for loads; a quantity of one impact,
                 ``impact[2].peak_force``, counted from 1 as in ``impacts``; or an output at the end.
 
         Raises:
-            SceneError: when there is no such quantity, or the run does not have it.
-            UnknownNameError: when ``simulate`` was asked for no derivatives.
+            SceneError: when the quantity does not exist, or the run does not have the quantity.
+            UnknownNameError: when the run had no derivatives.
         """
         return ranking_of(self, self._derivatives, quantity)
 
     @property
     def sensitivity_limits(self) -> tuple[str, ...]:
-        """Sentences: from when on derivatives are NaN and why, and how far friction leaves them open.
+        """Sentences: from which time on derivatives are NaN and why, and errors of derivatives by friction.
 
-        There are none if all derivatives can be trusted.
+        The tuple is empty if all derivatives can be trusted.
         """
         return self.sensitivities.limits if self.sensitivities else ()
 
@@ -268,7 +271,7 @@ class Result(Pictured):
         return self.sensitivities
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the outputs as a table of pandas: the time as index, a column for each name.
+        """Return the outputs as a table of pandas, with the time as index and a column for each name.
 
         ``attrs["units"]`` has the unit of each column.
 
@@ -280,7 +283,8 @@ class Result(Pictured):
     def to_xarray(self) -> xarray.Dataset:
         """Return the outputs as a dataset of xarray over time, point, axis, link and contact, with units.
 
-        Outputs that ``simulate(output=…)`` left out are NaN, or missing if none of their kind was asked for.
+        Outputs that ``simulate(output=…)`` left out are NaN; they are missing if the result has no output of
+        their kind.
 
         Raises:
             MissingExtraError: when xarray (the extra ``xarray``) is not installed.
@@ -316,12 +320,12 @@ class Result(Pictured):
         return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED))
 
     def _facts(self) -> list[str]:
-        """Return lines on the energy, on possible misunderstandings of the scene, and on the solver."""
+        """Return lines on the energy, on probable mistakes in the scene, and on the solver."""
         found = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
         return [*summary.energy_lines(self.energies), *found, *summary.solver_lines(self.statistics)]
 
     def _all(self, field: str) -> np.ndarray:
-        """Return a field of ``output_dtype`` (kernel/record/instance.py), also from a choice of outputs."""
+        """Return a field of ``output_dtype`` (kernel/record/instance.py), from all outputs or a choice."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
         parts = [v for v in self.model.motion if v.field == field]

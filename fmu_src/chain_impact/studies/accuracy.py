@@ -1,4 +1,4 @@
-"""An estimate of the errors of positions and onsets, from a run at a tighter tolerance."""
+"""An estimate of the errors of positions and onsets, from a second run at a tighter tolerance."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import point_label
 
 TIGHTER = 0.1
-"""The tolerance of the second run, as a part of the first run's. With a larger part, the error of the second
-run is no longer small beside the error of the first, and their difference is no estimate."""
+"""The tolerance of the second run over the tolerance of the first run. With a larger ratio, the error of the
+second run is not small compared with the error of the first run, and the difference of both is not an
+estimate of the error."""
 
 
 @dataclass(frozen=True)
@@ -19,11 +20,11 @@ class Differences:
     """The largest differences between two runs, up to their first different impact.
 
     Attributes:
-        impacts: how many impacts are compared.
+        impacts: the number of compared impacts.
         onset: the largest difference of onsets [s]; 0 without an impact.
-        position: the largest distance of a point's positions in both runs at the same time [m].
-        point: the name of the point with this distance.
-        time: the time of this distance [s].
+        position: the largest distance between the positions of a point in both runs at the same time [m].
+        point: the name of the point with the largest distance.
+        time: the time of the largest distance [s].
         end: the end of the comparison [s].
         parted: whether the runs have different impacts after the end of the comparison.
     """
@@ -38,9 +39,10 @@ class Differences:
 
 
 def differences(run: Recording, tighter: Recording) -> Differences:
-    """Compare a run with one at a tighter tolerance, row by row and impact by impact.
+    """Compare a run with a run at a tighter tolerance, row by row and impact by impact.
 
-    After the first different impact the runs are two different motions, whose difference is no error.
+    After the first different impact the runs are two different motions, whose difference does not measure an
+    error.
     """
     rows = min(len(run.time), len(tighter.time))
     end, together = float(run.time[rows - 1]), run.time[:rows] == tighter.time[:rows]
@@ -53,7 +55,8 @@ def differences(run: Recording, tighter: Recording) -> Differences:
     if parted:
         end = min(later)
     apart = np.linalg.norm(run.all_points[:rows] - tighter.all_points[:rows], axis=-1)
-    apart[~together | (run.time[:rows] > end)] = 0.0  # a run that fails ends between two rows
+    # rows after the end of the comparison do not count, even if a run fails between two rows
+    apart[~together | (run.time[:rows] > end)] = 0.0
     row, point = np.unravel_index(apart.argmax(), apart.shape)
     onset = np.abs(onsets[0][:same] - onsets[1][:same]).max(initial=0.0)
     return Differences(

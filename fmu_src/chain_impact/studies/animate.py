@@ -1,4 +1,4 @@
-"""An animation of a scene, which is simulated with close rows so that each impact can be shown slowly."""
+"""An animation of a scene, simulated with dense rows near impacts so that each impact can be shown slowly."""
 
 from __future__ import annotations
 
@@ -41,16 +41,15 @@ def animate(
     """Write an animation, or show it in a notebook.
 
     Args:
-        recording: a recording, such as a result, in which close rows give better slow motion; or a scene, or
-            an argument of ``load_scene``, which ``record_slowly`` simulates.
-        path: the file, whose suffix says the kind: ``.html`` is a page that a browser opens and that needs no
-            other file, ``.gif`` and ``.mp4`` are films. Without it the page is returned, which a notebook
-            shows.
+        recording: a recording, such as a result; denser rows give better slow motion. Or a scene, or an
+            argument of ``load_scene``, which ``record_slowly`` simulates.
+        path: the file, whose suffix determines the kind: ``.html`` is a page for a browser that needs no
+            other file, ``.gif`` and ``.mp4`` are films. Without a path the page is returned, for a notebook.
         speed: simulated seconds in a second on the screen, outside of impacts.
         impact_time: duration of each impact on the screen [s] at the speed 1; the animation slows down
             shortly before the impact. With 0 the speed is constant.
         size: width and height of a film [pixels].
-        progress: called with the fraction done of a film, if given.
+        progress: called with the finished fraction of a film, 0 to 1, if given.
 
     Raises:
         AnimationError: when the suffix is unknown, a number is out of its range, the recording has fewer than
@@ -72,14 +71,14 @@ def record_slowly(
     *,
     inputs: Mapping[str, Signal] | None = None,
 ) -> Result:
-    """Simulate a scene twice: first to find the impacts, then with close rows around them.
+    """Simulate a scene twice: first to find the impacts, then with dense rows near each impact.
 
-    The rows do not change the solution.
+    The number of rows does not change the solution.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.
-        impact_time: duration of each impact on the screen [s], 0 for no slow motion.
-        progress: called with the fraction done, if given.
+        impact_time: duration of each impact on the screen [s]; 0 for no slow motion.
+        progress: called with the finished fraction, 0 to 1, if given.
         inputs: as for ``simulate``.
 
     Raises:
@@ -93,7 +92,7 @@ def record_slowly(
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     spans, usual = slow_spans(result), frame_rate(result)
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS, usual=usual)
-    # an impact that is too weak for slow motion still gets rows for its peak force
+    # an impact that is too weak for slow motion also gets rows, for its peak force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * WITHIN).ravel()[:MOST_ROWS]
     driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))

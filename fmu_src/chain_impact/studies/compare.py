@@ -44,19 +44,20 @@ if TYPE_CHECKING:
 
 
 STIFFER = (10.0, 100.0)
-"""Factors of the stiffness for which the comparison tells what an impact that is not free can reach."""
+"""The factors on the stiffness for which the comparison computes the reachable restitution of an impact that
+is not free."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Comparison(LawRuns):
-    """All laws on one scene, or some of them.
+    """The results of all contact laws, or of some laws, on one scene.
 
-    Its text is a table with a line for each law, and advice.
+    The text of a comparison is a table with a line for each law, and advice.
 
     Attributes:
         scene: the scene.
-        reference: id of the law whose impacts the others are compared with.
-        runs: one for each law, in the order of the registry, then the scene's own law if it has one.
+        reference: id of the law with whose impacts the impacts of the other laws are compared.
+        runs: one run for each law, in the order of the registry; a user's own law comes last.
         reached: the restitution that the first impact can reach, at the scene's stiffness and, if the impact
             is not free, at larger stiffnesses.
     """
@@ -70,7 +71,7 @@ class Comparison(LawRuns):
         return as_html(report(self))
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return a table of pandas with a row for each law; the columns are as in ``save_csv``.
+        """Return a table of pandas with a row for each law and the columns of ``save_csv``.
 
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.
@@ -88,8 +89,8 @@ class Comparison(LawRuns):
         """Draw the loops of all laws, force over penetration in the first impact, and the energy over time.
 
         Args:
-            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned,
-                which a notebook shows.
+            path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
+                returned, for a notebook.
             size: width and height [inches]. On a page narrower than 6 inches the loops are above the energy.
             ax: axes of matplotlib for the loops; these axes are returned.
 
@@ -124,7 +125,7 @@ COLUMNS: dict[str, Callable[[LawRun], object]] = {
     "steps": lambda run: run.steps if run.result else None,
     "note": lambda run: run.note,
 }
-"""The columns of the CSV, and what they hold; "restitution" to "energy lost" are of the first impact."""
+"""The columns of the CSV, and their meanings; "restitution" to "energy lost" belong to the first impact."""
 
 
 def _cell(value: object) -> object:
@@ -141,13 +142,13 @@ def compare(
 
     A law that needs another exponent than the scene's runs with its exponent, and with the stiffness that
     gives the first impact the same penetration if it were elastic. A law that does not allow the scene's
-    restitution, or fails, is listed with the reason. Stops with their own law keep it; then only the law of
-    the walls changes, and the first impact at a wall is compared.
+    restitution, or fails, is listed with the reason. Stops with their own law keep this law; then only the
+    law of the walls changes, and the first impact at a wall is compared.
 
     Args:
-        scene: a scene, or what ``load_scene`` takes; its contact model does not matter.
-        progress: called with the fraction done, if given.
-        laws: ids of the laws, all by default. The scene's own law is added if all others need another
+        scene: a scene, or an argument of ``load_scene``; the contact model of the scene does not matter.
+        progress: called with the finished fraction, 0 to 1, if given.
+        laws: ids of the laws; all laws by default. The scene's own law is added if all others need another
             exponent.
 
     Raises:
@@ -186,9 +187,9 @@ def compare(
 
 
 def _reached(scene: Scene, factor: float, known: Mapping[str, LawRun]) -> Reached:
-    """Return the restitution that can be reached with a larger stiffness.
+    """Return the restitution that can be reached with the stiffness times ``factor``.
 
-    ``known`` has runs that were made.
+    ``known`` contains the runs that exist already.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
     lossless, exact = (known.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT))
@@ -196,7 +197,7 @@ def _reached(scene: Scene, factor: float, known: Mapping[str, LawRun]) -> Reache
 
 
 def _why_none(scene: Scene) -> str:
-    """Return why a run that did not fail has no impact at which the law acts."""
+    """Return a sentence: why a successful run has no impact at which the law acts."""
     if scene.stops.model is None:
         return f"there is none before {scene.simulation.stop_time:g} s"
     kept = f"the stops keep stops.model = {scene.stops.model}, and"
@@ -206,10 +207,10 @@ def _why_none(scene: Scene) -> str:
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
-    """Return the ids of the laws to compare, in the registry's order, with one of the scene's exponent.
+    """Return the ids of the laws to compare, in the registry's order; at least one has the scene's exponent.
 
     Raises:
-        UnknownNameError: when an id belongs to no law.
+        UnknownNameError: when no law has an id.
     """
     known = law_names(scene)
     for law in laws or ():
@@ -240,7 +241,7 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
         first = _values_of(result, own)
         used = contact_at(result.scene, own)
         earlier, later = result.impacts[:number], result.impacts[number + 1 : number + 2]
-        # a contact that lasts to the end of the run has no end
+        # a contact that lasts until the end of the run has no end time
         overlap = later["onset"] <= own["onset"] + first["duration"]
         notes += [OVERLAP] if overlap.any() or not (earlier["end"] <= own["onset"]).all() else []
     return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
@@ -251,8 +252,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
-        # the impulse stops the point; the time for which the wall then holds the point is no part of the
-        # impact
+        # an impulse ends the impact: the time for which the wall then holds the point does not count
         impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, 0.0
     values = {
         "restitution": impact["separation_speed"] / impact["impact_speed"],
@@ -270,7 +270,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
-    """Return the run with the number and time of its first impact that differs from the expected one."""
+    """Return the run with the number and time of its first impact that differs from the reference."""
     if run.result is None:
         return run
     rows = run.result.impacts, expected.impacts

@@ -34,11 +34,11 @@ from chain_impact.recording.text import plural
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
-SIZE = (11.0, 4.5)  # inches
-NAMED = 6  # number of laws with a colour
-FINE = 400  # penetrations at which a band is known
+SIZE = (11.0, 4.5)  # [inch] default size of the page
+NAMED = 6  # largest number of laws that get a colour
+FINE = 400  # number of penetrations at which a band is computed
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
-"""Laws that are found in many programs and papers."""
+"""Laws that many programs and papers use."""
 MILLI, KILO = 1e3, 1e-3
 
 Looks = dict[str, dict[str, Any]]
@@ -75,7 +75,7 @@ def fill(page: Figure, comparison: LawRuns) -> None:
 
 
 def message(comparison: LawRuns) -> str:
-    """Return a sentence on how much the laws differ in the first impact."""
+    """Return a sentence: how much the laws differ in the first impact."""
     found = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
     if not found:
@@ -103,11 +103,11 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
-    """Return the laws that get a colour, at most NAMED, and the reasons.
+    """Return the laws that get a colour, at most NAMED, and the reason for each.
 
     The law that differs most is the one whose restitution in the first impact is farthest from the
-    reference's. If this is the law without losses, which ignores the prescribed restitution, the next law is
-    named as well.
+    reference's. If this law is the law without losses, which ignores the prescribed restitution, the next law
+    gets a colour as well.
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -134,9 +134,9 @@ def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
 
 
 def looks_of(comparison: LawRuns) -> Looks:
-    """Return how each law is drawn.
+    """Return colour, line and label of each law.
 
-    Of two laws with the same force, the second has no line of its own, but shares the label.
+    If two laws have the same force, the second law has no line, but shares the label of the first law.
     """
     why, colours = named_laws(comparison), iter(PALETTE)
     twins: dict[str, list[str]] = {}
@@ -158,14 +158,14 @@ def looks_of(comparison: LawRuns) -> Looks:
 
 
 def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
-    """Return whether two loops are equal; impulses, which have no loop, are never equal."""
+    """Return whether two loops are equal; impulses have no loop, and never count as equal."""
     return one is not None and other is not None and one.size > 0 and np.array_equal(one, other)
 
 
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw force over penetration in the first impact; an impulse is a line at no penetration.
+    """Draw force over penetration in the first impact; an impulse is a line at penetration 0.
 
-    Laws without a colour share a band.
+    Laws without a colour are drawn together as a band.
     """
     band = banded(comparison, looks)
     fill_loops(axes, [loop for law in band if (loop := comparison[law].loop) is not None and loop.size])
@@ -184,7 +184,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def banded(comparison: LawRuns, looks: Looks) -> list[str]:
-    """Return the laws that share a band: those without a colour, if they are too many to be told apart."""
+    """Return the laws that are drawn as a band: laws without a colour, if there are too many of them."""
     grey = [
         law for law, look in looks.items() if look["color"] == GREY and comparison[law].result is not None
     ]
@@ -192,7 +192,7 @@ def banded(comparison: LawRuns, looks: Looks) -> list[str]:
 
 
 def band_label(comparison: LawRuns, band: Sequence[str]) -> str:
-    """Tell how many laws share a band, and those with the least and the largest restitution."""
+    """Return the label of the band: how many laws it has, and those with the extreme restitutions."""
     found = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(found, key=lambda law: comparison[law].restitution)
     told = " to ".join(f"{law} (e′ = {comparison[law].restitution:.2f})" for law in (order[0], order[-1]))
@@ -200,7 +200,7 @@ def band_label(comparison: LawRuns, band: Sequence[str]) -> str:
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
-    """Fill what loops of force over penetration, shape (2, K) each, cover together."""
+    """Fill the area that loops of force over penetration, shape (2, K) each, cover together."""
     if not loops:
         return
     depths = np.linspace(0.0, max(loop[0].max() for loop in loops), FINE)
@@ -215,7 +215,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw the total energy over time; laws without a colour share a band."""
+    """Draw the total energy over time; laws without a colour are drawn together as a band."""
     band = banded(comparison, looks)
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
@@ -232,6 +232,6 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def told_apart(axes: Axes) -> list[Any]:
-    """Return what a legend tells of the laws: those with a colour, and the band."""
+    """Return the entries of the legend: the laws with a colour, and the band."""
     lines = [line for line in axes.lines if line.get_color() != GREY]
     return [*lines, *(one for one in axes.collections if str(one.get_label())[:1] != "_")]

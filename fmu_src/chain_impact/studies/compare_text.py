@@ -1,4 +1,4 @@
-"""A comparison of contact laws as text: a table, and the laws that realise the restitution."""
+"""A comparison of contact laws as text: a table, and a sentence on the laws that realise the restitution."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from chain_impact.recording.text import Table
 from chain_impact.studies.law_change import EXACT, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
-NEAR = 0.05  # difference from the prescribed restitution, as a part of it, below which a law realises it
+# the largest difference from the prescribed restitution with which a law realises it, over the restitution
+NEAR = 0.05
 NOTHING = "–"
 NUMBERS = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")
 AT_STOPS = {"peak, kN": "peak, kN m", "depth, mm": "depth, mrad"}
@@ -43,7 +44,7 @@ def heading(comparison: LawRuns) -> str:
 
 
 def cells(run: LawRun) -> tuple[str, ...]:
-    """Return the cells of a law's row, as in ``head``."""
+    """Return the cells of a law's row, in the order of ``head``."""
     differs = NOTHING if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
     return (
         run.law,
@@ -60,12 +61,12 @@ def cells(run: LawRun) -> tuple[str, ...]:
 
 
 def told(value: float, form: str) -> str:
-    """Return a number; a dash for NaN."""
+    """Return a number as text; a dash for NaN."""
     return NOTHING if math.isnan(value) else format(value, form)
 
 
 def legend(comparison: LawRuns) -> str:
-    """Return the meaning of the columns, and the law that stops keep, if any."""
+    """Return sentences on the meaning of the columns, and on the law of the stops if it stays."""
     scene = comparison.scene
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (
@@ -76,10 +77,10 @@ def legend(comparison: LawRuns) -> str:
 
 
 def advice(comparison: LawRuns) -> str:
-    """Return which laws realise the prescribed restitution in the impact that the table describes.
+    """Return a sentence: which laws realise the prescribed restitution in the impact of the table.
 
-    For an impact that is not free, the restitution that can be reached is told as well. Only an impulse
-    prescribes the restitution of such an impact; a force gives a similar one by chance.
+    For an impact that is not free, the text also gives the restitution that can be reached. Only an impulse
+    gives such an impact the prescribed restitution; a force gives a similar restitution only by chance.
     """
     e = comparison.contact.restitution
     near = [run.law for run in comparison.runs if abs(run.restitution - e) <= NEAR * e]
@@ -93,7 +94,7 @@ def advice(comparison: LawRuns) -> str:
 
 
 def _reach(comparison: LawRuns) -> str:
-    """Return the restitution that a force reaches in an impact that is not free, over the stiffness."""
+    """Return a sentence on the restitution that forces reach in an impact that is not free."""
     e = comparison.contact.restitution
     values = ", ".join(
         f"{told(one.lossless, '.2f')} and {told(one.exact, '.2f')} at K = {one.stiffness:.4g}"

@@ -16,9 +16,9 @@ from chain_impact.scene.scene import Scene, with_values
 from chain_impact.scene.tables import Contact
 
 EXACT = "zhang_sharf"
-"""The law that the others are measured by, where the scene's restitution allows it."""
+"""The law with which the other laws are compared, if it allows the scene's restitution."""
 LOSSLESS = "hertz"
-"""The law without losses: the first impact under it is free where it realises a restitution of 1."""
+"""The law without losses: the first impact is free if it has the restitution 1 with this law."""
 OVERLAP = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 
@@ -30,7 +30,7 @@ def law_names(scene: Scene) -> list[str]:
 
 
 def needed_exponent(law: str, exponent: float) -> float:
-    """Return the exponent that a law needs; the given one if the law allows any."""
+    """Return the exponent that a law needs; the scene's exponent if the law allows any."""
     entry = CONTACT_LAWS.get(law)
     return exponent if entry is None or entry.exponent is None else entry.exponent
 
@@ -41,7 +41,7 @@ def keeps_exponents(law: str, scene: Scene) -> bool:
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
-    """Yield the tables where the law of `contact` acts: their paths, exponents and stiffnesses."""
+    """Yield the tables in which the law of `contact` acts, each with its path, exponent and stiffness."""
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
         yield ("contact",), contact.exponent, contact.stiffness
@@ -53,23 +53,23 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
 
 
 def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
-    """Return the row in ``Result.impacts`` of the first impact with the law of `contact`.
+    """Return the number of the first row in ``Result.impacts`` for which the law of `contact` acts.
 
-    None if none has it.
+    Returns None if there is no such row.
 
-    Stops with a law of their own do not have the law of `contact`.
+    The law of `contact` does not act at stops with their own law.
     """
     own = scene.stops.model is not None
     return next((k for k, row in enumerate(impacts) if not (own and at_stop(scene, row["wall"]))), None)
 
 
 def first_place(scene: Scene) -> str:
-    """Return the words for the impact by which laws are compared."""
+    """Return the words for the impact with which laws are compared."""
     return "first impact" if scene.stops.model is None else "first impact at a wall"
 
 
 def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
-    """Return the changes that give a scene another law; stops with their own law keep it.
+    """Return the changes that give a scene another law; stops with their own law keep this law.
 
     If the law needs another exponent, the elastic penetration of ``impact``, a row of ``Result.impacts``,
     stays the same: K δⁿ⁺¹/(n+1) = ½ m v₀².
@@ -81,27 +81,27 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
             if len(path) == 1:
                 changes[*path, "exponent"] = needed
             changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
-    # the stops may take their exponent from the contact
+    # stops may use the exponent of the contact
     if scene.stops.model and ("contact", "exponent") in changes:
         changes["stops", "exponent"] = scene.stops.exponent
     return changes
 
 
 def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
-    """Return the stiffness that gives an impact without losses the same penetration with another exponent."""
+    """Return the stiffness for the exponent ``needed`` with which a lossless impact is equally deep."""
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     depth = ((n + 1.0) * energy / stiffness) ** (1.0 / (n + 1.0))
     return float((needed + 1.0) * energy / depth ** (needed + 1.0))
 
 
 def stiffened(scene: Scene, factor: float) -> Scene:
-    """Return the scene with larger stiffnesses wherever the law of `contact` acts."""
+    """Return the scene with stiffnesses times ``factor`` wherever the law of `contact` acts."""
     changes: Changes = {(*path, "stiffness"): factor * found for path, _, found in _tables(scene)}
     return with_values(scene, changes)
 
 
 def contact_at(scene: Scene, impact: np.void) -> Contact:
-    """Return the values of the contact law where an impact is: at its wall, or at the stops of joints."""
+    """Return the values of the contact law for an impact: at its wall, or at the stops of joints."""
     contact, stops = scene.contact, scene.stops
     if at_stop(scene, impact["wall"]):
         keys = ("stiffness", "exponent", "restitution", "minimum_impact_speed")
@@ -117,7 +117,7 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
 
 
 def with_law(contact: Contact, law: str, impact: np.void) -> Contact:
-    """Return a contact with another law, which gives an impact the same elastic penetration."""
+    """Return a contact with another law that gives an impact the same elastic penetration."""
     needed = needed_exponent(law, contact.exponent)
     if needed == contact.exponent:
         return replace(contact, model=law)

@@ -14,7 +14,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
-FREE = 0.05  # difference in restitution below which an impact counts as free
+FREE = 0.05  # the largest difference from the expected restitution with which an impact counts as free
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,23 +22,23 @@ class LawRun:
     """The result of one law.
 
     The values of the first impact are NaN if there is no impact, or it has not ended. If stops have their own
-    law, the first impact is the first one at a wall.
+    law, the first impact is the first impact at a wall.
 
     Attributes:
         law: the id of the law.
         exponent: exponent n of the run.
         stiffness: stiffness K of the run [N/m^n].
-        restitution: restitution that the first impact realises.
-        peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop this and the other
-            quantities belong to the angle: the peak is a moment [N·m].
+        restitution: realised restitution of the first impact.
+        peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop all quantities belong to
+            the angle: the peak is a moment [N·m].
         max_penetration: largest penetration in the first impact [m].
         duration: duration of the first impact [s]; 0 for an impulse.
         energy_lost: energy that all contacts lose between the onset and the end of the first impact [J].
         loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse.
         divergence: number, from 1, of the first impact whose point or wall differs from the reference law's
             run; None if none differs.
-        divergence_time: onset of this impact [s].
-        note: why the result is missing or incomplete, or a remark.
+        divergence_time: onset of the impact with the number ``divergence`` [s].
+        note: the reason why the result is missing or incomplete, or a remark.
         result: the simulation, if there is one.
     """
 
@@ -76,7 +76,7 @@ class Reached:
 
     Attributes:
         stiffness: K of the impact [N/m^n].
-        lossless: restitution without losses, about the largest that a law can give; 1 in a free impact.
+        lossless: restitution with a law without losses, about the largest possible one; 1 in a free impact.
         exact: restitution with the law that realises the scene's restitution in a free impact.
     """
 
@@ -91,8 +91,8 @@ class LawRuns:
 
     Attributes:
         scene: the scene.
-        reference: id of the law whose impacts the others are compared with.
-        runs: one for each law.
+        reference: id of the law with whose impacts the impacts of the other laws are compared.
+        runs: one run for each law.
         reached: the restitution that the first impact can reach, at the scene's stiffness and, if the impact
             is not free, at larger stiffnesses.
     """
@@ -113,20 +113,20 @@ class LawRuns:
     def first_impact(self) -> np.void:
         """The first impact with the reference law, a row of ``Result.impacts``.
 
-        If stops have their own law, it is the first impact at a wall.
+        If stops have their own law, the first impact is the first impact at a wall.
         """
         impact = first_of(self[self.reference].result)
-        assert impact is not None  # the reference law is chosen because it has this impact
+        assert impact is not None  # every scene that is compared has this impact
         return impact
 
     @property
     def contact(self) -> Contact:
-        """The values of the scene's contact law where the first impact is: at its wall, or at stops."""
+        """The values of the scene's contact law for the first impact: at its wall, or at stops."""
         return contact_at(self.scene, self.first_impact)
 
     @property
     def is_free(self) -> bool:
-        """Whether no other force acts in the first impact.
+        """Whether only contact forces act in the first impact.
 
         A free impact has the restitution 1 without losses, and the scene's restitution with the exact law. An
         impact that has not ended counts as free.
@@ -142,6 +142,6 @@ class LawRuns:
 
 
 def first_of(result: Result | None) -> np.void | None:
-    """Return the first impact at which the law of `contact` acts, a row of ``Result.impacts``."""
+    """Return the first impact for which the law of `contact` acts, a row of ``Result.impacts``."""
     number = None if result is None else first_number(result.scene, result.impacts)
     return None if result is None or number is None else result.impacts[number]

@@ -1,1 +1,1 @@
-"""Fits: parameters of a scene are estimated from measurements."""
+"""Fits: estimates of a scene's parameters from measurements."""

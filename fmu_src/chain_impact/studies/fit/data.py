@@ -21,7 +21,7 @@ from chain_impact.variables.model import Model
 
 TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"
 WHICH = (IMPACT, POINT, WALL)
-"""The columns that tell which impact a row is about."""
+"""The columns that say which impact a row describes."""
 QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
 JOINT_FORCE = "joint_force"
@@ -34,10 +34,10 @@ class ImpactRow:
     """The impact of the run that a row of measurements describes.
 
     Attributes:
-        number: number in the order of onsets, from 1, among all impacts, or if ``alike`` among the impacts of
+        number: number in the order of onsets, from 1, among all impacts; if ``alike``, among the impacts of
             the same point and wall.
         point: 0…N; None if the row does not give it.
-        wall: index into ``scene.wall_names``; None if the row does not give it.
+        wall: index in ``scene.wall_names``; None if the row does not give it.
         alike: whether ``number`` counts only impacts at the same point and wall.
         order: the measured onset, or else the measured end [s]; NaN if neither is measured.
     """
@@ -49,9 +49,9 @@ class ImpactRow:
     order: float
 
     def find(self, impacts: np.ndarray) -> int | None:
-        """Return the row in ``Result.impacts`` of this impact.
+        """Return the row of this impact in ``Result.impacts``.
 
-        None if it is not there or has another place.
+        Returns None if the impact is missing, or has another point or wall.
         """
         same = np.ones(len(impacts), bool)
         for name, value in ((POINT, self.point), (WALL, self.wall)):
@@ -69,15 +69,15 @@ class Measurements:
     """The measurements of one run, as M single values.
 
     Attributes:
-        source: the files.
+        source: the names of the files.
         times: times of the measured outputs, shape (T,) [s].
         outputs: names of the W measured outputs.
         impacts: the measured impacts.
         quantity: name of the output, or of the quantity of an impact, for each value, shape (M,).
         value: the measured values, shape (M,).
-        sigma: the standard deviation of each value, shape (M,); NaN if it has to be estimated.
+        sigma: the standard deviation of each value, shape (M,); NaN if the fit must estimate it.
         row, column: index into times and outputs, or into impacts and ``QUANTITIES``, shape (M,).
-        of_impact: which of the values belong to an impact, shape (M,).
+        of_impact: whether each value belongs to an impact, shape (M,).
         inputs: name of an input → its signal, times [s] and values.
     """
 
@@ -133,14 +133,15 @@ def read_measurements(
     """Read the tables of one run.
 
     A row with a cell in ``impact``, ``point`` or ``wall`` describes an impact; any other row has outputs and
-    inputs at a ``time``. Empty cells were not measured.
+    inputs at a ``time``. An empty cell is a value that was not measured.
 
     Args:
-        sources: a table, or several of the same run.
+        sources: a table, or several tables of the same run.
         scene: the scene, whose outputs and inputs are the columns.
         sigma: column → standard deviation of the values, in their unit, or in percent of each value:
             ``"2%"``.
-        columns: names or patterns of the columns to use; all by default. Inputs are used in any case.
+        columns: names or patterns of the columns to use; all columns by default. Columns of inputs are always
+            used.
 
     Raises:
         SceneError: when a table cannot be used.
@@ -160,7 +161,7 @@ def read_measurements(
 
 
 class _Book:
-    """Collects the values of tables."""
+    """A collector of the values of tables."""
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
@@ -174,7 +175,7 @@ class _Book:
         self._found: list[tuple[str, float, float, float, bool]] = []
 
     def read(self, table: Table, chosen: Set[str]) -> None:
-        """Add the values of a table in some columns."""
+        """Add the values in some columns of a table."""
         samples, quantities = self._columns(table, chosen | {*self._inputs})
         before = -math.inf
         for row in range(len(table.rows)):
@@ -184,7 +185,7 @@ class _Book:
                 before = self._add_sample(table, row, samples, before)
 
     def measurements(self, source: str) -> Measurements:
-        """Return all measurements that were read."""
+        """Return all measurements that were collected."""
         if not self._found:
             raise SceneError(f"{source}: no value was measured: all cells are empty")
         names, values, sigmas, places, kinds = zip(*self._found, strict=True)
@@ -211,7 +212,7 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """Return the columns of outputs and inputs, and the columns of quantities of impacts."""
+        """Return the columns of outputs and inputs, and the columns of quantities of impacts, in a table."""
         there, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in there if name in chosen]
         likely = "" if TIME in table.names else likely_time(table.names)
@@ -255,7 +256,7 @@ class _Book:
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
-        """Add the outputs and inputs at a time; return the time."""
+        """Add the outputs and inputs in a row, and return the time of the row."""
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
             later = f" and > {before:g}, the value of the row before" if before >= 0.0 else ""
@@ -281,7 +282,7 @@ class _Book:
             self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:
-        """Return the number, the point or the wall in a row of an impact."""
+        """Return the number, the point or the wall of the impact in a row."""
         cell = table.cell(row, name)
         if cell is None:
             return None
@@ -311,7 +312,7 @@ class _Book:
         return int(number)
 
     def _add(self, table: Table, row: int, name: str, place: float, of_impact: bool) -> None:
-        """Add one value, if it was measured."""
+        """Add one value if the cell is not empty."""
         value = table.number(row, name)
         if not math.isnan(value):
             if name == JOINT_FORCE and not self._scene.outputs.loads:
@@ -324,23 +325,23 @@ class _Book:
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
         """Return the standard deviation of a value, from its row or else from its column.
 
-        NaN if neither has one.
+        Returns NaN if neither is given.
         """
         column = SIGMA.format(name)
         sigma = table.number(row, column)
         if math.isnan(sigma) and name in self._sigma:
             sigma = standard_deviation(name, self._sigma[name], value)
-        # a comparison with NaN ends the process of a host that traps invalid operations
+        # a comparison with NaN would end a host process that traps invalid operations
         if not math.isnan(sigma) and sigma <= 0.0:
             raise SceneError(f"{table.where(row, column)} = {sigma:g} must be > 0")
         return sigma
 
 
 def standard_deviation(name: str, given: float | str, value: float) -> float:
-    """Return the standard deviation of a value that is given for a column, as a number or in percent.
+    """Return the standard deviation of a value, from a number or a percentage that is given for a column.
 
     Raises:
-        SceneError: when ``given`` is neither.
+        SceneError: when ``given`` is neither a number nor a percentage.
     """
     text = str(given).strip()
     try:
@@ -359,5 +360,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns of values: not the time, the place of an impact, or a standard deviation."""
+    """Return the columns of values: all but the time, the place of an impact, and standard deviations."""
     return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

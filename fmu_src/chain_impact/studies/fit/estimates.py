@@ -1,4 +1,4 @@
-"""The results of a fit, without its report and its picture."""
+"""The results of a fit, without the report and the picture."""
 
 from __future__ import annotations
 
@@ -51,22 +51,22 @@ class Estimates:
 
     @property
     def used(self) -> np.ndarray:
-        """Which values were fitted, shape (M,)."""
+        """Whether each value was fitted, shape (M,)."""
         return np.asarray(np.isfinite(self.residuals))
 
     @property
     def chi_squared(self) -> float:
-        """Sum of the squares of the residuals in standard deviations."""
+        """The sum of the squares of the residuals in standard deviations, χ²."""
         return float(np.nansum((self.residuals / self.sigma) ** 2))
 
     @property
     def freedom(self) -> int:
-        """Degrees of freedom: the number of fitted values minus the number of free parameters."""
+        """The degrees of freedom: the number of fitted values minus the number of free parameters."""
         return int(self.used.sum()) - len(self.parameters)
 
     @property
     def reduced_chi_squared(self) -> float:
-        """χ² for each degree of freedom: about 1 if the model is right and all σ are given."""
+        """χ² per degree of freedom: about 1 if the model is right and all standard deviations are given."""
         return self.chi_squared / self.freedom if self.freedom > 0 else math.nan
 
     @property
@@ -80,7 +80,7 @@ class Estimates:
 
     @property
     def law(self) -> str:
-        """The contact law; empty if nothing can touch."""
+        """The contact law of the scene; "" if nothing can touch."""
         contact, stops = self.scene.contact, self.scene.stops
         if point_wall_pairs(self.scene):
             return contact.model
@@ -88,6 +88,6 @@ class Estimates:
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:
-        """Name of a measured column → which of the M values belong to the column, shape (M,)."""
+        """Which of the M values belong to each column: name of a measured column → shape (M,)."""
         names = np.array([name for one in self.data for name in one.quantity])
         return {str(name): names == name for name in dict.fromkeys(names.tolist())}

@@ -1,4 +1,4 @@
-"""The fit: parameters of a scene are estimated from measurements."""
+"""The fit: estimate parameters of a scene from measurements."""
 
 from __future__ import annotations
 
@@ -23,11 +23,16 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.uncertainty import information, largest_usual, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-VISIBLE = 0.01  # mean square of the residuals in standard deviations, below which they do not matter
+# the mean square of the residuals, in standard deviations, below which correlations between residuals do not
+# matter
+VISIBLE = 0.01
 LARGEST = 700.0  # largest number whose exponential is finite
-FEW = 10  # number of values of a column, below which its standard deviation is estimated roughly
-ALIKE = 2.0  # correlation of n neighbouring pairs times √n, which chance exceeds in 2 % of all cases
-LONG = 100.0  # length of the data over the scene's stop time, beyond which their time may have another unit
+FEW = 10  # the number of values of a column below which its estimated standard deviation is rough
+# the limit of the lag-1 correlation of n pairs of neighbours, times √n; chance exceeds it in 2 % of all cases
+ALIKE = 2.0
+# the duration of the data, over the scene's stop time, beyond which the time of the data may have another
+# unit
+LONG = 100.0
 
 
 def fit(
@@ -47,24 +52,26 @@ def fit(
 ) -> Fit:
     """Estimate parameters of a scene from measurements, by weighted least squares.
 
-    The search starts from the values of the scene with early data, and uses more and more data. It uses exact
-    derivatives through all impacts.
+    The search starts from the values of the scene, uses early data first and then more and more data, and
+    uses exact derivatives through all impacts.
 
     Args:
         scene: the measured system: a scene, or an argument of ``load_scene``.
         data: a table: a CSV file, a mapping of columns, or a ``DataFrame`` of pandas; or a list with an entry
             for each data set, which is a table or a list of tables of the same run. See ``docs/fit.md``.
         free: names of FMU parameters that all data sets share. An input among them is constant.
-        free_each: names of parameters that differ between data sets, such as initial values.
+        free_each: names of parameters that have a value for each data set, such as initial values.
         set_each: name → known values, one for each data set.
         sigma: column → standard deviation of the values, in their unit, or in percent of each value:
-            ``"2%"``. If neither this nor the data give it, it is estimated from the residuals.
+            ``"2%"``. If neither ``sigma`` nor the data give a standard deviation, it is estimated from the
+            residuals.
         bounds: name → bounds in addition to the limits of the scene's keys, ``"0.1:0.9"`` or a pair.
-        columns: names or patterns of the columns that are used; all by default.
+        columns: names or patterns of the columns that are used; all columns by default.
         laws: whether to fit every contact law, and return the fit of the best law with the ranking of all.
-        stop_time: time [s] up to which data are used, and stop time of the fitted scene; all data by default.
+        stop_time: time [s] up to which data are used, and stop time of the fitted scene. By default all data
+            are used.
         interpolation: interpolation of inputs between the rows of the data, as in ``simulate``.
-        progress: called with the fraction done, if given.
+        progress: called with the finished fraction, 0 to 1, if given.
 
     Raises:
         SceneError: when an argument or a table cannot be used.
@@ -158,7 +165,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
 
 
 def _on_bounds(problem: Problem, found: Found) -> Evaluation:
-    """Return the model at the end of the search, with parameters that come close to a bound set to the bound.
+    """Return the model at the end of the search; parameters close to a bound are set to the bound.
 
     The search stays within the bounds, and approaches them without ever reaching them.
     """
@@ -197,7 +204,7 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -
 
 
 def _long(stop_time: float, data: Sequence[Measurements]) -> Iterator[str]:
-    """Yield a question for data that last far longer than the scene's stop time [s]."""
+    """Yield a question about the unit of time, for data much longer than the scene's stop time [s]."""
     for one in data:
         last = float(np.nanmax(one.order, initial=0.0))
         if last >= LONG * stop_time:
@@ -218,7 +225,7 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
 
 
 def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Sequence[Measurements]) -> None:
-    """Refuse to fit an input that the data give."""
+    """Refuse to fit an input whose values the data give."""
     for parameter in parameters:
         for k, one in enumerate(measured):
             if parameter.run in (None, k) and parameter.name in one.inputs:
@@ -227,7 +234,7 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
 
 
 def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, float]:
-    """Return the ends of an interval on the scale of the search, as values within the bounds."""
+    """Return the ends of an interval, given on the scale of the search, as values within the bounds."""
     ends = np.array([place - half, place + half])
     if parameter.logarithmic:
         ends[np.abs(ends) > LARGEST] *= math.inf
@@ -236,14 +243,14 @@ def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, f
 
 
 def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
-    """Return the scene of a data set with the fitted values; the scene has no place for inputs."""
+    """Return the scene of a data set with the fitted values; fitted inputs are not part of a scene."""
     there = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
     return scene.with_values({one.name: at for one, at in mine if one.run in (None, k) and one.name in there})
 
 
 def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
-    """Return −2 log of the likelihood of normal errors, without a constant.
+    """Return −2 log of the likelihood for normal errors, up to a constant.
 
     A column of n values with given σ adds Σ (r/σ)², a column with estimated σ adds n log(Σ r²/n).
     """
@@ -262,7 +269,7 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
 def _notes(
     problem: Problem, result: Fit, at: Evaluation, found: Found, reached: Mapping[int, str]
 ) -> list[str]:
-    """Return remarks on the result."""
+    """Return the remarks on the result of a fit."""
     notes = []
     if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
         notes.append(
@@ -288,7 +295,7 @@ def _notes(
 
 
 def _not_random(result: Fit) -> Iterator[str]:
-    """Yield a remark on columns with correlated residuals: the lag-1 correlation r has √n r > ALIKE.
+    """Yield a remark on columns with correlated residuals: lag-1 correlation r with √n r > ALIKE.
 
     Neighbours belong to the same data set. For n pairs of independent residuals, √n r has about the standard
     normal distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
@@ -313,7 +320,7 @@ def _not_random(result: Fit) -> Iterator[str]:
 
 
 def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
-    """Yield a remark on columns with so few values that their estimated standard deviation is rough."""
+    """Yield a remark on columns whose estimated standard deviation is rough, because they have few values."""
     for name in problem.estimated:
         count = int((at.usable & (problem.group == problem.names.index(name))).sum())
         if count < FEW:

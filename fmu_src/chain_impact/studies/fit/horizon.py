@@ -1,8 +1,8 @@
-"""The search with a growing horizon: early data first, all data at the end.
+"""The search with a growing horizon: first only early data, at the end all data.
 
 After some impacts the motion depends so strongly on the parameters that the sum of squares of all data has
-many minima; the sum over early data has one. So the horizon grows as far as the model already follows the
-data, and each search starts at the result of the last one.
+many minima; the sum over early data has one minimum. So the horizon is the time up to which the model already
+follows the data, and each search starts at the result of the search before.
 """
 
 from __future__ import annotations
@@ -17,23 +17,26 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-# number of values in the first horizon for each parameter, but at most a third of all values if these suffice
+# number of values in the first horizon for each parameter; at most a third of all values if these suffice
 ROWS = 3
-# distance of the model from the data, as a part of a column's size, beyond which the model does not follow
-# them; in the first and in the second trial
+# the largest distance of the model from the data with which it follows them, over the size of a column; for
+# the first and for the second trial
 FAR = (0.01, 0.0025)
-# growth of the mean square that leads to a second trial; mean square below which no second trial is made
+# WORSE: the growth of the mean square that causes a second trial; EXACT: the mean square below which no
+# second trial is made
 WORSE, EXACT = 1.2, 1e-6
-MANY = 20  # number of values, from which on a mean square is meaningful
-GROWTH = 1.1  # smallest growth of the horizon in a step
-ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that ends a rough and a fine search
+MANY = 20  # number of values from which on a mean square is meaningful
+GROWTH = 1.1  # the smallest growth factor of the horizon in a step
+ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that ends a rough search and a fine search
 ROUGH_STEPS, FINE_STEPS = 10, 100
-# smallest standard deviation, as a part of a column's size; less is the solver's tolerance, not noise
+# the smallest standard deviation, over the size of a column; a smaller one is an error of the solver, not
+# noise
 LEAST_SIGMA = 1e-8
-# number of degrees of freedom below which there are none: round-off. A small number is enough, as a column
-# with a larger σ has more
+# the number of degrees of freedom below which there are none, because of round-off; a small number suffices,
+# because a column with a larger σ has more degrees of freedom
 NO_FREEDOM = 1e-9
-# relative change of an estimated standard deviation that ends the rounds; largest number of rounds
+# SETTLED: the relative change of an estimated standard deviation that ends the rounds; ROUNDS: the largest
+# number of rounds
 SETTLED, ROUNDS = 0.01, 20
 
 
@@ -44,7 +47,7 @@ class Found:
     Attributes:
         search: the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
-        horizons: the times [s] up to which data were used, one after the other.
+        horizons: the successive times [s] up to which data were used.
         worse: mean square of the residuals, divided by the smallest mean square with fewer data.
     """
 
@@ -72,7 +75,7 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
     """Return the result of a search with growing horizons.
 
-    A horizon ends where the model is farther than ``far`` from the data.
+    The horizon ends where the distance of the model from the data exceeds ``far``.
     """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
@@ -97,7 +100,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
 
 
 def _squares(at: Evaluation, sigma: np.ndarray) -> float:
-    """Return the mean square of the residuals in standard deviations; infinite if there is none."""
+    """Return the mean square of the residuals in standard deviations; infinity without residuals."""
     rows = at.usable
     return float(np.mean((at.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
 
@@ -105,7 +108,7 @@ def _squares(at: Evaluation, sigma: np.ndarray) -> float:
 def _one(
     problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
-    """Return the search with the data up to a horizon, and the standard deviations that follow from it."""
+    """Return the search with the data up to a horizon, and the standard deviations of its residuals."""
     found = minimize(
         lambda place: problem.evaluate(place, horizon),
         problem.until(whole, horizon),
@@ -118,10 +121,10 @@ def _one(
 
 
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
-    """Return the standard deviations, shape (M,), with estimates from the residuals where none is given.
+    """Return the standard deviations, shape (M,); where none is given, estimate it from the residuals.
 
-    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. A column without degrees of freedom,
-    whose values are no more than the parameters that they determine, gives no σ: it keeps the present one.
+    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. A column without degrees of freedom
+    has as many values as parameters that they determine; it keeps the present σ.
     """
     found, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
@@ -134,7 +137,7 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
 
 
 def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
-    """Return the degrees of freedom of each column with an estimated standard deviation: its number → ν.
+    """Return the degrees of freedom ν of each column with an estimated σ: number of the column → ν.
 
     A column of n values has ν = n − h, where h is the sum of the leverages: the number of parameters that the
     column determines.
@@ -148,7 +151,7 @@ def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> d
 
 
 def _first_sigma(problem: Problem) -> np.ndarray:
-    """Return the given standard deviations, and a hundredth of a column's size where none is given."""
+    """Return the given standard deviations; where none is given, a hundredth of the column's size."""
     sigma = problem.sigma.copy()
     for group, least in _estimated(problem):
         sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least
@@ -156,13 +159,13 @@ def _first_sigma(problem: Problem) -> np.ndarray:
 
 
 def _estimated(problem: Problem) -> list[tuple[int, float]]:
-    """Return number and smallest standard deviation of each column without given standard deviations."""
+    """Return the number of each column without given standard deviations, and its smallest allowed σ."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 
 
 def _check(problem: Problem, whole: Evaluation) -> None:
-    """Refuse data that cannot determine anything."""
+    """Refuse data that cannot determine any parameter."""
     for name in problem.estimated:
         mine = problem.group == problem.names.index(name)
         sources = ", ".join(one.source for one in problem.data)
@@ -181,7 +184,7 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Return the time [s] of the first data that can determine the parameters; infinite for all data."""
+    """Return the time [s] of the first data that can determine the parameters; infinity for all data."""
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
     rows = max(least, min(ROWS * least, len(times) // ROWS))
@@ -195,8 +198,8 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
     """Return the time [s] up to which the model follows the data roughly, later than ``horizon``.
 
-    It is infinite for all data. The model follows the data as long as outputs over time are close, or times
-    of impacts if no outputs were measured.
+    The result is infinity for all data. The model follows the data as long as outputs over time, or times of
+    impacts if no outputs were measured, are close to the data.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order

@@ -12,8 +12,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit
 from chain_impact.studies.law_change import first_number, law_names, law_values, needed_exponent
 
-# number of decimals of the criterion: laws with the same rounded criterion keep their order, the scene's own
-# first
+# number of decimals to which the criterion is rounded; laws with the same rounded criterion keep their order,
+# with the scene's own law first
 DIGITS = 1
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
@@ -25,9 +25,9 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     exponent starts with the stiffness that gives the first impact the same penetration.
 
     Args:
-        fit: fits the scenes of all data sets.
+        fit: function that fits the scenes of all data sets.
         scenes: the scenes with the start values.
-        progress: called with the fraction done.
+        progress: called with the finished fraction, 0 to 1.
 
     Raises:
         SceneError: when no law can be fitted.
@@ -55,17 +55,17 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     ranked = tuple(_noted(one, most) for one in sorted(found, key=lambda one: _place(one, most)))
     best = ranked[0].fit
     assert best is not None
-    # the other laws started from the result of the scene's own law
+    # the start values are those of the first fit, from which the other laws have started
     return replace(best, parameters=(first or best).parameters, ranking=ranked)
 
 
 def _part(progress: Progress, k: int, count: int) -> Progress:
-    """Return the progress function for one law of several."""
+    """Return the progress function for the k-th of several laws."""
     return lambda part: progress((k + part) / count)
 
 
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
-    """Return the scene with another law."""
+    """Return a scene with another law."""
     impacts = first.models[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)
     impact = None if impacts is None or number is None else impacts[number]
@@ -73,14 +73,14 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 
 
 def _place(one: LawFit, most: int) -> tuple[bool, bool, float]:
-    """Return the key for the order of laws: those that use all values first, then by the criterion."""
+    """Return the key that sorts laws: first the laws that use all values, then by the criterion."""
     if one.fit is None:
         return True, True, math.inf
     return False, bool(one.fit.used.sum() < most), round(one.fit.aic, DIGITS)
 
 
 def _noted(one: LawFit, most: int) -> LawFit:
-    """Return a law with remarks."""
+    """Return a law's fit with remarks."""
     if one.fit is None:
         return one
     left = most - int(one.fit.used.sum())

@@ -1,9 +1,9 @@
-"""Weighted least squares by SciPy, for values that may appear and disappear.
+"""Weighted least squares with SciPy, for values that may appear and disappear.
 
 The results of a chain with impacts change with the parameters: an impact may disappear, or a derivative may
-not exist. So a search fits the values that exist at its start. A step that loses one of them is refused, as
-is a step to a sum of squares that is not finite because a residual or a derivative grows without limit
-towards a bound; SciPy then takes a shorter step.
+not exist. So a search fits the values that exist at its start. It refuses a step to a model without one of
+these values, and a step to a sum of squares that is not finite because a residual or a derivative grows
+without limit towards a bound. SciPy then takes a shorter step.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Search:
 
     Attributes:
         best: the model at the end.
-        converged: whether no step within the bounds makes the sum of squares much smaller.
+        converged: whether no step within the bounds reduces the sum of squares much.
         steps: the number of steps.
     """
 
@@ -45,15 +45,16 @@ def minimize(
     """Search the least sum of squares by the trust-region method of Branch, Coleman & Li (1999).
 
     Args:
-        evaluate: the model at a place, shape (P,).
-        first: the model where the search starts.
+        evaluate: function that returns the model at the coordinates of the parameters, shape (P,).
+        first: the model at the start of the search.
         sigma: standard deviations of the values, shape (M,).
-        bounds: the lowest and the highest place, each of shape (P,).
+        bounds: the lowest and the highest coordinates, each of shape (P,).
         enough: relative change of the sum of squares in a step, below which the search has converged.
         most: the largest number of steps.
     """
     rows = first.usable
-    moved = first.slopes[rows].any(axis=0)  # SciPy takes many steps along parameters without effect
+    # parameters without effect are left out, because SciPy would take many steps along them
+    moved = first.slopes[rows].any(axis=0)
     if not moved.any():
         return Search(first, False, 0)
     kept = {first.place[moved].tobytes(): first}
@@ -76,7 +77,7 @@ def minimize(
             return np.full(int(rows.sum()), np.inf)
         return np.asarray(found.residuals[rows] / sigma[rows])
 
-    from scipy import optimize  # takes long
+    from scipy import optimize  # this import takes long
 
     found = optimize.least_squares(
         residuals,

@@ -1,4 +1,4 @@
-"""The fitted parameters, with their start, their bounds, and the scale on which they are searched."""
+"""The fitted parameters: their starts, their bounds, and the scale on which they are searched."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
-WIDEST = 1e8  # largest ratio between the start and the end of a search
+WIDEST = 1e8  # largest ratio between the start and the end of a search on a logarithmic scale
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class Parameter:
         name: as in the FMU.
         unit: the unit of the value.
         start: value in the scene.
-        low, high: bounds of the value, infinite if there are none.
-        logarithmic: whether its logarithm is searched, as for a positive number of unknown size.
-        run: index of the data set that the number belongs to; None if all data sets share it.
+        low, high: bounds of the value; infinite if there is no bound.
+        logarithmic: whether the search uses the logarithm, as for a positive number of unknown size.
+        run: index of the data set to which the number belongs; None if all data sets share the number.
     """
 
     name: str
@@ -43,12 +43,12 @@ class Parameter:
 
     @property
     def label(self) -> str:
-        """The name, with the number of the data set, counted from 1, if it belongs to one."""
+        """The name, with the number of the data set, counted from 1, if the parameter belongs to one."""
         return self.name if self.run is None else f"{self.name} of data set {self.run + 1}"
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The ends of the search on its scale: the bounds; for a logarithm not too far from the start."""
+        """The ends of the search on its scale: the bounds, on a logarithm also not too far from the start."""
         if not self.logarithmic:
             return self.low, self.high
         return (
@@ -67,20 +67,20 @@ class Parameter:
         return min(max(math.exp(coordinate), self.low), self.high) if self.logarithmic else coordinate
 
     def slope(self, value: float) -> float:
-        """Return the derivative of the value with respect to its coordinate."""
+        """Return the derivative of the value with respect to the coordinate."""
         return value if self.logarithmic else 1.0
 
 
 def parameters_of(
     scenes: Sequence[Scene], free: Sequence[str], free_each: Sequence[str], bounds: Bounds
 ) -> tuple[Parameter, ...]:
-    """Return the parameters to fit: the free parameters of all data sets, then those of each data set.
+    """Return the parameters to fit: first the shared parameters, then the parameters of each data set.
 
     Args:
-        scenes: one for each data set, with the start values; those of shared parameters are in the first
-            scene.
+        scenes: one scene for each data set, with the start values; the first scene has the start values of
+            shared parameters.
         free: names of parameters that all data sets share.
-        free_each: names of parameters that differ from one data set to another.
+        free_each: names of parameters that have a value for each data set.
         bounds: name → bounds, as text ``0.1:0.9``, in which one bound may be missing, or as a pair.
 
     Raises:

@@ -41,11 +41,11 @@ from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.model import Model
 
 MOST_PANELS = 8  # number of columns that are shown
-MOST_TOLD = 10  # number of parameters in the lines below the headline
+MOST_TOLD = 10  # largest number of parameters in the lines below the headline
 POINTS = 1500  # number of points of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # [inch] size of a panel
-BESIDE = 0.5  # room at the ends of an axis of impact numbers, as a part of the distance of two impacts
-USUAL = 2.0  # half the width of the residuals' band, in standard deviations
+BESIDE = 0.5  # free space at the ends of an axis of impact numbers, over the distance of two impacts
+USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,8 @@ class Column:
     Attributes:
         run: index of the data set.
         rows: indices of the column's values among all values, shape (K,).
-        at: time [s], or number of the impact in the model, shape (K,); NaN if the model lacks the impact.
+        at: time [s], or number of the impact in the model, shape (K,); NaN if the model does not have the
+            impact.
     """
 
     run: int
@@ -92,7 +93,7 @@ def fill(page: Figure, fit: Estimates) -> None:
 
 
 def _model(fit: Estimates, k: int) -> Result:
-    """Return the run of a data set with the fitted values, with rows close enough for a smooth curve."""
+    """Return the run of a data set with the fitted values, with rows dense enough for a smooth curve."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, float(np.nanmax(data.order, initial=0.0)))
     if np.isnan(data.order).any():  # an impact without a measured time can happen at any time
@@ -106,7 +107,7 @@ def _model(fit: Estimates, k: int) -> Result:
 
 
 def _panel(place: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> None:
-    """Draw one column: data and model, and below the residuals in standard deviations."""
+    """Draw one column: data and model, and below these the residuals in standard deviations."""
     axes: Any = place.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
     values, rest = axes
     parts = _columns(fit, name, results)
@@ -167,7 +168,7 @@ def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
 
 
 def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray:
-    """Return the numbers, from 1, of the model's impacts that some rows describe, shape (K,)."""
+    """Return the numbers, from 1, of the model's impacts for some rows of data, shape (K,)."""
     found = (data.impacts[row].find(result.impacts) for row in rows)
     return np.array([np.nan if one is None else one + 1.0 for one in found])
 
@@ -183,7 +184,7 @@ def _unit(fit: Estimates, name: str) -> str:
 
 
 def _told(fit: Estimates, label: str) -> str:
-    """Return a parameter and its standard error: "contact.restitution 0.7000 ± 0.0013"."""
+    """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013"."""
     one = next(one for one in fit.parameters if one.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
     return f"{label} {rounded(value, error)} ± {size_of(one, value, error / one.slope(value))}"

@@ -1,4 +1,4 @@
-"""The distance of the model from the measurements, and its derivatives by the free parameters."""
+"""The difference between model and measurements, and its derivatives with respect to the free parameters."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
-SMALLEST = 1e-300  # gives a column of zeros a size
-# distance from a bound, in standard errors, below which a parameter is at the bound, if the way from the
-# start to the bound is as large; …
+SMALLEST = 1e-300  # size of a column of zeros, so that it is not zero
+# the distance from a bound, in standard errors, at which a parameter counts as at the bound, if the parameter
+# has moved at least as far from its start
 AT_BOUND = 0.01
-# … distance from a bound, as a part of the distance between both bounds, below which a parameter is at the
+# the distance from a bound, over the distance between both bounds, at which a parameter counts as at the
 # bound
 AT_BOUND_PART = 1e-9
-LATE = 1.25  # latest time of a model's impact, over the measured time
+LATE = 1.25  # latest time of an impact of the model that is compared, over the measured time
 
 
 @dataclass(frozen=True)
@@ -47,12 +47,12 @@ class Evaluation:
 
     @property
     def there(self) -> np.ndarray:
-        """For which values the model has a value, shape (M,)."""
+        """Whether the model has each value, shape (M,)."""
         return np.asarray(np.isfinite(self.residuals))
 
     @property
     def usable(self) -> np.ndarray:
-        """Which values can be fitted because they have derivatives, shape (M,)."""
+        """Whether each value can be fitted, because it has derivatives, shape (M,)."""
         found: np.ndarray = self.there & np.isfinite(self.slopes).all(axis=1)
         return found
 
@@ -63,11 +63,12 @@ class Problem:
     Attributes:
         parameters: the free parameters.
         data: the measurements, one entry for each data set.
-        value, sigma: all values and their standard deviations, shape (M,); NaN for one that has to be
-            estimated.
+        value, sigma: all values and their standard deviations, shape (M,); NaN for a standard deviation that
+            must be estimated.
         order: time of each value, shape (M,) [s]; NaN for an impact without a known time.
-        size: size of the column of each value, shape (M,): the range, or the largest value if it is larger.
-        group: index of each value into ``names``, shape (M,).
+        size: size of each value's column, shape (M,): the range of the column, or the largest absolute value
+            if this is larger.
+        group: index of each value's column in ``names``, shape (M,).
         names: the names of the columns.
         own: for each data set, the indices of the parameters on which its model depends.
         evaluations: the number of runs with derivatives.
@@ -80,7 +81,7 @@ class Problem:
         parameters: Sequence[Parameter],
         interpolation: str = "follow",
     ) -> None:
-        """Prepare a run for each data set, with the data set's inputs and their interpolation.
+        """Prepare a run for each data set, with the inputs of the data set and their interpolation.
 
         Raises:
             SceneError: when a scene cannot start.
@@ -124,20 +125,20 @@ class Problem:
         return np.array([one.coordinate(one.start) for one in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """Return an evaluation of the whole time, without the values beyond a horizon [s]."""
+        """Return an evaluation of the whole time without the values beyond a horizon [s]."""
         beyond = self.order > horizon
         return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
 
     @property
     def followed(self) -> np.ndarray:
-        """Which values show if the model moves as measured, shape (M,): outputs, else times of impacts."""
+        """Whether each value tells if the model follows the data: outputs, else times of impacts."""
         outputs = np.concatenate([~one.of_impact for one in self.data])
         if outputs.any():
             return outputs
         return np.array([self.names[group] in ("onset", "end") for group in self.group])
 
     def end(self, k: int) -> float:
-        """Return the time [s] up to which the model of a data set runs, to cover all measurements.
+        """Return the time [s] up to which the model of a data set must run to cover all measurements.
 
         An impact without a measured time may happen at any time until the scene's stop time.
         """
@@ -152,7 +153,7 @@ class Problem:
         return np.array([one.value(at) for one, at in zip(self.parameters, place.tolist(), strict=True)])
 
     def scale(self, values: np.ndarray) -> np.ndarray:
-        """Return derivatives of the values with respect to the coordinates, shape (P,)."""
+        """Return the derivatives of the values with respect to the coordinates, shape (P,)."""
         return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
 
     def evaluate(self, place: np.ndarray, horizon: float = math.inf) -> Evaluation:
@@ -180,10 +181,11 @@ class Problem:
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        """Return the distance from its bound below which each parameter is at the bound, shape (P,).
+        """Return for each parameter the distance from a bound below which it is at the bound, shape (P,).
 
-        It is a part of the standard error, but also of the way from the start to the bound: an undetermined
-        parameter has so large a standard error that every value would be near.
+        The distance is a part of the standard error, but at most the same part of the way from the start to
+        the bound: the standard error of an undetermined parameter is so large that every value would be near
+        the bound.
         """
         way = np.abs(self.start - bounds)
         known = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))
@@ -191,7 +193,7 @@ class Problem:
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
-        """Return why a model did not reach the end; "" if all did."""
+        """Return why a model did not reach its end; "" if all models reached it."""
         for k, run in enumerate(evaluation.runs):
             if run.status != OK:
                 return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"
@@ -215,7 +217,7 @@ class Problem:
 
 
 def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.ndarray]:
-    """Return the model's values that were measured, shape (M,), and their derivatives, shape (M, P)."""
+    """Return the model's values for the measured values, shape (M,), and their derivatives, shape (M, P)."""
     found = np.full(len(data), np.nan)
     slopes = np.full((len(data), run.slopes.shape[2]), np.nan)
     sampled = np.flatnonzero(~data.of_impact & (data.row < len(run.values)))
@@ -229,9 +231,11 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 
 
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
-    """Return a quantity of a model's impact, and its derivatives, shape (P,); NaN while the contact lasts.
+    """Return a quantity of an impact of the model, and the derivatives, shape (P,).
 
-    The peak force of an impulse is NaN as well, because an impulse has none.
+    NaN while the contact lasts.
+
+    The peak force of an impulse is NaN as well, because an impulse has no peak force.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

@@ -12,13 +12,13 @@ from chain_impact.recording.text import Table, plural
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.unknown import size_of
 
-HIGH = 0.9  # correlation of two parameters, from which on it is mentioned
-MANY = 8  # number of horizons, beyond which they are not listed
-EQUAL = 2.0  # difference of Akaike's criterion, below which it has no meaning
+HIGH = 0.9  # the correlation of two parameters from which on the report mentions it
+MANY = 8  # the largest number of horizons that the report lists
+EQUAL = 2.0  # the difference of Akaike's criterion below which it has no meaning
 
 
 def report(fit: Estimates) -> Iterator[str | Table]:
-    """Yield the whole report: lines and tables."""
+    """Yield the parts of the report: lines and tables."""
     yield heading(fit)
     yield ""
     yield Table(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
@@ -41,7 +41,7 @@ def report(fit: Estimates) -> Iterator[str | Table]:
 
 
 def heading(fit: Estimates) -> str:
-    """Return the names of the scene, the law and the data."""
+    """Return the heading: the names of the scene, the law and the data."""
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     return (
         f"{fit.scene.name}  {f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
@@ -69,7 +69,7 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
 
 
 def rounded(value: float, error: float) -> str:
-    """Return a number with the digits that its standard error leaves meaningful, and one more."""
+    """Return a number with the digits that its standard error leaves meaningful, and one more digit."""
     if not (math.isfinite(error) and error > 0.0 and value):
         return number(value, 4)
     digits = 2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))

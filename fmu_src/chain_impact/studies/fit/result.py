@@ -24,9 +24,10 @@ class LawFit(LawEstimates):
 
     Attributes:
         law: the id of the law.
-        fit: the fit; None if it failed.
-        note: why there is no fit, or a remark.
-        fewer: how many values fewer than the others this law uses; if any, its criterion cannot be compared.
+        fit: the fit; None if the fit failed.
+        note: the reason why there is no fit, or a remark.
+        fewer: how many values fewer than the other laws this law uses; if not 0, its criterion cannot be
+            compared.
     """
 
     fit: Fit | None
@@ -36,27 +37,28 @@ class LawFit(LawEstimates):
 class Fit(Estimates):
     """The estimates of the free parameters.
 
-    Its text is a report. A parameter is called by its name in the FMU, with its data set if there are
+    The text of a fit is a report. Parameters have their names in the FMU, with the data set if there are
     several: ``initial.y of data set 2``.
 
     Attributes:
-        scene: the scene with the fitted values, of the first data set.
+        scene: the scene of the first data set, with the fitted values.
         scenes: the scenes of all data sets.
-        parameters: the free parameters, P of them.
+        parameters: the P free parameters.
         values: name → value.
-        standard_errors: name → standard error, in the unit of the value; infinite if nothing determines it.
+        standard_errors: name → standard error, in the unit of the value; infinite if no data determine the
+            value.
         intervals: name → ends of the interval that holds the value with a probability of 95 %.
-        correlation: correlation of the estimates, shape (P, P); NaN for one that is not determined.
+        correlation: correlation of the estimates, shape (P, P); NaN for an estimate that is not determined.
         data: the measurements, M values in all.
         residuals: model − measured, shape (M,), in the unit of each value; NaN for values that were left out.
-        sigma: standard deviation of each value, as given or estimated from the residuals, shape (M,).
+        sigma: standard deviation of each value, given or estimated from the residuals, shape (M,).
         estimated: columns whose standard deviation was estimated.
-        deviance: −2 log of the likelihood, up to a constant that depends on the data only.
-        converged: whether the search ended because no step makes the fit better.
+        deviance: −2 log of the likelihood, up to a constant that depends only on the data.
+        converged: whether the search ended because no step improves the fit.
         runs: the number of runs with derivatives.
-        horizons: the times [s] up to which data were used, one after the other.
+        horizons: the successive times [s] up to which data were used.
         unknown: sentences on parameters that the data do not determine.
-        notes: further remarks: values that were left out, bounds that were reached.
+        notes: further remarks, such as values that were left out and bounds that were reached.
         ranking: the contact laws, the best first, if they were compared.
         models: the run of each data set with the fitted values.
     """
@@ -93,12 +95,12 @@ class Fit(Estimates):
         """Draw data, model, residuals and impacts.
 
         Args:
-            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned,
-                which a notebook shows.
+            path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
+                returned, for a notebook.
             size: width and height [inches]. On a page narrower than 6 inches all panels are in one column.
 
         Raises:
-            ValueError: when a page cannot have the size, or has no room for the panels.
+            ValueError: when the size is not possible, or has no room for the panels.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.fit.plot import plot_fit

@@ -17,16 +17,16 @@ from chain_impact.system import written_whole
 
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
-    """Write a scene file, and beside it the file of a law that only the cache has, as from ``with_law``.
+    """Write a scene file and, in the same folder, the file of a law that ``with_law`` has put into the cache.
 
     Args:
         scene: the scene to write.
         path: the file.
-        like: an original scene file, in which only the different values are changed. Without it all keys are
-            written.
+        like: an original scene file, in which only the values that differ are changed. Without this file all
+            keys are written.
 
     Raises:
-        SceneError: when the original file holds no scene, or a file with another law is at the place of the
+        SceneError: when the original file is not a scene, or a file with another law has the name of the
             scene's law.
         OSError: when a file cannot be read or written.
     """
@@ -48,7 +48,10 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
 
 def updated(text: str, scene: Scene, source: str) -> str:
-    """Return the text of a scene file with the given values of a scene; equal values keep their text."""
+    """Return the text of a scene file with the given values of a scene.
+
+    Values that are equal keep their text.
+    """
     present = parse_scene(text, source)
     return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))
 
@@ -68,7 +71,7 @@ def _copied(law: Path, folder: Path) -> str:
 
 
 def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
-    """Return the text with the path of a file at a key, which is seen from another folder."""
+    """Return the text with the path of a file at a key, adapted to another folder."""
     document: Any = tomlkit.parse(text)
     table = document
     for step in key[:-1]:
@@ -78,7 +81,7 @@ def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
 
 
 def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
-    """Return the text with the values that differ."""
+    """Return the text with the values of ``wanted`` where they differ."""
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:
@@ -111,7 +114,7 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 
 
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
-    """Write one value; in a list write only the entries that differ.
+    """Write one value of a table; in a list write only the entries that differ.
 
     A comment after the value keeps its column. The scene's present value may be in degrees in the table.
     """

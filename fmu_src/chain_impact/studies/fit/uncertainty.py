@@ -9,15 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 PROBABILITY = 0.95
-# numbers of degrees of freedom: below the first nothing is known, above the second they count as infinite
+# numbers of degrees of freedom: below the first number nothing is known, above the second they count as
+# infinite
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
-# singular value, as a part of the largest one, below which it may be round-off of the derivatives
+# the smallest singular value, over the largest one, that is not round-off of the derivatives
 SINGULAR = 1e-7
 
 
 @dataclass(frozen=True)
 class Information:
-    """The information of the data on the parameters: J'J, with derivatives J in standard deviations.
+    """The information of the data about the parameters: J'J, with the derivatives J in standard deviations.
 
     Attributes:
         matrix: J'J on the scale of the search, shape (P, P).
@@ -29,7 +30,7 @@ class Information:
     def covariance(self) -> np.ndarray:
         """The covariance of the parameters on the scale of the search, shape (P, P).
 
-        It is infinite for a parameter that is not determined.
+        The entry of a parameter that is not determined is infinite.
         """
         size = np.sqrt(np.diag(self.matrix))
         scale = np.divide(1.0, size, out=np.zeros(len(size)), where=size > 0.0)
@@ -45,32 +46,35 @@ class Information:
 
     @property
     def errors(self) -> np.ndarray:
-        """Standard errors of the parameters on the scale of the search, shape (P,)."""
+        """The standard errors of the parameters on the scale of the search, shape (P,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def alone(self) -> np.ndarray:
-        """Standard errors with all other parameters fixed, shape (P,); infinite for one without effect."""
+        """The standard errors with all other parameters fixed, shape (P,).
+
+        Infinite for a parameter without effect.
+        """
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / np.sqrt(np.diag(self.matrix)))
 
     def with_held(self, p: int) -> Information:
-        """Return the information with one parameter fixed: for the others, shape (P − 1, P − 1)."""
+        """Return the information about the other parameters if one is fixed, shape (P − 1, P − 1)."""
         return Information(np.delete(np.delete(self.matrix, p, 0), p, 1))
 
 
 def information(slopes: np.ndarray, sigma: np.ndarray) -> Information:
-    """Return the information of values with some derivatives, shape (M, P), and standard deviations, (M,)."""
+    """Return the information of values with derivatives of shape (M, P) and standard deviations (M,)."""
     whitened = slopes / sigma[:, None]
     return Information(whitened.T @ whitened)
 
 
 @dataclass(frozen=True)
 class SmallSample:
-    """The effect on standard errors if standard deviations are estimated from few values.
+    """The increase of standard errors because standard deviations are estimated from few values.
 
     Attributes:
-        factor: by which a standard error grows because the values are weighted by estimates, shape (P,).
+        factor: factor by which a standard error grows because the weights are estimates, shape (P,).
         freedom: degrees of freedom of a standard error, shape (P,); infinite if no standard deviation is
             estimated.
     """
@@ -113,10 +117,11 @@ def small_sample(
 def quantiles(freedom: np.ndarray) -> np.ndarray:
     """Return half the width of 95 % intervals in standard errors, by Student's t distribution, shape (P,).
 
-    With infinite degrees of freedom this is the normal distribution. With hardly any the width is infinite: a
-    column with no more values than the parameters that it determines gives no standard deviation.
+    With infinite degrees of freedom this is the normal distribution. With almost no degrees of freedom the
+    width is infinite: a column with as many values as parameters that it determines gives no standard
+    deviation.
     """
-    from scipy import special  # takes long
+    from scipy import special  # this import takes long
 
     tail = 0.5 * (1.0 + PROBABILITY)
     student = special.stdtrit(np.clip(freedom, LEAST_FREEDOM, MANY_FREEDOM), tail)
@@ -126,6 +131,6 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
 def largest_usual(freedom: float) -> float:
     """Return the χ² that a correct model exceeds with a probability of only 0.1 %."""
-    from scipy import special  # takes long
+    from scipy import special  # this import takes long
 
     return float(special.chdtri(freedom, 1e-3))

@@ -1,4 +1,4 @@
-"""Sentences on parameters that the data do not determine, and on others that act together with them."""
+"""Sentences on parameters that the data do not determine, and on parameters that act together with them."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.uncertainty import Information
 
-UNKNOWN = 0.3  # standard error as a part of the value, beyond which the value is not determined
-# standard error as a part of the range between two bounds, beyond which the 95 % interval is half the range
+UNKNOWN = 0.3  # the standard error, over the value, beyond which the value counts as not determined
+# the standard error, over the range between two bounds, beyond which the value counts as not determined: the
+# 95 % interval is then half the range
 UNKNOWN_PART = 0.125
-# standard error with another parameter fixed, over the present one, below which that parameter is mentioned
+# the ratio of the standard error with another parameter fixed to the present one, below which the other
+# parameter is mentioned
 BETTER = 0.5
-HUGE = 10.0  # standard error of a logarithm, from which on it is told as a factor
+HUGE = 10.0  # the standard error of a logarithm from which on the sentence gives it as a factor
 
 
 def unknown(problem: Problem, at: Evaluation, known: Information, reached: Collection[int]) -> Iterator[str]:
@@ -55,7 +57,7 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 
 
 def size_of(parameter: Parameter, value: float, error: float) -> str:
-    """Return a standard error in words: in percent for a positive parameter, else in its unit."""
+    """Return words for a standard error: percent of a positive parameter, else a value with its unit."""
     if not math.isfinite(error):
         return "infinite"
     if parameter.logarithmic and error > HUGE:

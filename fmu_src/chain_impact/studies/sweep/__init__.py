@@ -1,1 +1,1 @@
-"""Many runs of one scene, each with other values of some parameters."""
+"""Many runs of one scene, each with different values of some parameters."""

@@ -17,12 +17,12 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.pieces import hand_out
 from chain_impact.studies.sweep.work import Made, Span, Work
 
-# [s] time limits for the scheduler's answer, and for waiting without any worker
+# [s] time limits for an answer of the scheduler, and for waiting while there is no worker
 CONNECT, PATIENCE = 10.0, 30.0
 
 
 def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator[tuple[Span, Made]]:
-    """Yield the results of the runs in some spans, piece by piece as they are done.
+    """Yield the results of the runs in some spans, piece by piece as workers finish them.
 
     If a worker is lost, other workers take over its pieces.
 
@@ -33,7 +33,7 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
 
     Raises:
         MissingExtraError: when distributed is not installed.
-        SceneError: when there is no scheduler, or its workers do not have the same chain-impact, or cannot
+        SceneError: when there is no scheduler, or its workers have another version of chain-impact, or cannot
             see the sweep's folder.
         BuildError: when a worker cannot compile the kernel.
         RunError: when the cluster gives up a piece, has no workers left, or the connection is lost.
@@ -41,7 +41,7 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
     lost = RunError(f"scheduler {address}: the connection was lost")
 
     def check() -> None:
-        """Continue waiting only while there are workers."""
+        """Return if the cluster still has workers; else raise an error after a time."""
         try:
             threads = client.nthreads()
         except OSError:
@@ -69,15 +69,15 @@ def identity() -> tuple[str, str]:
 
 
 def _sees(folder: Path) -> bool:
-    """Return whether this worker sees the folder of a sweep."""
+    """Return whether the present worker can see the folder of a sweep."""
     return any(folder.glob("*.json"))
 
 
 def _connected(kind: Any, address: str) -> Any:
     """Return a client of the scheduler.
 
-    A client that cannot connect is closed here. The garbage collector could close it while this thread starts
-    another client and holds the lock that closing needs: neither would ever end.
+    The function closes a client that cannot connect. Otherwise the garbage collector could close the client
+    while this thread starts another client and holds the lock that closing needs, a deadlock.
     """
     client = kind.__new__(kind)
     try:
@@ -85,14 +85,14 @@ def _connected(kind: Any, address: str) -> Any:
     except Exception as error:
         with suppress(Exception):
             client.close()
-        client.status = "closed"  # the garbage collector has nothing left to close, whatever the result
+        client.status = "closed"  # so that the garbage collector does not close the client again
         reason = str(error) or type(error).__name__
         raise SceneError(f"scheduler {address}: no dask scheduler answers there: {reason}") from None
     return client
 
 
 def _check_workers(client: Any, work: Work, address: str) -> int:
-    """Refuse workers that would give different rows; return the number of their threads."""
+    """Refuse workers that would give different rows; return the number of threads of all workers."""
     threads = client.nthreads()
     if not threads:
         raise SceneError(f"scheduler {address}: it has no workers; start some with: dask worker {address}")

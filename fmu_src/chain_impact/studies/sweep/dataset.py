@@ -1,9 +1,9 @@
-"""The folder of a sweep, which gets the rows as they come, in files of some runs each.
+"""The folder of a sweep, to which rows are written as they are computed, in files of some runs each.
 
 The manifest, a JSON file, identifies the sweep and lists the columns and the runs in each file. A file of
-runs is written under another name; when it is complete, it is renamed and then listed. Files that the
-manifest does not list do not belong to the sweep. So a sweep that was interrupted continues after the last
-complete file.
+runs is written under a temporary name; when it is complete, it is renamed and then listed in the manifest.
+Files that the manifest does not list do not belong to the sweep. So a sweep that was interrupted continues
+after the last complete file.
 """
 
 from __future__ import annotations
@@ -31,11 +31,12 @@ from chain_impact.studies.sweep.pieces import missing
 from chain_impact.studies.sweep.work import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.system import remove_lock, written_whole
 
-MANIFEST = "_manifest.json"  # readers of Parquet ignore files whose names begin with _ or .
+# name of the manifest; readers of Parquet ignore files whose names begin with _ or .
+MANIFEST = "_manifest.json"
 LOCK = ".lock"
-# names of complete files, as ``file_name`` gives them, and of incomplete files
+# regular expression for the names of complete files, from ``file_name``, and of incomplete files
 OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
-FORMAT = 2  # version of the folder's format; raised when the format changes
+FORMAT = 2  # version of the folder's format; it increases when the format changes
 
 
 @dataclass
@@ -45,8 +46,8 @@ class Dataset:
     Attributes:
         path: the folder.
         runs: the number of runs of the sweep.
-        dtype: type of the rows, which lack the varied values and the word for the status.
-        files: name of a complete file → its runs.
+        dtype: type of the rows, without the varied values and the word for the status.
+        files: name of a complete file → runs in the file.
     """
 
     path: Path
@@ -60,14 +61,14 @@ class Dataset:
         return self.runs
 
     def add(self, piece: Span, made: str) -> None:
-        """Add a complete file under its final name."""
+        """Add a complete file to the folder, with its final name."""
         name = file_name(piece)
         (self.path / made).replace(self.path / name)
         self.files[name] = piece
         self._list()
 
     def chunks(self, names: Iterable[str]) -> Iterator[Columns]:
-        """Yield some columns in the order of the runs, part by part, so that memory stays small.
+        """Yield some columns in the order of the runs, in parts, so that memory stays small.
 
         Raises:
             SceneError: when a file is damaged.
@@ -85,7 +86,10 @@ class Dataset:
                 ) from None
 
     def tidy(self) -> None:
-        """Remove files that are no complete part of the sweep, and the manifest if no file is complete."""
+        """Remove files that do not belong to the sweep or are incomplete.
+
+        Without a complete file, also the manifest.
+        """
         if not self.files:
             (self.path / MANIFEST).unlink(missing_ok=True)
         for path in self.path.iterdir():
@@ -93,7 +97,7 @@ class Dataset:
                 path.unlink()
 
     def is_complete(self) -> bool:
-        """Return whether the folder has all runs of the sweep; then take over its files. Nothing is written.
+        """Return whether the folder has all runs of the sweep; if so, use its files. Nothing is written.
 
         Raises:
             SceneError: when the folder belongs to another sweep.
@@ -105,7 +109,7 @@ class Dataset:
         return not missing(list(self.files.values()), self.runs) and not any(map(self._fault, self.files))
 
     def read(self) -> None:
-        """Take over the files of an earlier call; begin a new folder if there are none.
+        """Use the files of an earlier call; begin a new folder if there are none.
 
         Raises:
             SceneError: when the folder belongs to another sweep.
@@ -126,7 +130,7 @@ class Dataset:
         self._list()
 
     def _fault(self, name: str) -> str:
-        """Return the fault of a file as far as a quick look tells it; "" if the file is complete."""
+        """Return the fault of a file that a quick check finds; "" if the file is complete."""
         try:
             with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
                 found = file.metadata.num_rows
@@ -160,7 +164,7 @@ class Dataset:
 
 @contextmanager
 def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
-    """Give the folder of a sweep, protected from other sweeps; a complete folder is only read.
+    """Give the folder of a sweep, locked against other sweeps; a complete folder is only read.
 
     Raises:
         SceneError: when the folder belongs to another sweep, or another sweep writes to it now.
@@ -182,7 +186,7 @@ def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Keep other sweeps from writing to the same folder, and remove the folder at the end if it is empty.
+    """Lock a folder against other sweeps, and remove the folder at the end if it is empty.
 
     Raises:
         SceneError: when another sweep writes to the folder.
@@ -198,24 +202,25 @@ def _locked(path: Path) -> Iterator[None]:
         raise SceneError(
             f"{path} is being written by another sweep: wait until it has ended, or choose another folder"
         ) from None
-    except OSError as error:  # an error about the lock would not help the user, who does not know it
+    # an error about the lock file would not help the user, who does not know this file
+    except OSError as error:
         raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
         yield
     finally:
         remove_lock(lock)
-        with suppress(OSError):  # a folder that is not empty stays
+        with suppress(OSError):  # fails for a folder that is not empty, which stays
             path.rmdir()
 
 
 def _array(column: Any) -> np.ndarray:
-    """Return a column of Arrow as a NumPy array; words as strings."""
+    """Return a column of Arrow as a NumPy array; words become strings."""
     found = np.asarray(column.to_numpy(zero_copy_only=False))
     return found.astype(str) if found.dtype.kind == "O" else found
 
 
 def known_by(job: Job, design: Design) -> dict[str, Any]:
-    """Return the data that identify a sweep: all data that its rows follow from."""
+    """Return the data that identify a sweep: all data on which its rows depend."""
     values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
     for one in design.variations:
         values.update(repr((one.name, len(one.values), one.interval, one.logarithmic)).encode())

@@ -1,6 +1,6 @@
 """The values of each run: all combinations of the variations, or samples of them.
 
-The values of a run are computed from its number, so that no array holds the values of all runs.
+The values of a run are computed from the number of the run, so that no array holds the values of all runs.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")
-MOST_NUMBERS = 10**8  # number of numbers in a table, 800 MB
+MOST_NUMBERS = 10**8  # largest number of numbers in a table, 800 MB
 MOST_RUNS = 10**15
-MOST_SOBOL = 2**30  # number of points of SciPy's sequence
+MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence
 MOST_SEEDS = 2**32
-FEWEST_RESULTS = 16  # smallest number of columns of results in a table
-CUBE = 2**16  # number of runs of each Latin hypercube, if one hypercube of all runs would not fit into memory
+FEWEST_RESULTS = 16  # smallest number of columns with results in a table
+CUBE = 2**16  # number of runs in each Latin hypercube, if a hypercube of all runs would not fit into memory
 _own = threading.local()
 
 
@@ -69,7 +69,8 @@ class Design:
     def _cubes(self, first: int, end: int) -> np.ndarray:
         """Return a part of a Latin hypercube of all runs, or of consecutive hypercubes of ``CUBE`` runs.
 
-        The bits equal SciPy's LatinHypercube with a generator that is spawned for each hypercube.
+        The values have the same bits as SciPy's LatinHypercube with a generator that is spawned for each
+        hypercube.
         """
         count, varied, parts = self.runs, len(self.variations), []
         size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
@@ -86,17 +87,17 @@ class Design:
     def _sobol(self, first: int, end: int) -> np.ndarray:
         """Return a part of the Sobol' sequence.
 
-        Each thread moves forward in its own sequence, which takes 5 ns for a run.
+        Each thread skips points of its own sequence, which takes 5 ns for a run.
         """
         key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
         if engine is None or _own.key != key or engine.num_generated > first:
-            from scipy.stats import qmc  # takes long
+            from scipy.stats import qmc  # this import takes long
 
             engine = qmc.Sobol(len(self.variations), seed=np.random.default_rng(self.seed))
             _own.engine, _own.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
-        # SciPy warns if the first call asks for a number of points that is no power of two
+        # SciPy warns if the first call asks for a number of points that is not a power of two
         counts = [end - first] if first else [1, end - 1]
         return np.concatenate([engine.random(count) for count in counts if count])
 
@@ -109,7 +110,7 @@ def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
 
 @functools.lru_cache(maxsize=8)
 def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
-    """Return the part of each axis that every sample of a Latin hypercube is in, shape (varied, count)."""
+    """Return, for each axis, the part in which each sample of a Latin hypercube is, shape (varied, count)."""
     order = np.tile(np.arange(1, count + 1, dtype=np.int32), (varied, 1))
     generator = _generator(seed, cube, count * varied)
     for row in order:
@@ -150,10 +151,10 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
 
 
 def whole(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
-    """Return a whole number of Python or NumPy that an argument of a sweep gives, least ≤ number < end.
+    """Return a whole number that an argument of a sweep gives, least ≤ number < end.
 
     Raises:
-        SceneError: when the argument is no such number.
+        SceneError: when the argument is not such a number.
     """
     bound = "" if end is None else f" and < {end}"
     integral = isinstance(number, Integral) and not isinstance(number, bool)
@@ -163,7 +164,7 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
 
 
 def check_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
-    """Refuse a table that does not fit into memory, unless it is streamed.
+    """Refuse a table that does not fit into memory, unless its rows are written to files.
 
     Raises:
         SceneError: when there are too many runs.

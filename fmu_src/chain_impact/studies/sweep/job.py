@@ -1,8 +1,8 @@
-"""The job of a sweep: the data that all runs share, and the execution of one block of runs in the kernel.
+"""The job of a sweep: the data that all runs share, and the computation of a block of runs in the kernel.
 
 A run begins with the parameters and initial values in the scene's instance record; the values that vary are
-written to their places. So a parameter is set as in the FMU, and the kernel derives from it the values that
-the scene derives.
+written into this record. So a parameter is set as in the FMU, and the kernel computes the derived values of
+the scene.
 """
 
 from __future__ import annotations
@@ -27,15 +27,16 @@ from chain_impact.variables.places import word_index
 from chain_impact.variables.variable import Variable
 
 PEAKS: dict[str, Place] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
-"""The largest of all contacts at walls [N], [m]: column → place in the instance record."""
+"""The largest values of all contacts at walls [N], [m]: column → place in the instance record."""
 STOP_PEAKS: dict[str, Place] = {
     "stop.peak_moment": ("peaks", "moment"),
     "stop.max_penetration": ("peaks", "rotation"),
 }
-"""The same at stops of joints [N·m], [rad], in a scene with stops."""
+"""The largest values of all contacts at stops of joints [N·m], [rad], in a scene with stops: column →
+place."""
 JOINT_FORCE = "joint_force"
-"""The largest force in any joint [N], in a scene with loads."""
-ENDED = "time"  # [s] column with the time at which a run ended
+"""The column with the largest force in any joint [N], in a scene with loads."""
+ENDED = "time"  # the column with the time [s] at which a run ended
 STATUS = "solver.status"
 
 
@@ -45,10 +46,10 @@ class Job:
 
     Attributes:
         model: the model of the scene; the runs differ from it only in the values that vary.
-        varied: the places of the parameters in the instance record, in the order of the values; the empty
-            place is the stop time.
+        varied: the places of the parameters in the instance record, in the order of the values; an empty
+            place stands for the stop time.
         kinds: ``real`` or ``enumeration`` for each parameter.
-        outputs: names of the outputs at the end that are wanted in addition to those of every sweep.
+        outputs: names of additional outputs, with their values at the end of each run.
     """
 
     model: Model
@@ -76,7 +77,7 @@ class Job:
 
     @property
     def loads(self) -> dict[str, Variable]:
-        """The outputs whose largest value is ``joint_force``, by name, in a scene with loads."""
+        """The outputs, by name, whose largest value is ``joint_force``, in a scene with loads."""
         known = self.model.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
         return {name: known[name] for name in names if name in known}
@@ -114,9 +115,9 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
 
 
 def has_own_kernel(job: Job) -> bool:
-    """Return whether there is a kernel for the very sizes of the scene, which is compiled if need be.
+    """Return whether a kernel for exactly the sizes of the scene exists; if possible, compile it.
 
-    Runs need none: a compiler that fails is a warning.
+    Runs do not need this kernel, so a compiler that fails only causes a warning.
     """
     try:
         Runner(job, own=True)
@@ -128,14 +129,15 @@ def has_own_kernel(job: Job) -> bool:
 
 
 class Runner:
-    """Runs blocks of a job in the kernel, with one instance, in one thread."""
+    """The computation of blocks of a job's runs in the kernel, with one instance, in one thread."""
 
     def __init__(self, job: Job, *, own: bool = False) -> None:
         """Load or compile the kernel.
 
         Args:
-            job: what is run.
-            own: whether the kernel is for scenes of these very sizes: it gives the same bits, in less time.
+            job: the job of the runs.
+            own: whether the kernel is for scenes of exactly these sizes; such a kernel gives the same bits in
+                less time.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
@@ -147,7 +149,7 @@ class Runner:
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
-        # impulses of walls take time to follow, so they are followed only if a column needs them
+        # impulses of walls cost time, so they are computed only if a column needs them
         looked_at = {
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.place
         }
@@ -173,7 +175,8 @@ class Runner:
 
         Args:
             values: the values of the parameters.
-            wanted: is asked at least once a second whether the run is still wanted.
+            wanted: function that is called at least once a second and returns whether the run is still
+                wanted.
 
         Raises:
             CancelledError: when the run is no longer wanted.
@@ -203,7 +206,7 @@ class Runner:
                 continuing,
             )
             continuing = 1
-        # the last step before a fault may end beyond the stop time
+        # the last step before a fault may end after the stop time
         rows["time"] = np.minimum(rows["time"], stops)
         return self._told(rows)
 
@@ -220,7 +223,7 @@ class Runner:
         return rows
 
     def _forget_unknown(self, rows: np.ndarray) -> None:
-        """Set to NaN the values at the end in the runs that did not reach the end."""
+        """In runs that did not reach the end, set the values at the end to NaN."""
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():
             if variable.place[0] in {"output", BEHIND}:

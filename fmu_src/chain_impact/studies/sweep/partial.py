@@ -1,4 +1,4 @@
-"""The finished runs of an interrupted sweep into one file, which are kept until the sweep is complete."""
+"""The file with the finished runs of an interrupted sweep; it is kept until the sweep is complete."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SUFFIX = ".partial"
 
 
 def partial_path(table: Path) -> Path:
-    """Return the path of the file with the finished runs, beside the table."""
+    """Return the path of the file with the finished runs, in the folder of the table."""
     return table.with_name(table.name + SUFFIX)
 
 
@@ -33,7 +33,7 @@ def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[
 
 
 def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
-    """Fill in the rows that an interrupted call of the same sweep has left; return the spans of these runs.
+    """Fill in the rows of an interrupted call of the same sweep, and return the spans of these runs.
 
     Raises:
         SceneError: when the file is damaged, or belongs to another sweep.

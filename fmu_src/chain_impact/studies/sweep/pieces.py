@@ -1,4 +1,4 @@
-"""The missing runs of a sweep, cut into pieces and handed out to threads or workers."""
+"""The missing runs of a sweep, divided into pieces for threads or workers."""
 
 from __future__ import annotations
 
@@ -10,27 +10,29 @@ from threading import Event
 from chain_impact.studies.sweep.work import Made, Span, Work
 from chain_impact.system import LISTEN
 
-FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # numbers of runs in the first and in the longest piece
+FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # number of runs in the first and in the longest piece
 SHORTEST, LONGEST = 0.5, 60.0  # [s] shortest and longest time that a piece may take
-SHARE = 0.2  # time of a piece as a part of the time so far; so much is lost at most if a sweep is interrupted
-ALIKE = 16  # largest size of a piece over the last ones, and at the end its smallest size as the inverse
+SHARE = 0.2  # time of a piece over the time so far; an interrupted sweep loses at most this share
+# largest size of a piece over the size of the piece before; at the end, the smallest piece takes 1/ALIKE of
+# the wanted time
+ALIKE = 16
 AHEAD = 2  # number of pieces for each worker, so that no worker waits for the caller
 
 
 class Pieces:
-    """The missing runs, handed out piece by piece.
+    """The missing runs of a sweep, given out piece by piece.
 
-    A piece takes a part of the time so far, so that an hour of a core has some hundred pieces.
+    The time of a piece is a part of the time so far, so that an hour of a core has about a hundred pieces.
     """
 
     def __init__(self, spans: Sequence[Span], workers: int) -> None:
-        """Take the missing runs in order, and the number of workers."""
+        """Store the missing runs in order, and the number of workers."""
         self._spans, self._workers = list(reversed(spans)), workers
         self._left = sum(end - first for first, end in spans)
         self._size, self._least, self._elapsed = FIRST_PIECE, 1, 0.0
 
     def take(self) -> Span | None:
-        """Return the next piece; None if there is none. Towards the end, each worker gets its share."""
+        """Return the next piece; None if there is none. At the end, each worker gets a share of the rest."""
         if not self._spans:
             return None
         first, end = self._spans.pop()
@@ -42,7 +44,7 @@ class Pieces:
         return first, middle
 
     def took(self, piece: Span, seconds: float) -> None:
-        """Record how long a piece took, which decides on the size of the next ones."""
+        """Record how long a piece took; this time determines the size of the next pieces."""
         self._elapsed += seconds / self._workers
         a_second = (piece[1] - piece[0]) / max(seconds, 1e-6)
         wanted = min(max(SHORTEST, SHARE * self._elapsed), LONGEST)
@@ -59,14 +61,15 @@ def hand_out(
     check: Callable[[], None] = lambda: None,
     patience: float = LISTEN,
 ) -> Generator[tuple[Span, Made]]:
-    """Yield the results of the runs in some spans, piece by piece as they are done.
+    """Yield the results of the runs in some spans, piece by piece as the executor finishes them.
 
     Args:
-        executor: executes the pieces: in threads of this machine, or on workers of a cluster.
+        executor: executes the pieces in threads of this machine, or on workers of a cluster.
         count: the number of pieces at the same time.
-        do: does a piece; returns the result and the time it took [s].
+        do: function that computes a piece, and returns the result and the computing time [s].
         spans: the runs, in order.
-        check: is called when no piece was done for some time; raises an error if there is a fault.
+        check: function that is called when no piece was finished for some time; it raises an error if there
+            is a fault.
         patience: the time after which ``check`` is called, and Ctrl-C is noticed [s].
     """
     pieces = Pieces(spans, count)
@@ -95,16 +98,16 @@ def hand_out(
 
 
 def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator[tuple[Span, Made]]:
-    """Yield the results of the runs in some spans; the kernel lets other threads work meanwhile.
+    """Yield the results of the runs in some spans; other Python threads can run meanwhile.
 
-    If the caller stops listening, all threads end in less than a second.
+    If the caller stops the iteration, all threads end in less than a second.
 
     Raises:
         BuildError: when the kernel cannot be compiled.
         OSError: when a file cannot be written.
     """
     if spans:
-        work.runner()  # compiles the kernel before the threads start
+        work.runner()  # the kernel is compiled before the threads start
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:
@@ -114,7 +117,7 @@ def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator
 
 
 def missing(done: Sequence[Span], count: int) -> list[Span]:
-    """Return the spans of 0 … count − 1 that are in none of the given spans."""
+    """Return the spans of 0 … count − 1 that no given span contains."""
     spans, start = [], 0
     for first, end in sorted(done):
         if first > start:

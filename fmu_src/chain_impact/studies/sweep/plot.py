@@ -39,9 +39,10 @@ COLOURS = (
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 NAMES, DOTS_WIDTH = 0.9, 2.0  # [inch] width of the names of choices, and smallest width of a panel with dots
-MOST_VARIED, MOST_ASKED = 2, 4  # largest number of parameters that vary, and of outputs that were asked for
+MOST_VARIED, MOST_ASKED = 2, 4  # largest number of parameters that vary, and of additional outputs
 MOST_DRAWN = 2**18  # largest number of runs in a picture
-# ratio of values, from which on an axis is logarithmic, and the part of the values that counts for it
+# WIDE_RANGE: the ratio of values above which an axis is logarithmic; MOST: the part of the values that this
+# ratio considers
 WIDE_RANGE, MOST = 1e3, 0.95
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
 NEVER = "no run has a finite value"
@@ -54,8 +55,8 @@ class Quantity:
     Attributes:
         column: the name of the column.
         label: the label of the axis.
-        factor: from the column to the unit of the panel.
-        told: words of the headline for the smallest and the largest value; "" for none.
+        factor: factor from the unit of the column to the unit of the panel.
+        told: words in the headline for the smallest and the largest value; "" for no words.
     """
 
     column: str
@@ -64,7 +65,7 @@ class Quantity:
     told: str = ""
 
     def of(self, found: Runs) -> np.ndarray:
-        """Return the values, NaN where a run failed, shape (R,)."""
+        """Return the values of the quantity, NaN where a run failed, shape (R,)."""
         return np.where(found.failed, np.nan, self.factor * found[self.column].astype(float))
 
 
@@ -84,7 +85,7 @@ QUANTITIES = (
 
 
 def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
-    """Refuse a sweep that has no picture, before any run.
+    """Refuse a sweep that cannot be drawn, before any run.
 
     Raises:
         SceneError: when too many parameters vary, there are samples in place of all combinations, or too many
@@ -107,7 +108,7 @@ def plot_sweep(
 
     Raises:
         SceneError: when too many parameters vary, or there are too many runs.
-        ValueError: when a page cannot have the size.
+        ValueError: when the size is not possible.
         OSError: when the file cannot be written.
     """
     check_picture(len(found.varied), found.design.samples, len(found), found.scene.name)
@@ -120,7 +121,7 @@ def fill(page: Figure, found: Runs) -> None:
     quantities, kind = _quantities(found), kind_of(found.design)
     varying = varying_in(found.design)
     headline(page, title(found, "" if kind == MAPS else " (×)"), conditions(varying))
-    # numbers come before choices
+    # parameters that are numbers come before choices
     first, *rest = sorted(varying, key=lambda one: bool(one.choices))
     if kind == DOTS:
         _dots(page, found, quantities, first)
@@ -131,7 +132,7 @@ def fill(page: Figure, found: Runs) -> None:
 
 
 def kind_of(design: Design) -> str:
-    """Return the kind of picture of a design."""
+    """Return the kind of picture for a design."""
     varying = varying_in(design)
     choices = [one for one in varying if one.choices]
     if len(varying) == 1:
@@ -148,7 +149,7 @@ def usual_size(found: Runs) -> tuple[float, float]:
 
 
 def title(found: Runs, mark: str) -> str:
-    """Return the headline: the results of the runs."""
+    """Return the headline: a summary of the results of the runs."""
     parts, failed = [f"{found.scene.name}: {plural(len(found), 'run')}"], int(found.failed.sum())
     for quantity in _main(found):
         values = quantity.of(found)
@@ -168,19 +169,19 @@ def conditions(varying: list[Variation]) -> str:
 
 
 def varying_in(design: Design) -> list[Variation]:
-    """Return the variations with more than one value; the first one if there is none."""
+    """Return the variations with more than one value; if there are none, the first variation."""
     found = [one for one in design.variations if len(np.unique(one.values)) > 1]
     return found or list(design.variations[:1])
 
 
 def _main(found: Runs) -> list[Quantity]:
-    """Return the main results of a scene: those at walls and at stops, if the scene has them."""
+    """Return the main results of a scene: at walls and at stops, if the scene has these."""
     absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
     return [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
 
 
 def _quantities(found: Runs) -> list[Quantity]:
-    """Return the main results, then the outputs that were asked for."""
+    """Return the main results, then the additional outputs."""
     units, main = Model(found.scene).units, _main(found)
     known = {quantity.column for quantity in main}
     asked = [name for name in found.outputs if name not in known]
@@ -191,7 +192,7 @@ def _quantities(found: Runs) -> list[Quantity]:
 
 
 def _panels(page: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
-    """Return empty panels, at most ``most`` in a row, and one below the other on a narrow page."""
+    """Return empty panels, at most ``most`` in a row; on a narrow page, one below the other."""
     across = 1 if is_narrow(page) else min(count, most)
     grid = page.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)
@@ -289,7 +290,7 @@ def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variatio
 
 @dataclass(frozen=True)
 class _Scale:
-    """An axis of a map: the order of the values, the edges of their cells, and the names of choices."""
+    """An axis of a map: the order of the values, the edges of the cells, and the names of choices."""
 
     order: np.ndarray
     edges: np.ndarray
@@ -315,7 +316,7 @@ def _is_logarithmic(variation: Variation) -> bool:
 
 
 def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
-    """Draw the vertical axis of a panel."""
+    """Set the scale and the label of the vertical axis of a panel."""
     axes.set_ylabel(quantity.label)
     finite = shown[np.isfinite(shown)]
     if not finite.size:

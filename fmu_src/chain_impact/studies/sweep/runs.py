@@ -1,4 +1,4 @@
-"""The runs of a sweep, without their table and picture."""
+"""The runs of a sweep, without the table and the picture."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Runs:
 
     @property
     def failed(self) -> np.ndarray:
-        """Which runs did not reach the end, shape (R,)."""
+        """Whether each run failed to reach the end, shape (R,)."""
         return np.asarray(self[STATUS] != OK)
 
     @functools.cached_property
@@ -60,7 +60,7 @@ class Runs:
         return table
 
     def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
-        """Yield some columns in the order of the runs, a few thousand runs at once."""
+        """Yield some columns in the order of the runs, a few thousand runs at a time."""
         if isinstance(self.rows, Dataset):
             yield from self.rows.chunks(names)
             return
@@ -68,6 +68,6 @@ class Runs:
             yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
 
     def _columns(self, names: Sequence[str]) -> Columns:
-        """Return columns of the finished table."""
+        """Return columns of the complete table."""
         chunks = list(self.chunks(names))
         return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}

@@ -1,4 +1,4 @@
-"""Sweeps: many runs of one scene, each with other values of some parameters."""
+"""Sweeps: many runs of one scene, each with different values of some parameters."""
 
 from __future__ import annotations
 
@@ -24,8 +24,9 @@ from chain_impact.studies.sweep.work import Span, Work, columns_of
 from chain_impact.system import cores
 from chain_impact.variables.model import Model
 
-# Runs from which on a kernel is compiled for the sizes of the scene. That takes some 15 s, once; runs of a
-# scene with walls that move take half as long then, others nine tenths.
+# The number of runs from which on a kernel is compiled for exactly the sizes of the scene. This takes about
+# 15 s, once. With such a kernel, runs of a scene with moving walls take half the time, other runs nine
+# tenths.
 OWN_KERNEL_FROM = 300_000
 
 
@@ -42,36 +43,38 @@ def sweep(
     scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Sweep:
-    """Simulate a scene many times, each time with other values of some parameters.
+    """Simulate a scene many times, each time with different values of some parameters.
 
-    Every run gives the same bits as ``simulate`` with these values. A run that fails is a row with the
-    reason; it does not end the sweep.
+    Every run gives the same bits as ``simulate`` with its values. A run that fails gives a row with the
+    reason, and does not end the sweep.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.
         vary: name of a parameter of the scene's FMU, or ``simulation.stop_time`` → its values: numbers or
-            names of choices, or text as on the command line: ``"0.1:0.9:9"`` for nine values from 0.1 to
-            0.9, ``"1e6:1e9:4:log"`` for four that are even in the logarithm, ``"flores,zhang_sharf"``, and
-            with ``samples`` an interval, ``"0.1:0.9"`` or ``"1e6:1e9:log"``. A value replaces that
-            one parameter only, as in the FMU: the inertia of a link does not follow its length.
-        samples: number of runs whose values fill the space of the variations evenly. Without it all
+            names of choices, or text as on the command line: ``"0.1:0.9:9"`` for nine values from 0.1 to 0.9,
+            ``"1e6:1e9:4:log"`` for four values that are equally spaced in the logarithm,
+            ``"flores,zhang_sharf"``, and with ``samples`` an interval, ``"0.1:0.9"`` or ``"1e6:1e9:log"``. A
+            value replaces only its own parameter, as in the FMU: an inertia does not change with the length
+            of its link.
+        samples: number of runs whose values fill the space of the variations evenly. By default all
             combinations of the values are run.
         sampling: ``lhs``, a Latin hypercube, or ``sobol``, a scrambled Sobol' sequence.
         seed: random seed of the samples; the same seed gives the same samples.
         outputs: names of further FMU outputs for the table, with their values at the end of each run.
-        path: file for the table, CSV or Parquet; or a folder, which ends in ``/`` or has no suffix: rows are
-            written there as they come, to Parquet files of some runs each, and are not kept in memory. After
-                an interruption, the same call continues with the missing runs: the folder, or the file with
-                the suffix ``.partial`` beside a table, has the finished runs.
+        path: file for the table, CSV or Parquet; or a folder, which ends in ``/`` or has no suffix. Rows are
+            written to the folder as they are computed, to Parquet files of some runs each, and are not kept
+            in memory. After an interruption, the same call continues with the missing runs: the folder, or
+            the file with the suffix ``.partial`` in the folder of the table, has the finished runs.
         threads: number of runs at the same time; the number of cores by default.
-        scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
-            place of this machine. Workers need the same version of this package and write to the folder.
-        progress: called with the fraction done, if given.
+        scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers compute the
+            runs instead of this machine. Workers need the same version of this package, and must be able to
+            write to the folder.
+        progress: called with the finished fraction, 0 to 1, if given.
 
     Raises:
         SceneError: when an argument is not allowed, which is reported before any run; or when the path
-            belongs to another sweep, or another sweep writes there now.
-        MissingExtraError: when a library that samples, Parquet or a cluster need is not installed.
+            belongs to another sweep, or another sweep is writing to it.
+        MissingExtraError: when a library for samples, Parquet or a cluster is not installed.
         RunError: when the cluster cannot finish the sweep.
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.
@@ -131,7 +134,7 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """Keep the finished runs if the sweep is interrupted, as a table and so that the sweep can continue."""
+    """If the sweep is interrupted, keep its finished runs as a table, and so that the sweep can continue."""
     try:
         yield
     except BaseException:

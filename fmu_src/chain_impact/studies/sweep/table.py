@@ -35,30 +35,27 @@ class Sweep(Runs):
     """The runs of a sweep, one row each.
 
     ``sweep["peak_force"]`` is a column with one value for each run. The first columns are the parameters that
-    vary. Then come:
+    vary. The other columns are:
 
     - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts at walls; 0 without a
-      contact, and a force of 0 for an impulse.
-    - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the same at stops of joints, in a scene
-      with stops.
-    - ``joint_force`` [N]: the largest over joints and time, in a scene with ``outputs.loads``.
-    - ``time`` [s]: the time at which the run ended: the stop time, or an earlier time after a fault.
-    - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps`` and so on, and the outputs that were
-    asked for: the FMU's values at the end.
-    - ``status``: ``ok``, or a word for the fault; ``solver.status`` has its number. A run that did not reach
-    the
-      end has NaN for its energies and outputs.
+    contact, and a force of 0 for an impulse. - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]:
+    the same at stops of joints, in a scene with stops. - ``joint_force`` [N]: the largest force in any joint
+    at any time, in a scene with ``outputs.loads``. - ``time`` [s]: the time at which the run ended: the stop
+    time, or an earlier time after a fault. - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps``
+    and so on, and the additional outputs: the values of the FMU at the end. - ``status``: ``ok``, or a word
+    for the fault; ``solver.status`` has the number of the status. A run that did not reach the end has NaN
+    for energies and outputs.
 
     Attributes:
         scene: the scene that was varied.
         design: the values of each run.
         rows: the results, shape (R,), without the values and the word for the status; for a sweep into a
-            folder, the folder, whose columns are read when they are asked for.
-        outputs: the outputs that were asked for.
+            folder, the folder, whose columns are read when they are needed.
+        outputs: the names of the additional outputs.
     """
 
     def __repr__(self) -> str:
-        """Return the number of runs, and how they ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
+        """Return the number of runs, and how the runs ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
         ended: Counter[int] = Counter()
         for chunk in self.chunks([STATUS]):
             ended.update(dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True)))
@@ -67,7 +64,7 @@ class Sweep(Runs):
         return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
 
     def _repr_html_(self) -> str:
-        """Return the same text for a notebook, with the first runs."""
+        """Return the text of ``repr`` for a notebook, with the first runs."""
         first = next(iter(self.chunks(self.names)), {})
         rows = list(zip(*(map(_told, column[:LISTED].tolist()) for column in first.values()), strict=True))
         more = [f"… and {plural(len(self) - LISTED, 'more run')}"] if len(self) > LISTED else []
@@ -82,12 +79,12 @@ class Sweep(Runs):
         return require("pandas", "pandas").DataFrame(self._columns(self.names))
 
     def save(self, path: str | Path) -> None:
-        """Write the table as CSV or as Parquet, as the suffix says.
+        """Write the table as CSV or Parquet, according to the suffix.
 
         CSV has all digits of each number, and an empty cell for an unknown number.
 
         Raises:
-            SceneError: when the suffix is neither.
+            SceneError: when the file has another suffix.
             MissingExtraError: when pyarrow is not installed, for Parquet.
             OSError: when the file cannot be written.
         """
@@ -101,13 +98,13 @@ class Sweep(Runs):
         """Draw the main results over the varied parameters.
 
         Args:
-            path: a file, whose suffix png, svg or pdf gives its kind. Without a file the figure is returned,
-                which a notebook shows.
+            path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
+                returned, for a notebook.
             size: width and height [inches]. On a page narrower than 6 inches all panels are in one column.
 
         Raises:
             SceneError: when too many parameters vary for a picture.
-            ValueError: when a page cannot have the size, or has no room for the panels.
+            ValueError: when the size is not possible, or has no room for the panels.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.sweep.plot import plot_sweep
@@ -116,7 +113,7 @@ class Sweep(Runs):
 
 
 def write_table(path: Path, chunks: Iterable[Columns]) -> None:
-    """Write columns as they come, as CSV or as Parquet, as the suffix says.
+    """Write parts of columns one after the other, as CSV or Parquet, according to the suffix.
 
     Raises:
         MissingExtraError: when pyarrow is not installed, for Parquet.
@@ -136,7 +133,7 @@ def write_table(path: Path, chunks: Iterable[Columns]) -> None:
 
 
 def is_folder(path: str | Path) -> bool:
-    """Return whether a path means a folder of files: it is a folder, ends in ``/``, or has no suffix."""
+    """Return whether a path stands for a folder of files: it is a folder, ends in ``/``, or has no suffix."""
     return str(path).endswith(("/", os.sep)) or not Path(path).suffix or Path(path).is_dir()
 
 
@@ -144,7 +141,8 @@ def table_path(path: str | Path) -> Path:
     """Return the path of a table after a check.
 
     Raises:
-        SceneError: when the path is empty, or is no folder and has none of the suffixes ``TABLES``.
+        SceneError: when the path is empty, or is neither a folder nor a file with one of the suffixes
+            ``TABLES``.
         MissingExtraError: when pyarrow is not installed, for Parquet.
         OSError: when nothing can be written at the path.
     """
@@ -168,7 +166,7 @@ def _told(value: object) -> str:
 
 
 def _cells(column: np.ndarray) -> list[Any]:
-    """Return the values for a file, with "" for NaN."""
+    """Return the values of a column for a file, with "" for NaN."""
     if column.dtype.kind != "f":
         return list(column.tolist())
     return ["" if math.isnan(value) else value for value in column.tolist()]

@@ -33,9 +33,9 @@ class Variation:
 
     Attributes:
         variable: the parameter.
-        values: the values, numbers of choices for an enumeration; for an interval its two ends.
+        values: the values, for an enumeration the numbers of choices; for an interval its two ends.
         interval: whether ``values`` are the ends of an interval.
-        logarithmic: whether the values or samples are even in the logarithm.
+        logarithmic: whether the values or samples are equally spaced in the logarithm.
     """
 
     variable: Variable
@@ -54,11 +54,11 @@ class Variation:
         return [item.name for item in self.variable.items]
 
     def shown(self, values: np.ndarray) -> np.ndarray:
-        """Return values for a reader: a choice is given by its name."""
+        """Return values for a reader: the names of choices in place of their numbers."""
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
-        """Return the values at parts of the whole range, each with 0 ≤ part < 1."""
+        """Return the values at fractions of the whole range, each with 0 ≤ fraction < 1."""
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
         low, high = self.values
@@ -67,7 +67,7 @@ class Variation:
 
 
 def sweepable(source: Scene | Model) -> dict[str, Variable]:
-    """Return the parameters that can be varied, and the stop time: name → variable."""
+    """Return the parameters that can be varied, and the stop time, as name → variable."""
     return {variable.name: variable for variable in (*model_of(source).parameters, STOP_TIME)}
 
 
@@ -121,7 +121,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
         numbers = [int(one) for one in count]
-    except ValueError:  # ValueError: also if the second part is missing
+    except ValueError:  # also raised if the second part is missing
         raise wrong from None
     if len(numbers) > 1:
         raise wrong
@@ -136,7 +136,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
 
 
 def _number(variable: Variable, value: object, source: str) -> float:
-    """Return a value as a number; a choice may be given by its name."""
+    """Return a value as a number; the value of a choice may be its name."""
     names = [item.name for item in variable.items]
     if value in names:
         return float(names.index(str(value)) + 1)
@@ -148,7 +148,7 @@ def _number(variable: Variable, value: object, source: str) -> float:
 
 
 def _check(variation: Variation, source: str) -> None:
-    """Refuse a value out of range."""
+    """Refuse a variation with a value that is out of range."""
     variable, values = variation.variable, variation.values
     good = np.isfinite(values)
     for limit, keeps in (

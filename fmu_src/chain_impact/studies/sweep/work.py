@@ -1,4 +1,4 @@
-"""The work on each piece of a sweep: the runs are made and returned as rows, or written to a file."""
+"""The computation of each piece of a sweep, whose rows are returned or written to a file."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import STATUS, Job, Runner
 
 Span = tuple[int, int]
-"""The runs first … end − 1."""
+"""A span of runs: first … end − 1."""
 Made = np.ndarray | str
-"""The rows of a piece, or the name of the file that has them."""
+"""The rows of a piece, or the name of the file with the rows."""
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
-CHUNK = 2**14  # number of runs that are in memory at once, 3 MB
+CHUNK = 2**14  # largest number of runs in memory at once, 3 MB
 STATUS_WORD = "status"  # name of the column with the word for the status
 _STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 
 
 def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str] = ()) -> Columns:
-    """Return columns of the table for the rows of the runs from ``first`` on; by default all columns."""
+    """Return columns of the table for ``rows``, the runs from ``first`` on; by default all columns."""
     varied = {variation.name: k for k, variation in enumerate(design.variations)}
     found: Columns = {}
     values = None
@@ -45,7 +45,7 @@ def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str
 
 
 def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
-    """Write columns as they come.
+    """Write parts of columns, one after the other, to a Parquet file.
 
     Raises:
         MissingExtraError: when pyarrow is not installed.
@@ -64,13 +64,13 @@ def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
 
 @dataclass(frozen=True)
 class Work:
-    """The work on each piece of a sweep.
+    """The computation of the pieces of a sweep.
 
     Attributes:
         job: the data that the runs share.
         design: the values of each run.
         folder: the folder for Parquet files; None if rows are returned.
-        own: whether the kernel is one for the sizes of this scene.
+        own: whether the kernel is for exactly the sizes of this scene.
     """
 
     job: Job
@@ -87,10 +87,10 @@ class Work:
         return Runner(self.job, own=self.own)
 
     def do(self, piece: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Made, float]:
-        """Make some runs; return their rows, or the name of the file, and the time it took [s].
+        """Compute some runs; return the rows or the file's name, and the computing time [s].
 
         Raises:
-            CancelledError: when ``wanted``, which is asked at least once a second, returns False.
+            CancelledError: when ``wanted``, which is called at least once a second, returns False.
             OSError: when the file cannot be written.
         """
         runner, started = self.runner(), perf_counter()
@@ -109,11 +109,11 @@ class Work:
             path.unlink(missing_ok=True)
             if not isinstance(error, OSError):
                 raise
-            # Arrow's errors do not name the file
+            # errors of Arrow do not name the file
             raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(self.folder)) from None
         return path.name, perf_counter() - started
 
 
 def file_name(piece: Span) -> str:
-    """Return the name of a complete file; sorted names are in the order of the runs."""
+    """Return the name of a complete file; the sorted names are in the order of the runs."""
     return f"runs-{piece[0]:015d}{PARQUET}"
