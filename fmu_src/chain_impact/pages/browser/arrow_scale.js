@@ -1,27 +1,27 @@
-// How long the arrows of forces are. The weight of a link and the peak of an impact can be a thousand times apart, and both
-// are to be seen: the length grows with the cube root of the force. A ruler tells it.
+// The lengths of the arrows of forces. The weight of a link and the peak of an impact can differ by a factor of a thousand,
+// and both must be visible: the length is proportional to the cube root of the force. A ruler shows this scale.
 
 import { forceText } from "./format.js";
 
-const LONGEST_ARROW = 0.26; // of the smaller side of the scene, for the largest force
-const LEAST_ARROW = 9; // pixels, so that a small force is seen
-const MARKS_FROM = 6; // pixels from the foot of the ruler, nearer to which it has no marks
-const LETTER = 6.5; // pixels, about the width of a letter of its numbers
-const NUMBERS_APART = 6; // pixels between two numbers
+const LONGEST_ARROW = 0.26; // length of the arrow of the largest force, over the smaller side of the scene
+const LEAST_ARROW = 9; // [pixels] least length of an arrow, so that a small force is visible
+const MARKS_FROM = 6; // [pixels] least distance of a mark from the foot of the ruler
+const LETTER = 6.5; // [pixels] approximate width of a letter of the ruler's numbers
+const NUMBERS_APART = 6; // [pixels] least distance between two numbers
 
 export class ArrowScale {
-  /** The scale for a largest force [N] in a scene of so many pixels. */
+  /** The scale for a largest force [N], in a scene of a width and height [pixels]. */
   constructor(peak, width, height) {
     Object.assign(this, { peak, longest: LONGEST_ARROW * Math.min(width, height) });
   }
 
-  /** The length of the arrow of a force [N] in pixels; 0 where it would be too short to be seen, if that may be. */
+  /** Return the length [pixels] of the arrow of a force [N]; 0 if the arrow would be shorter than `least`. */
   lengthOf(force, least = LEAST_ARROW) {
     const length = this.longest * Math.cbrt(force / this.peak);
     return least === 0 && length < LEAST_ARROW ? 0 : Math.max(least, length);
   }
 
-  /** The powers of ten on the ruler: `at`, pixels from its foot, and `text`, for those whose numbers have room. */
+  /** Return the powers of ten on the ruler: `at`, the distance [pixels] from its foot, and `text` for numbers with room. */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));
     let free = Infinity;

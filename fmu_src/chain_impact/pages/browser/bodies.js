@@ -1,12 +1,13 @@
-// Bodies for the eye: the outlines of links with points, and the line of a base on a slider. Pictures do the same.
+// The shapes that the page draws: outlines of links with points, and the line of a sliding base. Pictures use the same
+// shapes.
 
 import { discOf } from "./view.js";
 
-const ROUND = 24; // corners of the polygon that is drawn for a circle
-const TICK = 0.06; // of the size of what is drawn: the mark of a stop, and half the carriage's length
-const AHEAD = 0.12; // of that size, how far a line without a stop goes on
+const ROUND = 24; // number of corners of the polygon that is drawn for a circle
+const TICK = 0.06; // length of a stop's mark, and half the length of the carriage, over the size of the drawing
+const AHEAD = 0.12; // how far a line without a stop is drawn beyond the carriage, over the size of the drawing
 
-/** The part of a hull from the first of sorted places to the last one, which is left out (Andrew, 1979). */
+/** Return the part of a hull from the first of sorted places to the last one, which is left out (Andrew, 1979). */
 function halfHull(places) {
   const found = [];
   for (const [x, y] of places) {
@@ -20,7 +21,7 @@ function halfHull(places) {
   return found.slice(0, -1);
 }
 
-/** The corners of the convex hull of discs x, y, radius [m]. */
+/** Return the corners of the convex hull of discs x, y, radius [m]. */
 function outlineOf(discs) {
   const rims = discs.flatMap(([x, y, radius]) => Array.from({ length: radius > 0 ? ROUND : 1 }, (_, k) =>
     [x + radius * Math.cos((2 * Math.PI * k) / ROUND), y + radius * Math.sin((2 * Math.PI * k) / ROUND)]));
@@ -28,7 +29,9 @@ function outlineOf(discs) {
   return [...halfHull(rims), ...halfHull(rims.reverse())];
 }
 
-/** The links with points, each with its outline along it and to the left of it; other ends than `touching` have no radius. */
+/**
+ * Return the links with points, each with its outline in the link's axes; ends that are not in `touching` have no radius.
+ */
 export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
   const links = [...new Set(sites.map(({ link }) => link))];
   return links.map((link) => {
@@ -41,7 +44,7 @@ export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
   });
 }
 
-/** The line of a slider with its stops, and the carriage about the base; null without one. */
+/** Return the line of a slider with its stops, and the carriage around the base; null without a slider. */
 export function railOf(bases, size, valueOf) {
   const angle = valueOf("slider.angle");
   if (angle === undefined) return null;

@@ -1,9 +1,9 @@
-// The parameters as they are on the page: those of the scene, and what has been changed.
+// The present parameters of the page: the values of the scene, and the changes of the reader.
 
 import { inRadians } from "./scene_file.js";
 import { sumOf } from "./view.js";
 
-/** A number in as few digits as tell it from all others. */
+/** Return a number as text with the fewest digits from which the same number is read. */
 export function numberText(value) {
   const size = Math.abs(value);
   return size !== 0 && (size >= 1e6 || size < 1e-3) ? value.toExponential().replace("e+", "e") : String(value);
@@ -21,17 +21,17 @@ export class Changes {
     this.scene = scene;
     this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
-    this.values = {}; // what differs from the scene: name → number
+    this.values = {}; // the changed values: name → number
   }
 
-  /** Take another scene, without changes. */
+  /** Use another scene, without changes. */
   open(scene) {
     this.#take(scene);
     this.#openers.forEach((opener) => opener());
     this.replace({});
   }
 
-  /** Tell who listens when there is another scene, before it is told of its values. */
+  /** Add a listener that is called when another scene is opened, before listeners for its values are called. */
   onOpen(opener) {
     this.#openers.push(opener);
   }
@@ -48,7 +48,7 @@ export class Changes {
     return this.#valueIn(this.values, name);
   }
 
-  /** The value among some changes: the changed one, else what follows from others, else that of the scene. */
+  /** Return a value for some changes: the changed value, else a derived value, else the scene's value. */
   #valueIn(values, name) {
     const { derived } = this.parameters.get(name) ?? {};
     if (name in values || !derived) return values[name] ?? this.starts[name];
@@ -59,7 +59,7 @@ export class Changes {
     return name in this.values;
   }
 
-  /** The number that a text, or the name of a choice, stands for; an error says what it must be. */
+  /** Return the number for a text or the name of a choice; an error says which values are allowed. */
   numberOf(name, given) {
     const parameter = this.parameters.get(name);
     if (!parameter) throw new RangeError(`${this.scene.name} has no parameter ${name}`);
@@ -75,8 +75,8 @@ export class Changes {
   }
 
   /**
-   * The changes, these or those of another time, with others beside them, checked. What equals the scene's value is no
-   * change, but for one that follows from others in the scene: it stays then, whatever they are.
+   * Return the checked changes: `from`, with the changes `given` added. A value that equals the scene's value is not a
+   * change, except for a value that the scene derives: that value then stays fixed.
    */
   with(given, from = this.values) {
     const values = { ...from };
@@ -99,13 +99,13 @@ export class Changes {
     this.replace(this.with({}, Object.fromEntries(others)));
   }
 
-  /** Take these changes in place of all others. */
+  /** Replace all changes by these changes. */
   replace(values) {
     this.values = values;
     this.#listeners.forEach((listener) => listener());
   }
 
-  /** The changes as the command line and a link have them: name and text, of a choice its name. */
+  /** Return the changes as in a command or a link: name and text; for a choice, its name. */
   texts(values = this.values) {
     return Object.entries(values).map(([name, value]) => {
       const { items } = this.parameters.get(name);
@@ -114,7 +114,7 @@ export class Changes {
   }
 }
 
-/** Refuse what no parameter can tell alone, as the scene does. */
+/** Refuse values that are each valid, but not together, as the scene does. */
 function checkTogether(valueOf, parameters) {
   for (const name of parameters.keys()) {
     const [, table] = /^(.*)\.static_friction$/.exec(name) ?? [];

@@ -1,16 +1,16 @@
-// The charts, by uPlot: energy over the whole time, and the force of one contact.
+// The charts, drawn by uPlot: the energies over the whole time, and the force of one contact.
 
 import { durationText, forceText, unitsOf } from "./format.js";
 
 const WIDTHS = { total: 2.4 };
-const AROUND = 0.35; // of a contact's duration, shown before and after it
-/** The time shown before and after an impact without a duration [s]. */
+const AROUND = 0.35; // shown time before and after a contact, over the duration of the contact
+/** The time [s] that is shown before and after an impact without a duration. */
 export const MOMENT = 1e-3;
-const NO_FORCE = 1e-9; // N
-const NARROWEST = 48; // pixels, the least width of a vertical axis; most labels need no more
-const LABEL_MARGIN = 4; // pixels on the left of a label
+const NO_FORCE = 1e-9; // [N] the least force at the end of the axis
+const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
+const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label
 
-/** A colour of the style sheet. */
+/** Return a colour of the style sheet. */
 function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
@@ -25,7 +25,10 @@ function axis(options = {}) {
   };
 }
 
-/** The width of a vertical axis, for its longest label. uPlot asks several times in one layout; the first answer counts. */
+/**
+ * Return the width of a vertical axis, for its longest label. uPlot asks several times in one layout; the first answer
+ * counts.
+ */
 function labelledWidth(plot, labels, index, cycle) {
   const { _size, font, gap, ticks } = plot.axes[index];
   if (cycle > 1) return _size;
@@ -34,12 +37,14 @@ function labelledWidth(plot, labels, index, cycle) {
   return Math.ceil(Math.max(NARROWEST, LABEL_MARGIN + Math.max(...widths) + gap + ticks.size));
 }
 
-/** The largest of some numbers, and above zero. */
+/** Return the largest of some numbers, or of their number if it is not above zero. */
 function highest(...all) {
   return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
 }
 
-/** The rows around a contact: times since its onset [s], and while it lasts its force, penetration and dry friction. */
+/**
+ * Return the rows around a contact: times since its onset [s] and, during the contact, force, penetration and dry friction.
+ */
 function around(recording, contact) {
   const { onset, end } = contact;
   const margin = AROUND * Math.max(end - onset, 1e-6);
@@ -51,9 +56,9 @@ function around(recording, contact) {
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
 }
 
-/** A vertical line at the present time, and what the charts share. */
+/** A chart with a vertical line at the present time: the base class of all charts. */
 class Chart {
-  others = []; // recordings to compare with: {recording, colour}
+  others = []; // recordings for comparison: {recording, colour}
 
   constructor(element, height) {
     this.element = element;
@@ -62,7 +67,7 @@ class Chart {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
   }
 
-  /** Make the plot, in place of the one before. */
+  /** Make the plot, which replaces the plot before. */
   make(options, data) {
     const { element, height } = this;
     this.plot?.destroy();
@@ -93,7 +98,7 @@ class Chart {
     this.mark();
   }
 
-  /** Put the line at a place of the x-axis, without one where it is. */
+  /** Put the line at a place of the x-axis; without a place, at its present place. */
   mark(x = this.at) {
     this.at = x;
     if (x === undefined) return;
@@ -103,27 +108,30 @@ class Chart {
   }
 }
 
-/** Quantities over the whole time, with their names and their values at the present time. */
+/** A chart of quantities over the whole time, with their names and their values at the present time. */
 export class TimeChart extends Chart {
   names = [];
-  soft = false; // whether the axis begins at zero where that is near
+  soft = false; // whether the axis begins at zero if zero is near
 
   constructor(element, height, entries, seek) {
     super(element, height);
     Object.assign(this, { entries, seek });
   }
 
-  /** First and last time of the view [s]. */
+  /** Return the first and the last time of the view [s]. */
   get span() {
     return [this.recording.start, this.recording.end];
   }
 
-  /** Curves of the recordings to compare with: `places`, times and values, and `stroke`. */
+  /** Return curves of the recordings for comparison: `places`, times and values, and `stroke`. */
   get behind() {
     return [];
   }
 
-  /** Make the plot of curves, each a name, a colour of the style sheet, and where it has them dashes and `isStepped`; ticks have some `space`. */
+  /**
+   * Make the plot of curves. A curve has a name, a colour of the style sheet, and optionally dashes and `isStepped`; `space`
+   * is the least distance of ticks.
+   */
   makeCurves(curves, data, space = 30) {
     this.names = curves.map(({ name }) => name);
     const series = curves.map(({ name, stroke, dash, isStepped }) => ({
@@ -158,7 +166,7 @@ export class TimeChart extends Chart {
     this.plot.over.addEventListener("pointermove", (event) => event.buttons && go(event));
   }
 
-  /** The ends of the axis: all curves in the view fit between them, also those behind. */
+  /** Return the ends of the axis, between which all curves of the view fit, including those for comparison. */
   #range(least, most) {
     const [from, to] = this.span;
     let [low, high] = [least, most];
@@ -173,7 +181,7 @@ export class TimeChart extends Chart {
   }
 }
 
-/** All energies over the whole time. */
+/** The chart of all energies over the whole time. */
 export class EnergyChart extends TimeChart {
   soft = true;
 
@@ -208,7 +216,7 @@ export class EnergyChart extends TimeChart {
   }
 }
 
-/** An entry of a list: a name with a line in its colour, and the element for its present value, which is returned. */
+/** Add an entry to a list: a name with a line in its colour; return the element for its present value. */
 function entryOf(list, name, stroke, dash) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
   term.textContent = name;
@@ -219,19 +227,19 @@ function entryOf(list, name, stroke, dash) {
   return value;
 }
 
-/** A tick of a time axis in seconds or milliseconds, all ticks in the same unit. */
+/** Return the ticks of a time axis as texts in seconds or milliseconds, all in the same unit. */
 function ticksText(tick, ticks) {
   const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
   return `${+(factor * tick).toPrecision(6)} ${unit}`;
 }
 
-/** The same of penetrations, in millimetres or micrometres. */
+/** Return the ticks of a penetration axis as texts in millimetres or micrometres. */
 function depthText(tick, ticks) {
   const [factor, unit] = ticks.at(-1) >= 1e-4 ? [1e3, "mm"] : [1e6, "µm"];
   return `${+(factor * tick).toPrecision(6)} ${unit}`;
 }
 
-/** A curve through places of a chart: filled, or dashed. */
+/** Draw a curve through places of a chart, filled or dashed. */
 function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
   ctx.save();
   ctx.beginPath();
@@ -251,7 +259,7 @@ function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
   ctx.restore();
 }
 
-/** Faint lines at the impacts. */
+/** Draw faint lines at the impacts. */
 function drawOnsets({ ctx, bbox, valToPos }, impacts) {
   ctx.save();
   ctx.strokeStyle = colour("onset");
@@ -265,12 +273,12 @@ function drawOnsets({ ctx, bbox, valToPos }, impacts) {
   ctx.restore();
 }
 
-/** The force of the present contact over its own time, or over its penetration. */
+/** The chart of the force of the present contact, over the time of the contact or over its penetration. */
 export class ForceChart extends Chart {
   constructor(element, what, over) {
     super(element, 120);
     Object.assign(this, { what, over });
-    this.unit = { ...unitsOf({}) }; // that of the contact that is shown
+    this.unit = { ...unitsOf({}) }; // the chart shows the dry friction of the contact that it shows
     this.make(
       {
         series: [

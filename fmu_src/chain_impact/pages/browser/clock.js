@@ -1,12 +1,12 @@
-// The clock: which frame is on the screen, and how fast the simulated time passes.
+// The clock: the frame on the screen, and how fast the simulated time passes.
 
 export const SPEEDS = [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4];
-const STEP = 1 / 30; // s on the screen that an arrow key steps
+const STEP = 1 / 30; // [s] time on the screen for one press of an arrow key
 
-/** Tells those who listen whenever the frame, the speed or play and pause change. */
+/** The clock, which calls its listeners when the frame, the speed, or play and pause change. */
 export class Clock {
   #listeners = [];
-  #goneTo = null; // an impact, until the time changes: another may have the same onset
+  #goneTo = null; // the chosen impact, until the time changes; another impact may have the same onset
 
   constructor(speed) {
     this.speed = speed;
@@ -16,7 +16,7 @@ export class Clock {
     this.loop = false;
   }
 
-  /** Take another recording; the simulated time stays, or is the nearest that there is. */
+  /** Use another recording; the simulated time stays, or becomes the nearest time in the recording. */
   show(recording) {
     const time = this.recording ? this.time : recording.start;
     this.recording = recording;
@@ -31,7 +31,7 @@ export class Clock {
     return this.recording.timeAt(this.frame);
   }
 
-  /** The contact that all parts of the page tell of; undefined if there is none at all. */
+  /** Return the contact that all parts of the page describe; undefined if the recording has no contacts. */
   get contact() {
     return this.#goneTo ?? this.recording.contactAt(this.time);
   }
@@ -40,12 +40,12 @@ export class Clock {
     return this.recording.time.length - 1;
   }
 
-  /** Simulated seconds that pass in a second on the screen. */
+  /** Return the simulated seconds per second on the screen. */
   get rate() {
     return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
   }
 
-  /** Change some of: frame, playing, slow, loop, speed; nothing until there is a recording. */
+  /** Change some of: frame, playing, slow, loop, speed. Without a recording, change nothing. */
   set(changes) {
     if (!this.recording) return;
     Object.assign(this, changes);
@@ -58,13 +58,13 @@ export class Clock {
     this.set({ frame: this.recording.frameAt(time) });
   }
 
-  /** Play, from the start if this is the end, or pause. */
+  /** Play, from the start if the end is reached, or pause. */
   toggle() {
     const again = !this.playing && this.frame >= this.last;
     this.set({ playing: !this.playing, frame: again ? 0 : this.frame });
   }
 
-  /** Let some seconds on the screen pass, forwards or backwards. */
+  /** Advance the frame by a time on the screen [s], forwards or backwards. */
   advance(seconds) {
     const frame = this.slow
       ? this.frame + seconds * this.speed * this.recording.frameRate
@@ -88,7 +88,7 @@ export class Clock {
   /** Go to the onset of an impact, by its number, counted from 0. */
   toImpact(number) {
     this.seek(this.recording.impacts[number].onset);
-    // the frame is a rounded number: an impact that is gone to has begun
+    // the frame is a rounded number, but the chosen impact must have begun
     while (this.time < this.recording.impacts[number].onset) this.frame += 1e-3;
     this.#goneTo = this.recording.impacts[number];
     this.set({});

@@ -1,12 +1,12 @@
-// Buttons, the slider and the keys.
+// The buttons, the slider and the keys of the player.
 
 import { SPEEDS } from "./clock.js";
 import { find } from "./dom.js";
 import { speedText } from "./format.js";
 
 /**
- * Connect buttons, slider and keys with the clock; returns what is to be called when it has another recording. Until it
- * has one, they do nothing.
+ * Connect buttons, slider and keys with the clock; without a recording they do nothing. Return a function that must be
+ * called when the clock has another recording.
  */
 export function connect(clock, scene) {
   const actions = {
@@ -48,7 +48,7 @@ export function connect(clock, scene) {
   return connectSlider(clock);
 }
 
-/** Whether the element that has the focus needs the key itself. */
+/** Return whether the element with the focus uses the key itself. */
 function keepsKey({ target, key }) {
   if (find("help").open || target.closest("dialog")) return true;
   if (target.closest("input:not([type=checkbox], #scrub)")) return true;
@@ -81,7 +81,7 @@ function connectSlider(clock) {
     if (play.getAttribute("aria-label") !== label) play.setAttribute("aria-label", label);
   });
   const marks = find("marks");
-  // Size and colour are kept: to ask for them after a change would make the browser lay out the page twice.
+  // Size and colour are stored: reading them after a change would make the browser lay out the page twice.
   let look;
   const draw = () => clock.recording && look && drawMarks(marks, look, clock.recording);
   const fit = () => {
@@ -96,7 +96,7 @@ function connectSlider(clock) {
   };
 }
 
-/** A mark above the slider for each impact, the higher the faster it was. */
+/** Draw a mark above the slider for each impact; faster impacts have higher marks. */
 function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   const density = window.devicePixelRatio;
   Object.assign(canvas, { width: width * density, height: height * density });
@@ -104,7 +104,7 @@ function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   context.scale(density, density);
   context.fillStyle = colour;
   const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
-  const thumb = 16; // px: the middle of the slider's thumb stays half of this from its ends
+  const thumb = 16; // [pixels] the middle of the slider's thumb stays half of this width from the ends of the slider
   for (const { onset, endSpeed } of impacts) {
     const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);
     const tall = Math.max(3, (height * endSpeed) / fastest);

@@ -1,18 +1,18 @@
-// Any curves over time, in a chart for each unit: what drives inputs, and the outputs that the reader chooses.
+// Any curves over time, in a chart for each unit: driven inputs, and the outputs that the reader chooses.
 
 import { MOMENT, TimeChart } from "./charts.js";
 import { make } from "./dom.js";
 import { unitText } from "./format.js";
 import { lastBefore } from "./recording.js";
 
-const INPUT_COLOURS = 6; // of the style sheet
-const DASHES = [undefined, [6, 3], [2, 3]]; // of the curves after so many
-/** The number of curves of a unit, and of units, above which they could not be told apart. */
+const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
+const DASHES = [undefined, [6, 3], [2, 3]]; // dashes of the curves after the first INPUT_COLOURS curves
+/** The largest number of curves in a chart, and of charts, that a reader can distinguish. */
 export const [MOST_CURVES, MOST_UNITS] = [INPUT_COLOURS * DASHES.length, 8];
-const BESIDE_IMPACT = 0.5; // of an impact's duration, shown before and after it
-const DIGITS = 4; // of a value
+const BESIDE_IMPACT = 0.5; // shown time before and after an impact, over the duration of the impact
+const DIGITS = 4; // number of digits of a value
 
-/** Curves of one unit. */
+/** A chart of the curves with one unit. */
 class UnitChart extends TimeChart {
   get span() {
     return this.close ?? super.span;
@@ -52,7 +52,7 @@ class UnitChart extends TimeChart {
 export class CurveCharts {
   #others = [];
 
-  /** `of` gives the curves of a recording, if it has any; `closer` is a button for the view of one impact. */
+  /** `of` returns the curves of a recording, if it has any; `closer` is a button for the view of one impact. */
   constructor(element, seek, { of, label, closer }) {
     Object.assign(this, { element, seek, of, label, closer, charts: new Map() });
     closer?.addEventListener("click", () => {

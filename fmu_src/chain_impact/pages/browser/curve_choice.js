@@ -1,17 +1,17 @@
-// The dialog in which outputs are chosen, to be drawn over time.
+// The dialog in which the reader chooses outputs for the charts over time.
 
 import { MOST_CURVES, MOST_UNITS } from "./curve_charts.js";
 import { find, make } from "./dom.js";
 import { unitText } from "./format.js";
 
-/** The names like a text in which `*` stands for any text. */
+/** Return the names that match a text in which `*` stands for any text. */
 function like(text, columns) {
   const parts = text.split("*").map((part) => part.replaceAll(/[.+?^${}()|[\]\\]/g, "\\$&"));
   const pattern = new RegExp(`^${parts.join(".*")}$`);
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
-/** The names that a text with commas asks for, as `simulate --curves` takes it; an error says what cannot be. */
+/** Return the names in a text with commas, as for `simulate --curves`; an error says which name is not possible. */
 function namesIn(text, columns) {
   const found = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
     const names = like(part, columns);
@@ -32,7 +32,7 @@ function namesIn(text, columns) {
 export class CurveChoice {
   names = [];
 
-  /** `changed` is called when other outputs are chosen. */
+  /** `changed` is called when the reader chooses other outputs. */
   constructor(changes, changed) {
     Object.assign(this, { changes, changed });
     this.dialog = find("curves");
@@ -41,7 +41,7 @@ export class CurveChoice {
     this.field.addEventListener("change", () => this.#choose(this.field.value));
     this.field.addEventListener("keydown", (event) => {
       if (event.key !== "Enter") return;
-      event.preventDefault(); // which would close the dialog
+      event.preventDefault(); // the key would otherwise close the dialog
       this.#choose(this.field.value);
     });
     this.search.addEventListener("input", () => this.#filter());
@@ -67,7 +67,7 @@ export class CurveChoice {
     this.dialog.showModal();
   }
 
-  /** Take the names that a text asks for, and tell no one; an error says what cannot be. */
+  /** Choose the names in a text, without a call of `changed`; an error says which name is not possible. */
   take(text) {
     this.names = namesIn(text, this.#columns);
   }
@@ -82,7 +82,7 @@ export class CurveChoice {
     }
   }
 
-  /** Show what is chosen, or what cannot be. */
+  /** Show the chosen names, or a fault. */
   #refresh(fault = "") {
     if (!fault) this.field.value = this.names.join(", ");
     this.rows.forEach(({ name, box }) => {

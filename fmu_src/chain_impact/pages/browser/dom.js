@@ -1,11 +1,11 @@
-// Elements of the page.
+// Functions for elements of the page.
 
-/** The element with an id. */
+/** Return the element with an id. */
 export function find(id) {
   return document.getElementById(id);
 }
 
-/** An element with some properties and children. */
+/** Return a new element with some properties and children. */
 export function make(tag, properties = {}, ...children) {
   const element = Object.assign(document.createElement(tag), properties);
   element.append(...children);

@@ -1,4 +1,4 @@
-// The dialog in which links, points, walls and stops are added and removed, and scene files are opened.
+// The dialog in which the reader adds and removes links, points, walls and stops, and opens scene files.
 
 import { numberText } from "./changes.js";
 import { find, make } from "./dom.js";
@@ -8,10 +8,10 @@ import { STOPS } from "./view.js";
 
 const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
 const SLIDER = { angle: "Slider: angle, rad", mass: "Mass, kg", friction: "Friction, N", min: "Stop from, m", max: "Stop to, m" };
-const CORNERS = 4; // of a box, which the file leaves out
-const BELOW = 0.5; // of the longest link: a new wall is so far below the chain
+const CORNERS = 4; // number of corners of a box, which a scene file leaves out
+const BELOW = 0.5; // distance of a new wall below the chain, over the length of the longest link
 
-/** The text of a file as the contents of a scene file; an error names the line. */
+/** Return the contents of a scene file from its text; an error names the line. */
 export function contentsIn(text) {
   try {
     return TOML.parse(text.replace(/^\ufeff/, ""));
@@ -21,7 +21,7 @@ export function contentsIn(text) {
 }
 
 export class Editor {
-  /** `open` shows a scene of some contents, and throws what is wrong with them; `first` shows the page's own scene. */
+  /** `open` shows a scene with some contents, or throws an error; `first` shows the page's own scene. */
   constructor(changes, open, first) {
     Object.assign(this, { changes, open });
     this.dialog = find("edit");
@@ -37,14 +37,14 @@ export class Editor {
     find("edit-choose").addEventListener("click", () => find("edit-file").click());
     find("edit-file").addEventListener("change", ({ target }) => {
       this.#read(target.files[0]);
-      target.value = ""; // so that the same file can be chosen again
+      target.value = ""; // so that the same file can be chosen a second time
     });
     find("edit-first").addEventListener("click", () => {
       first();
       this.#draw();
     });
     const onFiles = (kind, take) => document.addEventListener(kind, (event) => {
-      if (!event.dataTransfer.types.includes("Files")) return; // text is dropped into fields
+      if (!event.dataTransfer.types.includes("Files")) return; // a text that is dropped into a field is not a file
       event.preventDefault();
       take([...event.dataTransfer.files]);
     });
@@ -52,11 +52,11 @@ export class Editor {
     onFiles("drop", ([file]) => file && this.#read(file, () => this.dialog.open || this.dialog.showModal()));
   }
 
-  /** Open a scene file; `onFault` is called if it cannot be. */
+  /** Open a scene file; `onFault` is called if this is not possible. */
   async #read(file, onFault = () => {}) {
     const text = await file.text().catch((error) => error);
     this.#try(() => {
-      if (text instanceof Error) throw text; // of a folder, or of a file that is gone
+      if (text instanceof Error) throw text; // fails for a folder, and for a file that no longer exists
       this.open(contentsIn(text));
     }, `${file.name} is open.`, (error) => {
       onFault();
@@ -64,7 +64,7 @@ export class Editor {
     });
   }
 
-  /** Change the contents of the scene as the page shows it. */
+  /** Change the contents of the present scene of the page. */
   #change(edit) {
     const file = contentsOf(this.changes);
     this.#try(() => {
@@ -108,7 +108,7 @@ export class Editor {
     find("edit-walls").hidden = file.walls.length === 0;
   }
 
-  /** The fields of a link; a free base has no joint that could have a stop, and the last link stays. */
+  /** Return the fields of a link. A free base has no joint, and so no stop; the last link cannot be removed. */
   #linkRow({ chain: { base, links } }, link, k) {
     const field = (key) => this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value));
     const stops = k === 0 && base === "free" ? ["", ""] : STOPS.map(field);
@@ -116,7 +116,7 @@ export class Editor {
     return [`${k + 1}`, ...["length", "mass", "center_of_mass_offset", "height"].map(field), ...stops, remover];
   }
 
-  /** The fields of a point of a link; its link can be another one. */
+  /** Return the fields of a point of a link, among them the link to which the point belongs. */
   #pointRow(file, site, s) {
     const { link, entry } = site;
     const label = `point[${file.chain.links.length + 1 + s}]`;
@@ -138,7 +138,7 @@ export class Editor {
     return [name, ...place, turn, this.#remover(`wall ${name}`, (all) => removeWall(all, k))];
   }
 
-  /** A field for a number, or an angle in text; nothing in it stands for no value. */
+  /** Return a field for a number, or for an angle as text; an empty field stands for no value. */
   #field(name, value, set) {
     const field = make("input", { value: typeof value === "number" ? numberText(value) : (value ?? ""), autocomplete: "off" });
     field.setAttribute("aria-label", name);
@@ -173,10 +173,10 @@ function setOfLink(file, k, key, value) {
   const link = file.chain.links[k];
   setOrRemove(link, key, value);
   if (key === "height") setOrRemove(link, "shape", value === undefined ? undefined : "box");
-  if (!stopsOf(file).length) file.stops = {}; // the law of stops goes with the last of them
+  if (!stopsOf(file).length) file.stops = {}; // the law of stops is removed with the last stop
 }
 
-/** A point of a link, by its place among the points, of which the first ones are the corners of a box. */
+/** Return a point of a link by its index among the points; the first points are the corners of a box. */
 function ownPoint({ chain: { links } }, link, entry) {
   return links[link].points[entry - (links[link].shape ? CORNERS : 0)];
 }
@@ -193,13 +193,13 @@ function moveToLink(file, link, entry, number) {
   links[number - 1].points.push(point);
 }
 
-/** A point beside the middle of the last link, to its left. */
+/** Add a point to the left of the middle of the last link. */
 function addPoint({ chain: { links } }) {
   const { length, points } = links.at(-1);
   points.push({ x: length / 2, y: length / 10 });
 }
 
-/** What a base of another kind cannot have goes. */
+/** Set the kind of the base, and remove all values that such a base cannot have. */
 function setBase(file, base) {
   file.chain.base = base;
   if (base !== "slider") {
@@ -217,17 +217,17 @@ function setBase(file, base) {
   keepPoints(file);
 }
 
-/** Of the points that the file lists, those stay that are there and can move. */
+/** Keep, among the listed points of the file, the points that exist and can move. */
 function keepPoints(file) {
   const movable = movablePoints(file);
   file.contact.points &&= file.contact.points.filter((point) => movable.includes(point));
 }
 
-/** Another link behind the last one, equal to it and in line with it. */
+/** Add another link after link k, equal to it and in line with it. */
 function addLink({ chain: { links }, initial, contact }) {
   const tip = links.length;
   links.push(structuredClone(links.at(-1)));
-  if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]); // which are those of the angle from +x
+  if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]); // both lists are absolute, from +x
   [initial.angles, initial.angular_velocities].forEach((list) => list.push(list.at(-1)));
   if (contact.points?.includes(tip)) contact.points.push(tip + 1);
 }
@@ -235,14 +235,15 @@ function addLink({ chain: { links }, initial, contact }) {
 function removeLink(file, k) {
   [file.chain.links, file.initial.angles, file.initial.angular_velocities].forEach((list) => list.splice(k, 1));
   const { links } = file.chain;
-  // the link that is the first one now has no stop that it had against the removed one
+  // the link that is the first one now has no stop, because its stops were relative to the removed link
   STOPS.forEach((stop) => setOfLink(file, 0, stop, k === 0 ? undefined : links[0][stop]));
-  const points = file.contact.points?.map((point) => (point > k ? point - 1 : point)); // both ends of the link are one
+  // the two ends of the removed link become one point
+  const points = file.contact.points?.map((point) => (point > k ? point - 1 : point));
   file.contact.points &&= [...new Set(points)];
   keepPoints(file);
 }
 
-/** A level wall below the chain at its start. */
+/** Add a horizontal wall below the chain at its start. */
 function addWall(file) {
   const { chain: { links }, initial, walls } = file;
   let [height, least] = [initial.position[1], initial.position[1]];
@@ -267,7 +268,7 @@ function setBox(file, key, value) {
   if (value === undefined) forget(file, key);
 }
 
-/** A wall that goes takes its material and its motion along. */
+/** Remove the material and the motion of a wall that is removed. */
 function forget({ contact, inputs }, name) {
   delete contact.wall[name];
   inputs.wall_motion = inputs.wall_motion.filter((one) => one !== name);

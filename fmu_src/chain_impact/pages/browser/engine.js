@@ -1,13 +1,16 @@
-// The page's side of the worker.
+// The part of the page that sends requests to the worker.
 
 export class Engine {
   #number = 0;
   #waiting = new Map();
   #begun;
-  #fault; // of the worker itself, after which it answers no more
+  #fault; // whether the worker has ended, after which it does not answer
   #ended = false;
 
-  /** A worker with the program at an address, for a scene; `module` promises the compiled kernel, which all share. */
+  /**
+   * A worker that runs the program at an address for a scene; `module` is a promise of the compiled kernel, which all
+   * workers share.
+   */
   constructor(address, scene, module) {
     this.worker = new Worker(address);
     this.worker.onmessage = ({ data }) => this.#take(data);
@@ -15,7 +18,10 @@ export class Engine {
     this.#begun = module.then((compiled) => this.worker.postMessage({ kind: "scene", scene, module: compiled }));
   }
 
-  /** The result of a request; null of one that a newer one has replaced, or of a worker that is ended. `progress` is told the share that is done. */
+  /**
+   * Return the result of a request; null if a newer request has replaced it, or the worker has ended. `progress` is called
+   * with the finished fraction.
+   */
   async ask(kind, values, options = {}, progress = () => {}) {
     await this.#begun;
     if (this.#fault) throw this.#fault;
@@ -28,7 +34,7 @@ export class Engine {
     });
   }
 
-  /** End the worker; what is asked for has no result. */
+  /** End the worker; open requests get no result. */
   end() {
     this.#ended = true;
     this.worker.terminate();

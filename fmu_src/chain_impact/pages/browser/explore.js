@@ -16,9 +16,9 @@ import { changesIn, commandOf, contentsOf, csvOf, hashOf, pictureOf, save, tomlT
 import { asWritten, complete } from "./scene_file.js";
 import { unpacked } from "./unpacked.js";
 
-const WAITING = 120; // ms after which what is shown is greyed
-const REST = 300; // ms without a change, after which the address has the changes
-const KEPT = 0.5; // of the size of the view: a motion that fills more of it does not change it
+const WAITING = 120; // [ms] the time after which an old motion becomes grey
+const REST = 300; // [ms] the time without a change after which the address gets the changes
+const KEPT = 0.5; // the least part of the view, in size, that a motion must fill for the view to stay
 
 const { file, kit, command, module: packedModule } = JSON.parse(find("data").textContent);
 const own = describe(kit, complete(file, kit), command);
@@ -29,7 +29,7 @@ const module = unpacked(packedModule).then((bytes) => WebAssembly.compile(bytes)
 const program = URL.createObjectURL(new Blob([find("worker").textContent], { type: "text/javascript" }));
 const begin = () => new Engine(program, changes.scene, module);
 let engine = begin();
-let opened = ""; // the text of the scene file that is open; of the page's own scene nothing
+let opened = ""; // the text of the open scene file; empty for the page's own scene
 const player = new Player(1);
 const ghosts = new Ghosts(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
@@ -39,18 +39,18 @@ const choice = new CurveChoice(changes, () => {
   update();
 });
 
-/** The view before, if the next one is within it and not much smaller: a picture that keeps still. */
+/** Return the view before, so that the picture does not move, if the next view lies inside it and is not much smaller. */
 function steady(next) {
   const before = player.recording;
   if (!before) return next;
   const size = ({ view: [low, high] }) => Math.max(high[0] - low[0], high[1] - low[1]);
   const isWithin = [0, 1].every((axis) =>
     next.view[0][axis] >= before.view[0][axis] && next.view[1][axis] <= before.view[1][axis]);
-  const isKept = handles.dragged !== null; // what is dragged stays below the pointer
+  const isKept = handles.dragged !== null; // a handle that is dragged stays below the pointer
   return isKept || (isWithin && size(next) > KEPT * size(before)) ? { ...next, view: before.view, anchor: before.anchor } : next;
 }
 
-/** What went wrong, in a sentence; nothing if all is well. `found` tells whether there is a motion. */
+/** Return a sentence on the fault of a run; "" without a fault. `found`: whether there is a motion. */
 function sentenceOf({ status, place, reached }, found) {
   if (status === 0) return "";
   const text = [changes.scene.statuses[status], changes.scene.places[place - 1]].filter(Boolean).join(": ");
@@ -58,9 +58,9 @@ function sentenceOf({ status, place, reached }, found) {
 }
 
 let remembering; // the timer of `remember`
-let sentence = ""; // how the last simulation ended …
-let ending = 0; // … and its status
-let notice = ""; // what is wrong with the address, until something changes
+let sentence = ""; // the sentence on the end of the last simulation
+let ending = 0; // the status of the last simulation
+let notice = ""; // a sentence on a fault in the address, until something changes
 
 function say(next = sentence) {
   sentence = next;
@@ -71,7 +71,7 @@ function say(next = sentence) {
   if (ending === kit.rigidWithFriction) find("status").append(" ", withoutFriction());
 }
 
-/** A button that sets all friction of walls to zero, for a law that does not go with it. */
+/** Return a button that sets all friction of walls to zero, for a law that does not allow friction. */
 function withoutFriction() {
   const button = make("button", { type: "button", className: "action", textContent: "Set the friction of walls to 0" });
   const names = [...changes.parameters.keys()].filter((name) => /^(contact|wall\..*)\.(static_)?friction$/.test(name));
@@ -79,7 +79,7 @@ function withoutFriction() {
   return button;
 }
 
-/** Simulate with the parameters as they are, and show it, unless they change again meanwhile. */
+/** Simulate with the present parameters and show the motion, unless the parameters change meanwhile. */
 async function update() {
   find("reset-all").hidden = changes.count === 0;
   const text = changes.texts().map(([name, one]) => `${name} = ${one}`).join(", ");
@@ -101,19 +101,19 @@ async function update() {
   }
 }
 
-/** The address of the page with the changes. */
+/** Return the address of the page with the changes. */
 function address() {
   const hash = hashOf(changes, { scene: opened, curves: choice.names.join() });
   return location.href.split("#")[0] + (hash && `#${hash}`);
 }
 
-/** Put the changes into the address, once they rest: browsers limit how often that may be done. */
+/** Put the changes into the address after a time without changes, because browsers limit such calls. */
 function remember() {
   clearTimeout(remembering);
   remembering = setTimeout(() => history.replaceState(null, "", address()), REST);
 }
 
-/** Show another scene, and its name; `text` is that of its file, and nothing of the page's own scene. */
+/** Show another scene and its name; `text` is the text of its file, empty for the page's own scene. */
 function show(scene, text) {
   opened = text;
   engine.end();
@@ -121,13 +121,13 @@ function show(scene, text) {
   showWords();
 }
 
-/** Open a scene of some contents of a file; an error says what is wrong with them. */
+/** Open a scene with the contents of a file; an error says which key is wrong. */
 function open(contents) {
   const whole = complete(contents, kit);
   show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole, kit.signals.other), kit.keys));
 }
 
-/** Name and description of the scene, and the inputs that it has in vain. */
+/** Show name and description of the scene, and a note on inputs that are constant on the page. */
 function showWords() {
   const { name, text, still } = changes.scene;
   document.querySelector("h1").textContent = name;
@@ -139,7 +139,7 @@ function showWords() {
   find("edit-first").hidden = !opened;
 }
 
-/** Take the scene and the changes of the address; what cannot be is told, and changes nothing. */
+/** Use the scene and the changes in the address; a fault is shown, and changes nothing. */
 function takeAddress() {
   try {
     const { scene: text = "", curves = "", ...given } = changesIn(location.hash);
@@ -188,23 +188,23 @@ function connectExport() {
   });
 }
 
-/** Let a button save a file, and say what is to be said of it. */
+/** Let a button save a file, and show a message about it. */
 function connectFile(id, write) {
   find(id).addEventListener("click", async () => {
     find("export-text").textContent = await write().catch((error) => `${error.message}.`);
   });
 }
 
-/** For the console, and for pages of others that show this one. */
+/** The interface for the console, and for other pages that contain this page. */
 window.chainImpact = {
   get scene() {
     return changes.scene.name;
   },
-  /** Name → value of all parameters as the page has them, of a choice its name. */
+  /** Return the present values of all parameters: name → value; for a choice, its name. */
   get parameters() {
     return Object.fromEntries(changes.texts(Object.fromEntries(changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]))));
   },
-  /** Simulate the scene with some parameters changed, whatever the page shows: {time, columns, impacts, statistics}. */
+  /** Simulate the scene with some parameters changed, independently of the page: {time, columns, impacts, statistics}. */
   async simulate(given = {}, { output } = {}) {
     const { scene } = changes;
     const values = new Changes(scene).with(given);
@@ -227,7 +227,7 @@ window.chainImpact = {
   },
 };
 
-let grid; // the map, made when it is first opened: with workers of its own, beside the motion's
+let grid; // the map is made when it is first opened; it has other workers than the motion
 find("map-open").addEventListener("click", () => {
   grid ??= new GridMap(begin, changes);
   grid.open();
@@ -247,7 +247,7 @@ if (location.hash) takeAddress();
 changes.onChange(() => {
   notice = "";
 });
-let [known, held] = [hashOf(changes), null]; // at the last change: the parameters, and what was dragged
+let [known, held] = [hashOf(changes), null]; // the parameters, and the dragged handle, at the last change
 changes.onChange(() => {
   const now = hashOf(changes);
   if (now !== known) ghosts.change(handles.dragged !== null && handles.dragged === held);

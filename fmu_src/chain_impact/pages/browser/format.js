@@ -1,34 +1,34 @@
-// Numbers as text.
+// Functions that turn numbers into text.
 
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
 const UNITS = [["exponent", "ⁿ"], ["^", ""], ["m/s2", "m/s²"], ["kg.m2", "kg\u202fm²"], [".", "\u202f"]];
 
-/** A unit as it is written on the page; nothing of a pure number. */
+/** Return a unit as the page shows it; "" for a pure number. */
 export function unitText(unit) {
   return unit === "1" ? "" : UNITS.reduce((text, [from, to]) => text.replaceAll(from, to), unit);
 }
 
-/** A number with so many digits that count. */
+/** Return a number with `count` significant digits. */
 export function digits(value, count = 3) {
   if (value === 0) return "0";
   const decimals = count - 1 - Math.floor(Math.log10(Math.abs(value)));
   return value.toFixed(Math.min(Math.max(decimals, 0), 9));
 }
 
-/** A force, for example: 12.3 kN; with no count, as many digits as it has. A moment has its own unit. */
+/** Return a force as text, for example 12.3 kN; without a count, with all its digits. A moment has another unit. */
 export function forceText(newtons, count = 3, unit = "N") {
   const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];
   const value = newtons / factor;
   return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
 }
 
-/** A short time, for example: 0.62 ms. */
+/** Return a short time as text, for example 0.62 ms. */
 export function durationText(seconds, count = 3) {
   const [factor, unit] = seconds < 1e-3 ? [1e6, "µs"] : seconds < 1 ? [1e3, "ms"] : [1, "s"];
   return `${digits(seconds * factor, count)}\u202f${unit}`;
 }
 
-/** How many times slower or faster than in reality, for example: 480 × slower. */
+/** Return how many times slower or faster than real time a rate is, for example: 480 × slower. */
 export function rateText(value) {
   if (Math.abs(value - 1) < 0.02) return "real time";
   const [times, word] = value < 1 ? [1 / value, "slower"] : [value, "faster"];
@@ -36,13 +36,13 @@ export function rateText(value) {
   return `${rounded} × ${word}`;
 }
 
-/** The same of a speed that one chooses, for example: ½ ×. */
+/** Return a speed for a menu as text, for example ½ ×. */
 export function speedText(value) {
   const names = { 0.5: "½", 0.25: "¼", 0.125: "⅛", 0.0625: "1⁄16" };
   return `${names[value] ?? Number(value.toPrecision(3))} ×`;
 }
 
-/** The units of a contact: at a stop of a joint those of its angle. */
+/** Return the units of a contact; at a stop of a joint, the units of an angle and a moment. */
 export function unitsOf({ atStop }) {
   return atStop ? { speed: "rad/s", force: "N\u202fm" } : { speed: "m/s", force: "N" };
 }

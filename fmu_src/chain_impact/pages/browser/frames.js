@@ -1,16 +1,17 @@
-// The frames of a recording: what a `Recording` is made of, from rows of numbers.
+// The frames of a recording: the parts of a `Recording`, computed from rows of numbers.
 
 import { frameTimes, slowSpans } from "./pacing.js";
 import { viewOf } from "./view.js";
 
-const LONGEST_IMPACT = 5; // of penetration over approach speed: an impact takes less, then the chain stays at the wall
-const SLOWEST = 1e-6; // m/s
-const COORDINATES = 2_000_000; // coordinates at most
-const FEWEST_FRAMES = 200; // frames
+// the longest duration of an impact, over penetration divided by impact speed; after it the chain rests at the wall
+const LONGEST_IMPACT = 5;
+const SLOWEST = 1e-6; // [m/s] the least impact speed for this ratio
+const COORDINATES = 2_000_000; // largest number of coordinates in all frames
+const FEWEST_FRAMES = 200; // smallest number of frames
 const MOST_FRAMES = 20_000;
 const ENERGIES = ["kinetic", "potential", "elastic", "dissipated", "friction", "supplied", "total"];
 
-/** The impacts as the page shows them, of a recording that ends at some time; what is not known of one is null. */
+/** Return the impacts in the form of the page, for a recording that ends at `stop`; unknown values are null. */
 export function contactsOf(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
     const until = end ?? stop;
@@ -19,13 +20,13 @@ export function contactsOf(impacts, stop) {
   });
 }
 
-/** The simulated times of the frames, and how many there are in a second on the screen. */
+/** Return the simulated times of the frames, and the number of frames per second on the screen. */
 export function timesOf(contacts, start, stop, pointCount, impactTime, rate) {
   const most = Math.min(MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
   return frameTimes(start, stop, slowSpans(contacts), impactTime, most, rate);
 }
 
-/** For each time the row before it, and how far it is on the way to the next one. */
+/** Return for each time the row before it, and the fraction of the way from this row to the next row. */
 function placesIn(time, times) {
   let row = 0;
   return Array.from(times, (now) => {
@@ -34,7 +35,7 @@ function placesIn(time, times) {
   });
 }
 
-/** Values in rows of some width, at some places. */
+/** Return values, in rows of some width, at some places between rows. */
 function columnAt(values, places, width) {
   const found = new Float64Array(places.length * width);
   places.forEach(([row, share], frame) => {
@@ -46,7 +47,7 @@ function columnAt(values, places, width) {
   return found;
 }
 
-/** First and last frame of each span in which numbers are above zero. */
+/** Return the first and last frame of each span in which numbers are above zero. */
 function spansOf(values) {
   const spans = [];
   values.forEach((value, frame) => {
@@ -62,14 +63,15 @@ function largest(values) {
 }
 
 /**
- * What a `Recording` is made of.
+ * Return the parts of a `Recording`.
  *
- * @param rows name, links, pointCount, time, x and y of all points in rows, energies by name, touches { point, wall, force, depth,
- *   friction, sticking } at the rows (of a joint with dry friction without wall and force), loads { joint, x, y } likewise, the forces
- *   in joints if they are known, contacts, walls, how far walls have moved along their normals by name (moved, if any
- *   do), stops, radius, touching [point, its radius], pointNames [point, its name], bodies [link, corners along it and to the left
- *   of it], rail { lines, carriage, stops } of a slider or null, pinned.
- * @param frames their times, and how many there are in a second on the screen; those are the rows if they have as many.
+ * @param rows name, links, pointCount, time, x and y of all points in rows, energies by name, touches { point, wall, force,
+ *   depth, friction, sticking } in the rows (for a joint with dry friction without wall and force), loads { joint, x, y } in
+ *   the rows, the forces in joints if they are known, contacts, walls, the displacements of moving walls along their normals
+ *   by name (moved, if any move), stops, radius, touching [point, its radius], pointNames [point, its name], bodies [link,
+ *   corners in the link's axes], rail { lines, carriage, stops } of a slider or null, pinned.
+ * @param frames the times of the frames, and the number of frames per second on the screen; the frames are the rows if their
+ *   numbers are equal.
  */
 export function framesOf(rows, { times, frameRate }) {
   const { name, links, pointCount, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;

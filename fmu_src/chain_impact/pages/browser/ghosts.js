@@ -1,11 +1,11 @@
-// Other motions behind the present one: that before the last change, and those that are pinned; and their impacts.
+// The other motions behind the present motion, the motion before the last change and pinned motions, and their impacts.
 
 import { make } from "./dom.js";
 import { durationText, forceText, unitsOf } from "./format.js";
 
-const GESTURE = 800; // ms: changes that follow each other faster are one
-const COLOURS = 5; // of pinned motions, which the style sheet has
-const LISTED = 40; // impacts side by side, at most
+const GESTURE = 800; // [ms] changes that follow each other faster count as one change
+const COLOURS = 5; // number of colours for pinned motions in the style sheet
+const LISTED = 40; // largest number of impacts that are listed side by side
 
 export class Ghosts {
   #last = -Infinity;
@@ -14,18 +14,18 @@ export class Ghosts {
     this.player = player;
     this.panel = panel;
     this.table = table;
-    this.pinned = []; // {recording, text, colour}
+    this.pinned = []; // the pinned motions: {recording, text, colour}
     this.before = null;
   }
 
-  /** Keep the motion that is shown as the one before the change, unless this goes on with the last change. */
+  /** Keep the shown motion as the motion before the change, unless this change continues the last change. */
   change(goesOn) {
     const now = performance.now();
     if (!goesOn && now - this.#last > GESTURE) this.before = this.player.recording ?? null;
     this.#last = now;
   }
 
-  /** Pin the motion that is shown; its text says what is changed in it. */
+  /** Pin the shown motion; its text describes the changes in it. */
   pin() {
     const { recording } = this.player;
     const used = this.pinned.map(({ colour }) => colour);
@@ -58,12 +58,13 @@ export class Ghosts {
     }
   }
 
-  /** List the pinned motions, and the impacts of all side by side. */
+  /** List the pinned motions, and the impacts of all motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
     player.panels.forEach(([, , chart]) => chart.compare(pinned.map(({ recording, colour }) => ({ recording, colour: `pin-${colour}` }))));
     panel.hidden = pinned.length === 0;
-    document.body.classList.toggle("with-pins", !panel.hidden); // there the charts leave room for the list of impacts
+    // if the panel is hidden, the charts leave room for the list of impacts
+    document.body.classList.toggle("with-pins", !panel.hidden);
     if (panel.hidden) return;
     const all = [{ recording: player.recording, text: "present" }, ...pinned];
     const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));
@@ -92,7 +93,7 @@ export class Ghosts {
   }
 }
 
-/** An impact in a cell: when, what, and the peak of its force. */
+/** Return a cell for an impact: time, point and wall, and the peak force. */
 function cellOf(impact) {
   if (!impact) return make("td", { textContent: "–" });
   const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);

@@ -1,15 +1,17 @@
-// The start taken by hand: joints, arrows of velocity and walls, which are dragged while the clock shows the start.
+// The handles with which the reader changes the start: joints, arrows of velocity and walls, which can be dragged while the
+// clock shows the start.
 
 import { roomWithin } from "./room.js";
 import { discOf, wallsAt } from "./view.js";
 
-const ARROW_TIME = 0.1; // s: an arrow is as long as the way at its velocity in this time …
-const LONGEST = 0.2; // … unless one would be longer than this part of the view
-const GRIP = 26; // pixels, what a finger hits
-const STEM = 32; // pixels from a joint to where its arrow begins: so the grip of a joint at rest lies beside it
-const WALL = 18; // pixels, the grip of a wall
+const ARROW_TIME = 0.1; // [s] the length of an arrow of velocity is the distance covered in this time
+const LONGEST = 0.2; // the largest length of an arrow, over the size of the view; for longer arrows the time is shorter
+const GRIP = 26; // [pixels] the size of a grip, large enough for a finger
+// [pixels] the distance from a joint to the start of its arrow: so the grip of a joint at rest lies beside the joint
+const STEM = 32;
+const WALL = 18; // [pixels] the size of the grip of a wall
 const MOST_DECIMALS = 15;
-const STEPS_OF_KEYS = [4, 24]; // pixels that an arrow key moves a grip, alone and with Shift
+const STEPS_OF_KEYS = [4, 24]; // [pixels] how far an arrow key moves a grip, alone and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SPOKEN = {
   site: (index) => `Point ${index}: arrow keys move it on its link`,
@@ -18,7 +20,7 @@ const SPOKEN = {
   wall: (name) => `Wall ${name}: arrow keys move it`,
 };
 
-/** A value that is set by hand: with the decimals that tell it from one that is a pixel away. */
+/** Return a value that was set by hand, with the decimals that distinguish it from a value one pixel away. */
 function byHand(value, pixel) {
   const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
   return Number(value.toFixed(decimals));
@@ -29,14 +31,14 @@ export class Handles {
     this.player = player;
     this.changes = changes;
     this.element = element;
-    this.dragged = null; // {kind, index, time, pointer}
+    this.dragged = null; // the dragged handle: {kind, index, time, pointer}
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     element.addEventListener("pointerdown", (event) => this.#grasp(event));
     element.addEventListener("pointermove", (event) => isDragging(event) && this.#drag(event));
     ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, (event) => isDragging(event) && this.#drop()));
-    element.setAttribute("role", "group"); // with grips in it, it is no image
+    element.setAttribute("role", "group"); // with grips in it, the drawing is no longer an image for screen readers
     element.addEventListener("keydown", (event) => this.#press(event));
-    // a pointer gives no focus to a grip: the arrow keys then still step in time
+    // a pointer does not give the focus to a grip, so that the arrow keys still step in time
     element.addEventListener("mousedown", (event) => gripOf(event) && event.preventDefault());
     // a finger on a handle does not scroll the page
     const keepStill = (event) => gripOf(event) && event.preventDefault();
@@ -52,9 +54,9 @@ export class Handles {
     return this.changes.valueOf(name) ?? 0;
   }
 
-  /** Places [m] and velocities [m/s] of the points at the start, by the parameters. */
+  /** Return positions [m] and velocities [m/s] of the points at the start, for the present parameters. */
   get #start() {
-    // a base that a signal drives is where that puts it
+    // a signal that drives the base determines its position
     const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
     const place = [isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")]];
     const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
@@ -67,7 +69,7 @@ export class Handles {
     return { place, velocity };
   }
 
-  /** The time [s] for which the arrows show the way; it stays while something is dragged. */
+  /** Return the time [s] for which the arrows show the distance; the time is constant while something is dragged. */
   #arrowTime(velocity) {
     if (this.dragged) return this.dragged.time;
     const [low, high] = this.player.recording.view;
@@ -75,7 +77,10 @@ export class Handles {
     return Math.min(ARROW_TIME, (LONGEST * size) / Math.max(...velocity.map(([x, y]) => Math.hypot(x, y)), 1e-300));
   }
 
-  /** Where the grip of each wall that can be moved is [m]: in the middle of what is seen, or at the edge before it. */
+  /**
+   * Return the position [m] of the grip of each wall that can be moved: in the middle of its visible part, or at the nearest
+   * edge.
+   */
   get #walls() {
     const { camera } = this.player.scene;
     const walls = wallsAt(this.changes.scene, (name) => this.changes.valueOf(name));
@@ -120,7 +125,10 @@ export class Handles {
     if (held) this.element.querySelector(`[data-grip="${held}"]`)?.focus({ preventScroll: true });
   }
 
-  /** The points of links that can be moved, and where they are at the start [m]; corners of boxes go with their links. */
+  /**
+   * Return the points of links that can be moved, and their positions at the start [m]; corners of boxes move with their
+   * links.
+   */
   #sites(place) {
     const { scene } = this.changes;
     return scene.sites.flatMap((site, s) => {
@@ -133,7 +141,7 @@ export class Handles {
     });
   }
 
-  /** The arrow of a velocity, at the end of a stem in its direction; `way` is its length on the screen. */
+  /** Draw the arrow of a velocity, at the end of a stem in its direction; `way` is the length of the arrow on the screen. */
   #arrow(group, from, way, k) {
     const length = Math.hypot(...way);
     const direction = length > 0 ? way.map((part) => part / length) : this.#aside(k);
@@ -145,7 +153,10 @@ export class Handles {
     group.circle(GRIP).center(...to).addClass("grip").attr(gripFor("velocity", k));
   }
 
-  /** Where on the screen the stem of a point at rest points: off the chain at the base, else where its link turns to. */
+  /**
+   * Return the direction on the screen of the stem of a point at rest: away from the chain at the base, else the direction
+   * in which its link turns.
+   */
   #aside(k) {
     const angle = this.#value(`initial.angle[${Math.max(k, 1)}]`);
     return k === 0 ? [-Math.cos(angle), Math.sin(angle)] : [-Math.sin(angle), -Math.cos(angle)];
@@ -162,7 +173,7 @@ export class Handles {
 
   #drop() {
     this.dragged = null;
-    this.changes.replace({ ...this.changes.values }); // once more, with a view that fits
+    this.changes.replace({ ...this.changes.values }); // a second drawing, with a view that fits
   }
 
   #drag(event) {
@@ -170,7 +181,7 @@ export class Handles {
     this.#move(event.clientX - left, event.clientY - top);
   }
 
-  /** An arrow key moves the grip that has the focus. */
+  /** Move the grip that has the focus, after a press of an arrow key. */
   #press(event) {
     const grip = gripOf(event);
     const way = KEYS[event.key];
@@ -183,27 +194,27 @@ export class Handles {
     this.dragged = { kind, index, time: this.#arrowTime(this.#start.velocity) };
     this.#move(x + width / 2 + step * way[0], y + height / 2 + step * way[1]);
     this.dragged = null;
-    this.draw(); // so that the next key finds it where it is now
+    this.draw(); // so that the next key finds the grip at its new position
   }
 
-  /** Move what is grasped to a place on the screen. */
+  /** Move the dragged handle to a place on the screen. */
   #move(left, top) {
     const at = this.player.scene.camera.at(left, top);
     const { kind, index } = this.dragged;
     try {
       this.changes.set(this[kind](at, index));
     } catch {
-      // a place that cannot be: the handle stays where it was
+      // this place is not possible: the handle stays where it was
     }
   }
 
-  /** The size of a pixel [m]. */
+  /** Return the size of a pixel [m]. */
   get #pixel() {
     const { camera } = this.player.scene;
     return Math.abs(camera.at(1, 0)[0] - camera.at(0, 0)[0]);
   }
 
-  /** The base moves; another joint turns the link before it. */
+  /** Move the base, or for another joint turn the link before it, to a position. */
   joint([x, y], index) {
     const k = Number(index);
     if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };
@@ -214,7 +225,7 @@ export class Handles {
     return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** A point of a link moves on it. */
+  /** Move a point of a link on the link. */
   site([x, y], number) {
     const { place } = this.#start;
     const { site: { link, entry } } = this.#sites(place).find((one) => one.number === Number(number));
@@ -225,13 +236,13 @@ export class Handles {
       [`link[${link + 1}].point[${entry + 1}].${key}`, byHand(value, this.#pixel)]));
   }
 
-  /** The arrow of the base sets its velocity, that of another joint the angular velocity of the link before it. */
+  /** Set a velocity by its arrow: of the base the velocity, of another joint the angular velocity of the link before it. */
   velocity([x, y], index) {
     const k = Number(index);
     const { place, velocity } = this.#start;
     const pixel = this.#pixel / this.dragged.time;
     const way = wayTo(place[k], [x, y]);
-    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...way)); // without the stem
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...way)); // the arrow without its stem
     const wanted = way.map((part) => (share * part) / this.dragged.time);
     if (k === 0) return { "initial.vx": byHand(wanted[0], pixel), "initial.vy": byHand(wanted[1], pixel) };
     const link = [0, 1].map((axis) => place[k][axis] - place[k - 1][axis]);
@@ -240,7 +251,7 @@ export class Handles {
     return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** A wall moves along its normal. */
+  /** Move a wall along its normal. */
   wall([x, y], name) {
     const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (one) => this.changes.valueOf(one))[name];
     const way = nx * x + ny * y - offset;
@@ -252,27 +263,27 @@ export class Handles {
   }
 }
 
-/** The handle that an event is at, if any. */
+/** Return the handle at which an event happens, if any. */
 function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }
 
-/** What makes an element a grip, for a pointer and for keys. */
+/** Return the attributes that make an element a grip, for a pointer and for keys. */
 function gripFor(kind, index) {
   return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index) };
 }
 
-/** The way from a place to another. */
+/** Return the vector from one place to another. */
 function wayTo([x0, y0], [x1, y1]) {
   return [x1 - x0, y1 - y0];
 }
 
-/** Where a point gets to at its velocity in a time [m]. */
+/** Return the position [m] of a point after it has moved with its velocity for a time. */
 function tipOf([x, y], [vx, vy], time) {
   return [x + vx * time, y + vy * time];
 }
 
-/** The place at the edge of what is seen that is nearest to a wall beyond it, so far inside; none if the wall is not there. */
+/** Return the place, `inside` the edge of the view, that is nearest to a wall beyond the view; undefined without a wall. */
 function edgeBefore({ normal, offset }, [low, high], inside) {
   const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
   if (!(normal[0] * middle[0] + normal[1] * middle[1] > offset)) return undefined;
@@ -281,7 +292,7 @@ function edgeBefore({ normal, offset }, [low, high], inside) {
   return middle.map((place, axis) => place - way * normal[axis]);
 }
 
-/** The ends of what is seen of one wall; none if it bounds nothing that is seen. */
+/** Return the ends of the visible part of a wall; undefined if no part is visible. */
 function edgesOf(walls, name, rectangle) {
   const { normal: [nx, ny], offset } = walls[name];
   const { edges } = roomWithin(walls, rectangle);

@@ -1,13 +1,13 @@
-// The list of impacts, which go to their moment.
+// The list of impacts; a click on an impact goes to its time.
 
 import { make } from "./dom.js";
 import { forceText, unitsOf } from "./format.js";
 
-const LONGEST_LIST = 2000; // impacts: each is a row of the page
+const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
 const COLUMNS = ["#", "time", "point", "wall", "speed", "e′", "peak force"];
 const TITLES = { "e′": "Speed after the impact over that before" };
 
-/** What is known of the peak of a force. */
+/** Return the peak of a force as text, as far as it is known. */
 function peakText({ peak, atStop }) {
   return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
 }
@@ -16,7 +16,9 @@ function approachText(impact) {
   return `${impact.speed.toFixed(2)} ${unitsOf(impact).speed}`;
 }
 
-/** How much of the speed an impact has left, with its sign turned; of a contact that has not ended, that it lasts. */
+/**
+ * Return the ratio of separation speed to impact speed as text; for a contact that has not ended, the word that it lasts.
+ */
 function reboundText({ speed, rebound, peak }) {
   if (!Number.isFinite(rebound ?? NaN)) return peak === null ? "–" : "lasts";
   return speed > 0 ? (rebound / speed).toFixed(3) : "–";
@@ -58,7 +60,7 @@ export class ImpactList {
     return row;
   }
 
-  /** Mark the present contact, if it is an impact, and bring it into sight, within the list only. */
+  /** Mark the present contact if it is an impact, and scroll to it within the list only. */
   draw(frame, contact) {
     if (contact === this.current) return;
     this.element.querySelector("[aria-current]")?.removeAttribute("aria-current");
@@ -74,7 +76,7 @@ export class ImpactList {
   }
 }
 
-/** A contact in words, as it is at a time; nothing of one that is no impact. */
+/** Return words for a contact at a time; "" if the contact is not an impact. */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
   const { number, onset, wall, peak } = contact;

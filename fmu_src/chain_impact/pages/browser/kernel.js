@@ -1,17 +1,17 @@
-// The kernel: the WebAssembly module, one instance in its memory, and runs of it. `model.js` says where in the
-// instance's record things are.
+// The kernel: the WebAssembly module with one instance in its memory, and runs of this instance. `model.js` has the places
+// of values in the record of the instance.
 
-const WORD = 8; // bytes
-const ROWS = 256; // of outputs that the kernel fills at once
-const RUNS = 41; // of a study at once
-const PAGE = 65536; // bytes of WebAssembly's memory
+const WORD = 8; // [bytes] size of a word
+const ROWS = 256; // number of rows of outputs that the kernel fills in one call
+const RUNS = 41; // number of runs of a study in one call
+const PAGE = 65536; // [bytes] size of a page of WebAssembly's memory
 
-/** The next multiple of 64 bytes. */
+/** Return the next multiple of 64 bytes. */
 function aligned(place) {
   return (place + 63) & ~63;
 }
 
-/** The times of the rows of a result [s]: multiples of the step, and the end. */
+/** Return the times [s] of the rows of a result: multiples of the step, and the end. */
 export function rowTimes(stop, step) {
   const count = Math.ceil((stop / step) * (1 - 1e-12)) + 1;
   const times = Float64Array.from({ length: count }, (_, row) => row * step);
@@ -19,7 +19,7 @@ export function rowTimes(stop, step) {
   return times;
 }
 
-/** Spans of consecutive words: the first of each and how many they are. */
+/** Return spans of consecutive words: the first word of each span, and its number of words. */
 function wordSpans(outputs) {
   const spans = [];
   for (const { word } of outputs) {
@@ -31,7 +31,7 @@ function wordSpans(outputs) {
 }
 
 export class Kernel {
-  /** The kernel of a module for the scene of a description. */
+  /** Return a promise of the kernel of a module, for the scene of a description. */
   static async load(module, scene) {
     const { exports } = await WebAssembly.instantiate(module, {});
     return new Kernel(exports, scene, scene.record);
@@ -48,7 +48,7 @@ export class Kernel {
     this.bytes.set(start);
   }
 
-  /** See that the memory reaches to some place; only here it grows, which makes all views invalid. */
+  /** Ensure that the memory reaches to an end; only this function grows the memory, which makes all views invalid. */
   #reserve(end) {
     const { exports, scene, start } = this;
     const missing = Math.ceil((end - exports.memory.buffer.byteLength) / PAGE);
@@ -59,7 +59,7 @@ export class Kernel {
     this.integers = new BigInt64Array(buffer, this.record, start.length / WORD);
   }
 
-  /** Places behind the record for arrays of so many words. */
+  /** Return places after the record for arrays of some numbers of words. */
   #places(sizes) {
     const places = sizes.reduce((found, size) => [...found, aligned(found.at(-1) + size * WORD)], [this.scratch]);
     this.#reserve(places.at(-1));
@@ -70,7 +70,7 @@ export class Kernel {
     return Number(this.integers[this.scene.layout.status]);
   }
 
-  /** The scene's record with some parameters changed, not initialized: name → number. */
+  /** Return the scene's record, not initialized, with some parameters changed: name → number. */
   #given(values) {
     this.bytes.set(this.start);
     for (const [name, value] of Object.entries(values)) {
@@ -89,13 +89,13 @@ export class Kernel {
   }
 
   /**
-   * Run from the scene's start through some times, and return what was found. It yields the share that is done, often
-   * enough that who calls can do something else.
+   * Run from the scene's start through some times, and return the results. The generator yields the finished fraction often
+   * enough for its caller to do other work.
    *
-   * @param values the parameters that are changed: name → number.
+   * @param values the changed parameters: name → number.
    * @param times Float64Array [s].
-   * @param outputs { word, integer } of the record, for each of which there is a column.
-   * @param atOnce times in a call of the kernel, which cannot be stopped.
+   * @param outputs { word, integer } of the record, one for each column.
+   * @param atOnce number of times in one call of the kernel, which cannot be interrupted.
    */
   *run(values, times, outputs = [], atOnce = ROWS) {
     const width = outputs.length;
@@ -142,8 +142,8 @@ export class Kernel {
   }
 
   /**
-   * Run once for each row of values of some parameters, all real, and return words of the record at the end of each run.
-   * It yields the share that is done.
+   * Run once for each row of values of some real parameters, and return words of the record at the end of each run. The
+   * generator yields the finished fraction.
    */
   *runEach(values, names, each, stops, words) {
     const [runs, width] = [stops.length, words.length];
@@ -166,7 +166,7 @@ export class Kernel {
     return new Float64Array(buffer, found, runs * width).slice();
   }
 
-  /** Take the finished contacts out of the log; of those that nobody took in time, the oldest are lost. */
+  /** Collect the finished contacts from the log; the oldest contacts are lost if they were not collected in time. */
   #finished() {
     const { finished, changes } = this.scene.layout;
     const ended = Number(this.integers[finished.count]);
@@ -176,7 +176,7 @@ export class Kernel {
     return this.#logged(ended - first, (index) => (first + index) % finished.room);
   }
 
-  /** Rows of the log of contacts. */
+  /** Return rows of the log of contacts. */
   #logged(count, rowOf) {
     const { reals, integers, scene: { layout: { finished, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
@@ -186,7 +186,10 @@ export class Kernel {
     });
   }
 
-  /** The contacts that have not ended, with their peaks so far, behind those that have; drops what was solved ahead. */
+  /**
+   * Return the contacts that have not ended, with their peaks so far, which follow the ended contacts; drop results that
+   * were computed ahead.
+   */
   #open() {
     this.exports.follow(this.record);
     const { finished, active } = this.scene.layout;
@@ -195,7 +198,7 @@ export class Kernel {
   }
 }
 
-/** All of a run at once. */
+/** Return the result of a run without interruption. */
 export function runThrough(run) {
   let step = run.next();
   while (!step.done) step = run.next();

@@ -1,10 +1,10 @@
-// The knobs for what matters most, and the list of all parameters.
+// The knobs for the most important parameters, and the list of all parameters.
 
 import { make } from "./dom.js";
 import { numberText } from "./changes.js";
 import { unitText } from "./format.js";
 
-/** The parameters with a knob: name, label, and the ends of its slider. */
+/** The parameters with a knob: name, label, and the ends of the knob's slider. */
 export const KNOBS = [
   { name: "contact.model", label: "Contact law" },
   { name: "contact.stiffness", label: "Stiffness", logarithmic: true, decades: 3 },
@@ -17,15 +17,16 @@ export const KNOBS = [
   { name: "solver.tolerance", label: "Tolerance", logarithmic: true, ends: [-12, -3] },
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
-const STEPS = 400; // of a slider
-const TRIVIAL = ["mean", "frequency_rate", "phase", "initial", "start", "rise"]; // of a signal: 0 unless the scene gives them
+const STEPS = 400; // number of steps of a slider
+// numbers of a signal that get a knob only if the scene gives them, because they are 0 otherwise
+const TRIVIAL = ["mean", "frequency_rate", "phase", "initial", "start", "rise"];
 
-/** A name that may be broken behind its parts. */
+/** Return a name in which a line may be broken after each part. */
 function breakable(name) {
   return name.replaceAll(/(\.|_)/g, "$1\u200b");
 }
 
-/** Change something; a field whose value is refused is marked, and its row says why. */
+/** Make a change; if its value is refused, mark the field, and show the reason in its row. */
 function attempt(field, change) {
   try {
     field.setCustomValidity("");
@@ -36,20 +37,20 @@ function attempt(field, change) {
   explain(field.closest(".knob, .parameter"));
 }
 
-/** The place in a row for what is wrong. */
+/** Return the element of a row that shows why a value is refused. */
 function refusal() {
   const place = make("p", { className: "refusal" });
   place.setAttribute("role", "alert");
   return place;
 }
 
-/** Say in a row what is wrong with a value in it, until it is changed, or nothing. */
+/** Show in a row why the value in it is refused, until the value changes, or show nothing. */
 function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   row.querySelector(".refusal").textContent = refused ? `Not taken: ${refused.validationMessage}.` : "";
 }
 
-/** A field for a number, or a choice, that follows the changes. */
+/** Return a field for a number, or a choice, whose value follows the changes. */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived } = parameter;
   const field = items.length
@@ -77,7 +78,7 @@ function resetButton(changes, name, field) {
   return button;
 }
 
-/** The places of a slider: to and from its value. */
+/** Return the functions between the place of a slider and its value. */
 function scaleOf({ ends, logarithmic, decades, spread }, start) {
   if (logarithmic) {
     const middle = Math.log10(start);
@@ -88,12 +89,12 @@ function scaleOf({ ends, logarithmic, decades, spread }, start) {
   return { toPlace: (value) => (value - low) / (high - low), toValue: (place) => low + place * (high - low) };
 }
 
-/** A value with as many digits as a slider can tell. */
+/** Return a value with as many digits as a slider can distinguish. */
 function rounded(value) {
   return Number(value.toPrecision(3));
 }
 
-/** A knob: label, field, slider, reset. */
+/** Return a knob: label, field, slider, reset button. */
 function knob(changes, entry) {
   const parameter = changes.parameters.get(entry.name);
   const { field, refresh } = valueField(changes, parameter);
@@ -135,10 +136,10 @@ function knob(changes, entry) {
   } };
 }
 
-/** The knobs of the inputs, to both sides of zero: as far as what the weight of the chain needs, or half a turn. */
+/** Return the knobs of the inputs, from −x to x: x is the value that the weight of the chain needs, or half a turn. */
 function inputKnobs({ scene, starts }) {
   const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
-  const weight = 10 * sum("mass"); // N
+  const weight = 10 * sum("mass"); // [N] the weight of the chain
   const ends = { "N.m": weight * sum("length"), N: weight, rad: Math.PI, "rad/s": 10 };
   return scene.inputs.map((name) => {
     const end = Number(ends[scene.parameters.find((one) => one.name === name).unit].toPrecision(3));
@@ -146,7 +147,7 @@ function inputKnobs({ scene, starts }) {
   });
 }
 
-/** The ends of the slider of a number of a signal, by its key, its value and the values of those beside it in the signal. */
+/** Return the ends of the slider for a number of a signal, by its key, its value and the other values of the signal. */
 function endsOfSignal(key, value, beside, stop) {
   if (key === "phase") return [-Math.PI, Math.PI];
   if (["start", "rise", "duration", "time"].includes(key)) return [0, Math.max(stop, 2 * value)];
@@ -155,7 +156,10 @@ function endsOfSignal(key, value, beside, stop) {
   return key === "frequency_rate" ? [-size / stop, size / stop] : [key === "amplitude" ? 0 : -2 * size, 2 * size];
 }
 
-/** The knobs of the signals: of what their forms need, and of what else the scene gives. All numbers are in the list. */
+/**
+ * Return the knobs of the signals: for the numbers that a form needs, and for other numbers that the scene gives. The list
+ * has all numbers.
+ */
 function signalKnobs({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name }) => {
     const [, signal, key] = /^signal\.(\w+)\.(\w+)/.exec(name) ?? [];
@@ -168,7 +172,9 @@ function signalKnobs({ scene, starts }) {
   });
 }
 
-/** The knobs that the scene has; where walls have their own friction or restitution, one for each of them. */
+/**
+ * Return the knobs that the scene has; if walls have their own friction or restitution, one knob for each of these walls.
+ */
 function knobsOf(changes) {
   const { parameters, scene } = changes;
   const walls = Object.keys(scene.walls);
@@ -180,7 +186,7 @@ function knobsOf(changes) {
   }).filter(({ name }) => parameters.has(name)).concat(inputKnobs(changes));
 }
 
-/** Fill an element with the knobs that the scene has, whenever there is another one. */
+/** Fill an element with the knobs of the scene, and again when another scene is opened. */
 export function showKnobs(element, changes) {
   let knobs;
   const fill = () => {
@@ -194,7 +200,10 @@ export function showKnobs(element, changes) {
   refresh();
 }
 
-/** The list of all parameters, made when it is first opened; `search` leaves those whose name or meaning holds a text. */
+/**
+ * Fill the list of all parameters when it is first opened; `search` leaves the parameters whose name or meaning contains a
+ * text.
+ */
 export function showList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
   let rows;

@@ -1,4 +1,4 @@
-// The page of a recording.
+// The program of the page that shows a recording.
 
 import { find } from "./dom.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";

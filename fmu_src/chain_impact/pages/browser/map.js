@@ -1,4 +1,4 @@
-// The map: two parameters over a grid, coloured by an output at the end of each run.
+// The map: an output at the end of each run, as a colour over a grid of two parameters.
 
 import { find } from "./dom.js";
 import { numberText } from "./changes.js";
@@ -6,24 +6,25 @@ import { pictureOf, save } from "./outside.js";
 import { colourAt, quantityOf, scaled, shownIn, ticksBetween, titleOf, VIRIDIS } from "./map_scales.js";
 import { unitText } from "./format.js";
 
-const RIM = 2; // pixels around the run that the keyboard is at
-const POINTS = 41; // in each direction
-const COARSE = 9; // the same of the preview
-const WORKERS = 8; // at most
-const EDGE = { left: 64, right: 16, top: 8, bottom: 86 }; // pixels around the canvas, as the style sheet has them
-/** The first and the last value of an axis: around the present one, within what is allowed. */
+const RIM = 2; // [pixels] the size of the mark around the run that the keyboard has chosen
+const POINTS = 41; // number of points in each direction
+const COARSE = 9; // number of points of the preview in each direction
+const WORKERS = 8; // largest number of workers
+// [pixels] margins around the canvas, equal to those in the style sheet
+const EDGE = { left: 64, right: 16, top: 8, bottom: 86 };
+/** Return the first and the last value of an axis: around the present value, within the allowed values. */
 function rangeOf({ low, high }, value) {
   if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
   const reach = value === 0 ? 1 : Math.abs(value) / 2;
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-/** An output by its name, if the scene has it; its value is the largest of some words of the record. */
+/** Return an output by its name, if the scene has it; its value is the largest of some words of the record. */
 function outputsLike({ columns }, name) {
   return columns.filter((one) => one.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
 }
 
-/** The largest of a run, by the names of a sweep: at walls, at stops of joints, and in joints. */
+/** Return the largest values of a run, by their names in a sweep: at walls, at stops of joints, and in joints. */
 function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
   const atWalls = contactPoints.length || sliderStops.length ? { peak_force: "N", max_penetration: "m" } : {};
   const atStops = stops.length ? { "stop.peak_moment": "N.m", "stop.max_penetration": "rad" } : {};
@@ -33,11 +34,11 @@ function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks
 }
 
 export class GridMap {
-  #engines = []; // those that are at work
-  #read; // the run that a finger has pointed at
-  #chosen; // the run that the keyboard is at
+  #engines = []; // the workers that are in use
+  #read; // the run at which a finger has pointed
+  #chosen; // the run that the keyboard has chosen
 
-  /** `begin` makes an engine. */
+  /** `begin` is a function that makes an engine. */
   constructor(begin, changes) {
     Object.assign(this, { begin, changes });
     this.dialog = find("map");
@@ -59,7 +60,7 @@ export class GridMap {
     this.canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
-  /** Show the dialog, with ranges around the present values where they are as it has put them. */
+  /** Show the dialog, with ranges around the present values, unless the reader has changed the ranges. */
   open() {
     this.inputs.forEach(([, from, to], k) => {
       if ([from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
@@ -69,12 +70,12 @@ export class GridMap {
     this.#preview();
   }
 
-  /** Show at once, with few runs, what a press will show; a whole map stays as it is. */
+  /** Show at once, with few runs, the map that a press of the button will show; a complete map stays. */
   #preview() {
     if (this.shown?.points !== POINTS) this.run(COARSE);
   }
 
-  /** What a map can show: the largest forces and depths, and outputs at the end, of the whole and of the tip. */
+  /** Return the outputs that a map can show: the largest forces and penetrations, and outputs at the end. */
   get #outputs() {
     const { scene } = this.changes;
     const tip = `point[${scene.links}]`;
@@ -83,7 +84,7 @@ export class GridMap {
     return [...first, ...largestOf(scene), ...last].map((one) => ({ ...one, label: titleOf(one.name, unitText(one.unit)) }));
   }
 
-  /** Offer what the scene has; the map of another scene goes. */
+  /** Fill the lists with the parameters and outputs of the scene; the map of another scene is removed. */
   #fill() {
     this.#stop();
     this.shown = undefined;
@@ -112,7 +113,9 @@ export class GridMap {
     });
   }
 
-  /** Work the map out, with so many points along each axis, drawing what is there; what cannot be asked for changes nothing. */
+  /**
+   * Compute the map with a number of points along each axis, and draw it as it grows; a fault in the fields changes nothing.
+   */
   async run(points = POINTS) {
     let asked;
     try {
@@ -142,7 +145,7 @@ export class GridMap {
     find("map-text").textContent = text;
   }
 
-  /** What the fields ask for: names, values along both axes, the other changes and the output. */
+  /** Return the values of the fields: names, values along both axes, the other changes and the output. */
   #asked(points) {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
@@ -154,7 +157,7 @@ export class GridMap {
     return { names, axes, values: { ...this.changes.values }, output };
   }
 
-  /** Simulate the rows of a map, each in the next worker that is free: there is one for each processor. */
+  /** Simulate the rows of a map, each in the next free worker; there is a worker for each processor. */
   async #simulate(shown) {
     const { names, axes, values, output, points } = shown;
     const words = [this.changes.scene.layout.status, ...output.words];
@@ -165,7 +168,7 @@ export class GridMap {
         next += 1;
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
         const result = await engine.ask("study", values, { names, each, words });
-        if (!result) return; // the worker was ended
+        if (!result) return; // if not equal, the worker was ended
         if (shown === this.shown) this.#take(result.rows, row);
       }
     };
@@ -174,13 +177,13 @@ export class GridMap {
     await Promise.all(this.#engines.map(work));
   }
 
-  /** End the workers; a map that is not complete stays as it is. */
+  /** End the workers; an incomplete map stays as it is. */
   #stop() {
     this.#engines.forEach((engine) => engine.end());
     this.#engines = [];
   }
 
-  /** Take the outputs at the ends of the runs of a row; null of one that has failed, or that a scene would refuse. */
+  /** Store the outputs at the ends of a row's runs; null for a run that has failed, or that the scene refuses. */
   #take(rows, row) {
     const { output, found, points } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
@@ -195,7 +198,7 @@ export class GridMap {
     this.#draw();
   }
 
-  /** The values of both parameters in a run. */
+  /** Return the values of both parameters in a run. */
   #givenAt(index) {
     const { names, axes, points } = this.shown;
     return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
@@ -226,7 +229,7 @@ export class GridMap {
     this.#drawScales();
   }
 
-  /** The axes, the present run and the scale of the colours. */
+  /** Draw the axes, the present run and the scale of the colours. */
   #drawScales() {
     const { scales, shown: { names, axes, output, ends, points } } = this;
     const { clientWidth, clientHeight } = find("map-frame");
@@ -268,7 +271,7 @@ export class GridMap {
     if (isSeen && this.#isOfPresent()) ["map-present-edge", "map-present"].forEach((kind) => scales.circle(13).center(...present).addClass(kind));
   }
 
-  /** The scale of the colours, with its ends and what it is. */
+  /** Draw the scale of the colours, with its ends and its title. */
   #drawColours(write, left, top, width, title, ends) {
     const bar = this.scales.gradient("linear", (add) => VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
     this.scales.rect(width, 9).move(left, top - 8).fill(bar);
@@ -278,13 +281,13 @@ export class GridMap {
     write(most, left + width, top + 16, "end");
   }
 
-  /** Whether what the page shows now differs from the runs of the map in the two parameters only. */
+  /** Return whether the present parameters differ from the runs of the map only in the two parameters of the map. */
   #isOfPresent() {
     const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
     return others(this.shown.values) === others(this.changes.values);
   }
 
-  /** The runs as a table: both parameters and the output. */
+  /** Return the runs as a table: both parameters and the output. */
   #table() {
     const { names, output, found } = this.shown;
     const lines = Array.from(found, (value, index) => [...Object.values(this.#givenAt(index)), value ?? ""].join(","));
@@ -300,7 +303,7 @@ export class GridMap {
     save(picture, `${this.changes.scene.name}-map.png`);
   }
 
-  /** The run at a place of the canvas; undefined where there is none yet. */
+  /** Return the run at a place of the canvas; undefined if there is none yet. */
   #at({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const points = this.canvas.width;
@@ -310,7 +313,7 @@ export class GridMap {
     return this.shown?.found[index] === undefined ? undefined : index;
   }
 
-  /** The arrow keys go from run to run, first from the one in the middle; Enter opens it. */
+  /** Move from run to run with the arrow keys, first from the run in the middle; open a run with Enter. */
   #press(event) {
     const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [];
     if (!this.shown || (right === undefined && event.key !== "Enter")) return;
@@ -336,7 +339,7 @@ export class GridMap {
     this.#say(`${parameters.join(", ")}: ${result}`);
   }
 
-  /** A value of a parameter with its unit, of an angle in degrees, too. */
+  /** Return a value of a parameter with its unit; for an angle, also in degrees. */
   #valueText(name, value) {
     const parameter = this.changes.parameters.get(name);
     const { factor, text } = shownIn(parameter);
@@ -344,7 +347,7 @@ export class GridMap {
     return `${name} = ${[numberText(Number(value.toPrecision(5))), unitText(parameter.unit)].filter(Boolean).join("\u202f")}${degrees}`;
   }
 
-  /** Open a run; a finger that has not pointed at it yet reads it first. */
+  /** Open a run; the first touch of a run with a finger only shows its values. */
   #choose(event) {
     const index = this.#at(event);
     if (index === undefined) return;

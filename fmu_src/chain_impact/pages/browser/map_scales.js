@@ -1,25 +1,25 @@
-// The scales of the map: what axes and colours are called, their units, ticks and colours.
+// The scales of the map: titles, units, ticks and colours of its axes.
 
 import { KNOBS } from "./knobs.js";
 import { unitText } from "./format.js";
 
-// viridis of matplotlib (CC0), at equal distances
+// the colour map viridis of matplotlib (CC0), at equal distances
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
-const TICKS = 5; // about, of an axis
+const TICKS = 5; // approximate number of ticks of an axis
 const DEGREES = 180 / Math.PI;
 
-/** How a value is shown: in degrees if it is an angle. */
+/** Return the factor and the unit in which a value is shown: degrees for an angle. */
 export function shownIn({ unit }) {
   return unit.startsWith("rad") ? { factor: DEGREES, text: unit.replace("rad", "°") } : { factor: 1, text: unitText(unit) };
 }
 
-/** A name with a unit. */
+/** Return a name with a unit. */
 export function titleOf(name, unit) {
   return unit ? `${name}, ${unit}` : name;
 }
 
-/** Round numbers between two. */
+/** Return round numbers between two numbers. */
 export function ticksBetween(low, high) {
   const rough = (high - low) / TICKS;
   if (!(rough > 0)) return [low];
@@ -29,14 +29,14 @@ export function ticksBetween(low, high) {
   return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(9)));
 }
 
-/** The colour of a share from 0 to 1. */
+/** Return the colour of a fraction from 0 to 1. */
 export function colourAt(share) {
   const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
   const at = Math.min(Math.floor(place), VIRIDIS.length - 2);
   return VIRIDIS[at].map((part, k) => Math.round(part + (place - at) * (VIRIDIS[at + 1][k] - part)));
 }
 
-/** What is drawn, by its name in a scene or a sweep. */
+/** The quantities that a map can show: name in a scene or a sweep → title. */
 const QUANTITIES = {
   "impact.count": "Number of impacts",
   "impact.last_time": "Time of the last impact",
@@ -48,12 +48,12 @@ const QUANTITIES = {
   "energy.total": "Energy at the end",
 };
 
-/** The quantity of a name, or the name where there is no other. */
+/** Return the quantity with a name, or the name if there is no quantity. */
 export function quantityOf(name) {
   return QUANTITIES[name] ?? KNOBS.find((knob) => knob.name === name)?.label ?? name;
 }
 
-/** The unit in which a value up to a largest one is easy to read, and its factor. */
+/** Return a unit in which values up to a largest value are easy to read, and the factor to this unit. */
 export function scaled(unit, most) {
   if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };
   if (unit === "m" && most < 0.1) return { factor: 1e3, text: "mm" };

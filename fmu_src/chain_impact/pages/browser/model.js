@@ -1,29 +1,30 @@
-// A scene as the page works with it: its variables and its record, from the contents of its file and the templates of
+// The model of a scene for the page: its variables and its record, from the contents of its file and the templates of
 // `kit.py`.
 
 import { checkDriven, drivenBy, drivenPlaces, putSignals, signalElements } from "./signals.js";
 import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
 import { STOPS, pointText, sumOf, wallsAt } from "./view.js";
 
-const BYTES = 8; // of a word
-const PARALLEL = 1e-12; // the cosine between a slider's line and a wall's normal that counts as 0: round-off
+const BYTES = 8; // [bytes] size of a word
+// the largest cosine between a slider's line and a wall's normal that counts as 0, because of round-off
+const PARALLEL = 1e-12;
 const NORMALS = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
 
-/** Numbers of some length, from 0. */
+/** Return the numbers from 0 to length − 1. */
 const range = (length) => Array.from({ length }, (_, k) => k);
 
-/** The place of a word in a record of these sizes, a + bN + cC + dF + eL + fK + gP + h·index. */
+/** Return the place of a word in a record of these sizes: a + bN + cC + dF + eL + fK + gP + h·index. */
 function placeOf([constant, ...slopes], sizes, index = 0) {
   return [...sizes, index].reduce((sum, size, k) => sum + slopes[k] * size, constant);
 }
 
-/** All such places in nested tables. */
+/** Return all such places, in nested tables. */
 function placesOf(words, sizes) {
   if (Array.isArray(words)) return placeOf(words, sizes);
   return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, placesOf(inner, sizes)]));
 }
 
-/** Whether a point slides along a line that is parallel to a wall, so that it never reaches it. */
+/** Return whether a point slides along a line parallel to a wall, so that it never reaches the wall. */
 function keepsDistance({ chain: { slider, links }, walls }, sites, point, name) {
   const site = sites[point - links.length - 1];
   const isAtBase = point === 0 || (site && site.link === 0 && site.x === 0 && site.y === 0);
@@ -33,7 +34,7 @@ function keepsDistance({ chain: { slider, links }, walls }, sites, point, name) 
   return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < PARALLEL;
 }
 
-/** What a scene has, that its variables and its record depend on. */
+/** Return the parts of a scene on which its variables and its record depend. */
 function partsOf(file, { boxWalls, signals }) {
   const { chain: { base, links, slider }, walls, contact, inputs, outputs } = file;
   const count = links.length;
@@ -73,7 +74,7 @@ function partsOf(file, { boxWalls, signals }) {
     contact_friction: rubs,
     friction: hasFriction,
     driven: isDriven,
-  }; // as in `shape.py`
+  }; // in the order of `shape.py`
   const sizes = [
     count,
     candidates.length,
@@ -88,12 +89,14 @@ function partsOf(file, { boxWalls, signals }) {
   return { file, driven, points, sites, mayTouch, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
 }
 
-/** The values of a table under their dotted keys. */
+/** Return the values of a table under their dotted keys. */
 function flags(table, name) {
   return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value]));
 }
 
-/** What there are of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and facts. */
+/**
+ * Return the elements of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and conditions.
+ */
 function elementsOf({ file, sites, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, moving, joints, sizes: [links] }) {
   const ofJoints = (wanted) => wanted.map((n) => ({ n, at: n - 1 }));
   const { inputs, outputs, chain: { slider } } = file;
@@ -122,17 +125,17 @@ function elementsOf({ file, sites, sliderStops, stops, there, wallNames, pairs, 
   };
 }
 
-/** Where the record has an input, as `acting` of `driving.py` tells it: the number of its kind, and its index. */
+/** Return where the record has an input, as `acting` of `driving.py`: the number of its kind, and its index. */
 function actingOf({ acts: [number, index], element: { at } }) {
   return [number, { "{at}": at, "{next}": at + 1 }[index] ?? index];
 }
 
-/** A template with what it is of filled in. */
+/** Return a template with the words of an element filled in. */
 function filled(text, { n, of, name }) {
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
 }
 
-/** The rows of templates, each for every element that it is of, and whether the element has it. */
+/** Return the rows of templates for every element of their kind, and whether the element meets their conditions. */
 function instances(groups, elements, facts) {
   return groups.flatMap(({ of, rows }) => elements[of].flatMap((element) => {
     const known = { ...facts, ...element };
@@ -140,7 +143,7 @@ function instances(groups, elements, facts) {
   }));
 }
 
-/** The values of all that may be a parameter: name → number, and whether it is derived. */
+/** Return the values of everything that may be a parameter: name → number, and whether the number is derived. */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];
   for (const { name, path, element, rule, items, has } of rows) {
@@ -160,12 +163,12 @@ function valuesOf(file, rows) {
   return values;
 }
 
-/** Whether inputs act on a chain in flight: others than the motion of walls. */
+/** Return whether inputs act on a chain in flight: inputs other than motions of walls. */
 function anyOnChain({ joint_torques: torques, joint_targets: targets, slider_force: slider, tip_force: tip, base_motion: base }) {
   return torques || targets || slider || tip || base;
 }
 
-/** The record of the scene, not initialized; `asked` are its inputs by their names, whether signals drive them or not. */
+/** Return the record of the scene, not initialized; `asked` are the scene's inputs by name, with or without a signal. */
 function recordOf(kit, parts, rows, values, asked) {
   const { file, sizes, candidates, pairs, sites, sliderStops, stops, hasFriction, moving, wallNames, mayTouch, facts } = parts;
   const { inputs, outputs, chain } = file;
@@ -212,7 +215,7 @@ function recordOf(kit, parts, rows, values, asked) {
   return bytes;
 }
 
-/** What the page draws, each a word of the record; what the scene does not ask for is null. */
+/** Return the words of the record that the page draws; null for values that the scene does not have. */
 function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns) {
   const words = new Map(columns.map(({ name, word }) => [name, word]));
   const word = (name) => words.get(name) ?? null;
@@ -241,7 +244,7 @@ function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns)
   };
 }
 
-/** A scene as the page works with it; `command` is what comes after `chain-impact simulate` to repeat it. */
+/** Return the model of a scene; `command` are the words after `chain-impact simulate` that repeat a run. */
 export function describe(kit, file, command) {
   const parts = partsOf(file, kit);
   const { sizes, stops, wallNames, there, facts } = parts;
@@ -267,7 +270,8 @@ export function describe(kit, file, command) {
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
     const place = word ? placeOf(given && facts[givenIf] ? given : word, sizes, element.at) : -1;
-    const unit = row.unit === "1" ? element.unit ?? row.unit : row.unit; // numbers of a signal have that of what it drives
+    // numbers of a signal have the unit of the driven input
+    const unit = row.unit === "1" ? element.unit ?? row.unit : row.unit;
     return { ...row, name, unit, place: steps, word: place, text: filled(row.text, element), start, derived: follows };
   };
   const times = kit.times.map((row) => ({ ...row, element: {} }));
@@ -306,7 +310,7 @@ export function describe(kit, file, command) {
     drawn: drawnOf(kit, parts, columns),
     rigidWithFriction: kit.rigidWithFriction,
     statuses: kit.statuses,
-    places: [ // what a run may be refused for: each candidate, and then each link
+    places: [ // the words for the reasons of a refusal: each candidate, and then each link
       ...parts.pairs.map(([point, wall]) => `${pointText(new Map(pointNames), point)} at the wall ${wallNames[wall]}`),
       ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
       ...parts.sliderStops.map((stop) => `the slider at its ${stop}`),

@@ -1,5 +1,5 @@
-// A motion to be shown, from two runs, and a third where outputs are chosen. The first finds the impacts, the second has
-// rows at the frames, which are close in time where it is shown slowly. Rows do not change the solution.
+// A motion for the player, from two runs, and a third run if outputs are chosen. The first run finds the impacts, the second
+// run has rows at the frames, which are dense where the motion is shown slowly. Rows do not change the solution.
 
 import { bodiesOf, railOf } from "./bodies.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";
@@ -7,15 +7,16 @@ import { rowTimes } from "./kernel.js";
 import { FRAME_RATE } from "./pacing.js";
 import { STOPS, discOf, pointText, viewOf, wallsAt } from "./view.js";
 
-const IMPACT_TIME = 0.6; // s on the screen that an impact takes
-const PARTS = 100; // of the first run, between which it can be stopped
-const ROWS_OF_INPUTS = 2000; // of the first run where signals drive inputs
+const IMPACT_TIME = 0.6; // [s] time on the screen that an impact takes
+const PARTS = 100; // number of parts of the first run, between which the run can be stopped
+const ROWS_OF_INPUTS = 2000; // number of rows of the first run if signals drive inputs
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
-const FRAMES_OF_A_PERIOD = 16; // of the fastest sine that drives an input, at least
-const [FOLLOWED, ROWS_OF_IMPACT] = [400, 50]; // impacts with more rows of chosen outputs, and how many
-const ALONE = 1e-3; // of the size of the motion: a smaller radius is not drawn
+const FRAMES_OF_A_PERIOD = 16; // least number of frames in a period of the fastest sine that drives an input
+// largest number of impacts with additional rows of chosen outputs, and number of these rows
+const [FOLLOWED, ROWS_OF_IMPACT] = [400, 50];
+const ALONE = 1e-3; // largest radius that is not drawn, over the size of the motion
 
-/** The impacts of a run as a recording has them. */
+/** Return the impacts of a run in the form of a recording. */
 function listed(impacts, scene, valueOf) {
   return impacts.map(({ point, wall, onset, end, impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak }) => {
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
@@ -25,7 +26,7 @@ function listed(impacts, scene, valueOf) {
   });
 }
 
-/** The ranges of the joints with stops, as they are drawn. */
+/** Return the ranges of the joints with stops, in the form that the page draws. */
 function rangesOf(scene, valueOf) {
   return scene.stops.map((joint) => {
     const [low, high] = STOPS.map((stop) => valueOf(`link[${joint}].${stop}`));
@@ -35,13 +36,13 @@ function rangesOf(scene, valueOf) {
   });
 }
 
-/** The radius of a point [m]. */
+/** Return the radius of a point [m]. */
 function radiusOf({ sites, links }, valueOf, point) {
   const site = sites[point - links - 1];
   return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;
 }
 
-/** One coordinate of the points, in rows of all points. */
+/** Return one coordinate of all points, in rows of all points. */
 function interleaved(each) {
   const found = new Float64Array(each[0].length * each.length);
   each.forEach((column, point) => column.forEach((value, row) => {
@@ -51,9 +52,9 @@ function interleaved(each) {
 }
 
 /**
- * What a `Recording` is made of, and how the runs ended; it yields the share that is done.
+ * Return the parts of a `Recording`, and how the runs ended; the generator yields the finished fraction.
  *
- * @param curves names of outputs that are wanted over time.
+ * @param curves names of outputs that are needed over time.
  */
 export function* motion(kernel, values, { curves = [] } = {}) {
   const { scene } = kernel;
@@ -127,7 +128,7 @@ export function* motion(kernel, values, { curves = [] } = {}) {
   return { ...ending, parts: { ...framesOf(rows, { times: time, frameRate }), inputs, outputs } };
 }
 
-/** Times with more of them within impacts, which may be between two of them. */
+/** Return times with additional times within impacts, because an impact may lie between two times. */
 function withImpacts(times, contacts) {
   const inside = contacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd }) =>
     Array.from({ length: ROWS_OF_IMPACT }, (_, k) => onset + ((impactEnd - onset) * k) / (ROWS_OF_IMPACT - 1)));
@@ -135,7 +136,7 @@ function withImpacts(times, contacts) {
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
 
-/** How many frames there are in a second on the screen: so many that the sines that drive inputs are seen. */
+/** Return the number of frames per second on the screen, enough to show the sines that drive inputs. */
 function frameRateOf({ parameters }, valueOf, stop) {
   const sines = parameters.flatMap(({ name }) => /^signal\.\w+\.frequency$/.test(name)
     ? [Math.max(Math.abs(valueOf(name)), Math.abs(valueOf(name) + stop * valueOf(`${name}_rate`)))] : []);
@@ -143,8 +144,8 @@ function frameRateOf({ parameters }, valueOf, stop) {
 }
 
 /**
- * Increasing times from 0 to the end, one in each of equal parts, at uneven places there: at even times a fast oscillation
- * could look like a slow one, or like none.
+ * Return increasing times from 0 to the end, one in each of equal intervals, at uneven places in the interval: with even
+ * times a fast oscillation could look like a slow one, or like none.
  */
 function unevenTimes(stop, count) {
   const times = Float64Array.from({ length: count + 1 }, (_, k) => ((k + ((k * GOLDEN) % 1)) * stop) / count);
@@ -152,7 +153,7 @@ function unevenTimes(stop, count) {
   return times;
 }
 
-/** Go through one of several runs. */
+/** Advance one of several runs, and yield the finished fraction of all runs. */
 function* part(run, number, runs) {
   let step = run.next();
   while (!step.done) {

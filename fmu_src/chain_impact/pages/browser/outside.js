@@ -1,15 +1,15 @@
-// Out of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
+// The exports of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
 
 import { numberText } from "./changes.js";
 import { asWritten } from "./scene_file.js";
 
-/** A word of a command as a shell takes it: in double quotes, which those of Windows take too, where they do. */
+/** Return a word of a command for a shell, if necessary in double quotes, which shells of Windows also accept. */
 function quoted(word) {
   if (/^[\w./:=+,-]+$/.test(word)) return word;
   return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
-/** The command that gives the same motion: constant inputs are given in Python only. */
+/** Return the command that gives the same motion; constant inputs can be given only in Python. */
 export function commandOf(changes) {
   const { inputs, command: [source, ...settings] } = changes.scene;
   const [given, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
@@ -22,7 +22,9 @@ export function commandOf(changes) {
   return ["python", "-c", program].map(quoted).join(" ");
 }
 
-/** What adds the table of a command to its scene in Python: the last signal of the page's file is made of it. */
+/**
+ * Return the Python code that adds the table of a command to its scene; this table is the last signal of the page's file.
+ */
 function tableOf({ signals }, [path]) {
   if (!path) return "";
   const [name, { input, interpolation }] = Object.entries(signals).at(-1);
@@ -31,13 +33,13 @@ function tableOf({ signals }, [path]) {
   return `.with_values({("signals", "${name}"): {"input": ${JSON.stringify(input)}, "form": "table", "file": ${file}${joined}}})`;
 }
 
-/** Names and texts as Python has them. */
+/** Return names and texts as a dictionary in Python. */
 function dictionary(pairs) {
   const value = (text) => ({ true: "True", false: "False" })[text] ?? (text.startsWith("[") || !Number.isNaN(Number(text)) ? text : JSON.stringify(text));
   return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
 }
 
-/** The contents of the scene file with the changes in it; without inputs, which a scene does not have. */
+/** Return the contents of the scene file with the changes, but without constant inputs, which a scene does not have. */
 export function contentsOf(changes) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {
@@ -47,12 +49,12 @@ export function contentsOf(changes) {
   return asWritten(file, changes.scene.forms);
 }
 
-/** The contents of a scene file as TOML, without what its keys have by default. */
+/** Return the contents of a scene file as TOML, without values that equal the defaults of their keys. */
 export function tomlText(file, keys) {
   return blocksOf(file, { keys }, "").join("\n");
 }
 
-/** The blocks of a table: its values below its headline, and then those of the tables in it. */
+/** Return the blocks of a table: its values below its head line, and then the blocks of the tables inside it. */
 function blocksOf(table, { kind, keys }, name, headline = "") {
   const ruleOf = (key) => (kind === "named" ? { kind: "table", keys } : keys[key]);
   const isValue = ([key]) => !["table", "tables", "named"].includes(ruleOf(key).kind);
@@ -66,13 +68,13 @@ function blocksOf(table, { kind, keys }, name, headline = "") {
   return [...(lines.length ? [headline + lines.join("")] : []), ...inner];
 }
 
-/** Put a value at its place in a scene file; tables on the way that are not there are made. */
+/** Put a value at its path in a scene file; missing tables on the path are made. */
 function put(table, [key, ...rest], value) {
   if (rest.length) put((table[key] ??= {}), rest, value);
   else table[key] = value;
 }
 
-/** A value as TOML has it. */
+/** Return a value as TOML. */
 function tomlOf(value) {
   if (Array.isArray(value)) return `[${value.map(tomlOf).join(", ")}]`;
   if (typeof value === "number") return numberText(value);
@@ -80,7 +82,7 @@ function tomlOf(value) {
 }
 
 /**
- * The changes as the part of an address after #, behind what else the page shows: `scene`, the text of the scene file if it
+ * Return the changes as the part of an address after #, after the other contents: `scene`, the text of the scene file if it
  * is not the page's own, and `curves`, the names of the outputs in the chart.
  */
 export function hashOf(changes, shown = {}) {
@@ -88,20 +90,20 @@ export function hashOf(changes, shown = {}) {
   return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
 }
 
-/** What is in an address: name → text. */
+/** Return the contents of an address: name → text. */
 export function changesIn(hash) {
   const parts = hash.replace(/^#/, "").split("&").filter(Boolean).map((part) => part.split("="));
   return Object.fromEntries(parts.map(([name, text = ""]) => [decodeURIComponent(name), decodeURIComponent(text)]));
 }
 
-/** A table with the columns of the FMU's CSV. */
+/** Return a table with the columns of the FMU's CSV. */
 export function csvOf({ time, columns }) {
   const all = Object.values(columns);
   const lines = Array.from(time, (now, row) => [now, ...all.map((column) => column[row])].join(","));
   return [["time", ...Object.keys(columns)].join(","), ...lines, ""].join("\r\n");
 }
 
-/** Let the browser save something as a file. */
+/** Let the browser save data as a file. */
 export function save(blob, name) {
   const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
   link.click();
@@ -111,7 +113,7 @@ export function save(blob, name) {
 const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-linecap", "stroke-linejoin",
   "opacity", "font", "paint-order", "text-anchor", "stroke-dasharray"];
 
-/** A picture of what is drawn now, twice as fine as on the screen; `below` draws what lies behind it. */
+/** Return a picture of the present drawing with twice the resolution of the screen; `below` draws the background. */
 export async function pictureOf(svg, background, below = () => {}) {
   const copy = svg.cloneNode(true);
   const [from, to] = [svg, copy].map((root) => [...root.querySelectorAll("*")]);

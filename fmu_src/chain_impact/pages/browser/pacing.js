@@ -1,18 +1,18 @@
-// How fast the simulated time passes: slower through impacts, so that they are seen. Films do the same, in `pacing.py`.
-// In an impact the rate is such that it takes a given time. Before and after it the rate changes with the distance in time:
-// each stretch, half as far from the impact as the one before, takes as long.
+// The ratio of simulated time to time on the screen: smaller during impacts, to show them slowly. `pacing.py` computes the
+// same ratio for films. In an impact the ratio is such that the impact takes a given time. Before and after the impact the
+// ratio is proportional to the distance in time from the impact.
 
-const RAMP = 0.05; // s
-const LONGEST = 0.1; // s
-const SHORTEST = 1e-4; // s
-export const FRAME_RATE = 60; // in a second on the screen
-const FLIGHT_STEP = 1 / 240; // s
-const SLOW_SPEED = 0.05; // of the fastest impact
-const SLOW_COUNT = 100; // impacts
+const RAMP = 0.05; // [s] simulated time before an impact at which the player begins to slow down
+const LONGEST = 0.1; // [s] longest part of a contact that is shown slowly
+const SHORTEST = 1e-4; // [s] assumed duration of a contact without a duration
+export const FRAME_RATE = 60; // number of frames per second on the screen
+const FLIGHT_STEP = 1 / 240; // [s] step, far from impacts, of the grid of times on which the ratio is computed
+const SLOW_SPEED = 0.05; // least speed of an impact that is shown slowly, over the speed of the fastest impact
+const SLOW_COUNT = 100; // largest number of impacts that are shown slowly
 const NEAR = Array.from({ length: 48 }, (_, k) => 1e-3 ** (1 - k / 47));
 const WITHIN = Array.from({ length: 25 }, (_, k) => k / 24);
 
-/** Onset and end [s] of the impacts to be shown slowly, of all with their speeds. */
+/** Return onset and end [s] of the impacts that are shown slowly, from all impacts with their speeds. */
 export function slowSpans(impacts) {
   const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, SLOW_COUNT);
   return fastest
@@ -21,12 +21,12 @@ export function slowSpans(impacts) {
     .sort((a, b) => a[0] - b[0]);
 }
 
-/** Numbers between two, evenly. */
+/** Return equally spaced numbers between two numbers. */
 function between(from, to, count) {
   return Array.from({ length: count }, (_, k) => from + ((to - from) * k) / (count - 1));
 }
 
-/** The values at some places of a curve through increasing places. */
+/** Return the values at some places of a curve through increasing places. */
 function interpolated(wanted, places, values) {
   let at = 0;
   return wanted.map((place) => {
@@ -36,7 +36,10 @@ function interpolated(wanted, places, values) {
   });
 }
 
-/** The simulated times of frames that follow each other evenly on the screen, and how many there are in a second: a `rate`, if there are not too many. */
+/**
+ * Return the simulated times of the frames, which follow each other evenly on the screen, and the frames per second: `rate`,
+ * if there are not too many frames.
+ */
 export function frameTimes(start, stop, spans, impactTime, most, rate = FRAME_RATE) {
   const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, SHORTEST), LONGEST)]) : [];
   const places = between(start, stop, 2 + Math.min(Math.floor((stop - start) / FLIGHT_STEP), 2 * most));

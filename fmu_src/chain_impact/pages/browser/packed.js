@@ -1,19 +1,19 @@
-// What `recorded.py` packed, as numbers.
+// The reader of numbers that `recorded.py` has packed.
 
-const FINEST = 65535; // of 16 bits
+const FINEST = 65535; // largest number of 16 bits
 
-/** The bytes of a text in base64. */
+/** Return the bytes of a text in base64. */
 function bytes(text) {
   return Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
 }
 
-/** The numbers low + (high − low) · integer / 65535. */
+/** Return the numbers low + (high − low) · integer / 65535. */
 function numbers({ low, high, values }) {
   const scale = (high - low) / FINEST;
   return Float64Array.from(new Uint16Array(bytes(values)), (value) => low + scale * value);
 }
 
-/** Numbers at every row, of some that are packed for some rows, and else zero. */
+/** Return numbers at every row, from numbers that are packed for some rows; the others are zero. */
 function whole(packed, places, count) {
   const values = new Float64Array(count);
   numbers(packed).forEach((value, k) => {
@@ -22,7 +22,7 @@ function whole(packed, places, count) {
   return values;
 }
 
-/** The rows of a recording, as `framesOf` takes them. */
+/** Return the rows of a recording, in the form for `framesOf`. */
 export function unpack(packed) {
   const time = new Float64Array(bytes(packed.time));
   const [x, y] = [packed.x, packed.y].map(numbers);

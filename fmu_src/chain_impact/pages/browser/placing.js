@@ -1,17 +1,21 @@
-// Places for texts on the screen, none on another or on what is drawn.
+// Places for texts on the screen at which a text covers neither another text nor anything that is drawn.
 
-const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2]; // of the size of the letters, about
-const BESIDE_LINE = 3; // pixels between a text and the middle of a line
-const HALF = 4; // pixels, half of the square that stands for a mark
+// approximate width of a letter and height of a line, over the size of the letters
+const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
+const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
+const HALF = 4; // [pixels] half the side of the square that stands for a mark
 
-/** The box of a text, [left, top, right, bottom], whose middle of the height is at y. */
+/** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
 function boxOf(text, [x, y], size, anchor) {
   const width = LETTER_WIDTH * size * text.length;
   const left = x - { start: 0, middle: 0.5, end: 1 }[anchor] * width;
   return [left, y - (LINE_HEIGHT * size) / 2, left + width, y + (LINE_HEIGHT * size) / 2];
 }
 
-/** Whether a line comes into the box of a text, or near it: by the shares of it that lie between the sides of the box. */
+/**
+ * Return whether a line crosses the box of a text, or comes near it: by the fractions of the line between the sides of the
+ * box.
+ */
 function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];
   for (const [at, way, low, high] of [[x0, x1 - x0, left, right], [y0, y1 - y0, top, bottom]]) {
@@ -25,25 +29,28 @@ function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
 }
 
 export class Places {
-  #taken = []; // boxes
-  #lines = []; // pairs of places
+  #taken = []; // the used boxes
+  #lines = []; // the used lines: pairs of places
 
-  /** In a scene of some width and height, below a strip. */
+  /** An empty scene of some width and height, in which texts stay below a strip. */
   constructor(width, height, strip) {
     this.limits = [0, strip, width, height];
   }
 
-  /** Keep texts off the surroundings of a place. */
+  /** Keep texts away from the surroundings of a place. */
   takeAround([x, y], half = HALF) {
     this.#taken.push([x - half, y - half, x + half, y + half]);
   }
 
-  /** Keep texts off the lines from each of some places to the next. */
+  /** Keep texts away from the lines that connect successive places. */
   takeLine(places) {
     places.slice(1).forEach((to, k) => this.#lines.push([places[k], to]));
   }
 
-  /** The first of some candidates {at, anchor} where a text of a size is on nothing, which is taken; undefined without one. */
+  /**
+   * Return the first of some candidates {at, anchor} at which a text of a size covers nothing, and mark it as used;
+   * undefined if there is none.
+   */
   find(text, size, candidates) {
     const [left, top, right, bottom] = this.limits;
     return candidates.find(({ at, anchor }) => {
@@ -57,7 +64,10 @@ export class Places {
   }
 }
 
-/** Candidates around a place at a distance, first in a direction, then ever farther from it, and then at twice the distance. */
+/**
+ * Return candidates around a place at a distance, first in a direction, then in directions farther from it, and then at
+ * twice the distance.
+ */
 export function candidatesAround([x, y], [dx, dy], distance) {
   const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);
   return [1, 2].flatMap((times) => turns.map((turn) => {
@@ -67,7 +77,7 @@ export function candidatesAround([x, y], [dx, dy], distance) {
   }));
 }
 
-/** On which side of a place beside a mark its text begins, by the horizontal part of the direction there. */
+/** Return at which side of a place a text begins, by the horizontal component of the direction to the text. */
 export function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
 }

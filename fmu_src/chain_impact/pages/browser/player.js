@@ -9,11 +9,12 @@ import { rateText } from "./format.js";
 import { ImpactList, impactText } from "./impacts.js";
 import { Scene } from "./scene.js";
 
-const LONGEST_FRAME = 0.1; // s: after a pause of the browser, the animation goes on where it was
-const SLOW = 0.5; // of the chosen speed: below, the clock says that this is slow motion
+// [s] longest step of the animation: after a pause of the browser, the animation continues where it was
+const LONGEST_FRAME = 0.1;
+const SLOW = 0.5; // rate over the chosen speed below which the clock says that the motion is slow
 
 export class Player {
-  further = []; // what else draws itself with each frame
+  further = []; // further functions that draw at each frame
   #asked = false;
   #before = undefined;
 
@@ -36,7 +37,7 @@ export class Player {
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
 
-  /** Show another recording, at the same time; a panel without anything to show is hidden. */
+  /** Show another recording at the same time; a panel without contents is hidden. */
   show(recording) {
     const first = !this.recording;
     this.recording = recording;
@@ -76,7 +77,7 @@ export class Player {
     this.drawSoon();
   }
 
-  /** Draw before the browser paints next, once. */
+  /** Draw once, before the browser paints next. */
   drawSoon() {
     if (this.#asked) return;
     this.#asked = true;
@@ -86,7 +87,7 @@ export class Player {
     });
   }
 
-  /** The clock in words, the caption, and every part, at the present frame. */
+  /** Draw the clock, the caption, and every part, at the present frame. */
   draw() {
     const { clock, recording } = this;
     const { frame, time, contact } = clock;
@@ -102,7 +103,7 @@ export class Player {
   }
 }
 
-/** How much there is, in words. */
+/** Return words for the contents of a recording: numbers of links and impacts, and the duration. */
 function subtitle({ links, impacts: { length: count }, start, end }) {
   return `${links} link${links === 1 ? "" : "s"}, ` +
     `${count} impact${count === 1 ? "" : "s"} in ${+(end - start).toPrecision(4)} s`;

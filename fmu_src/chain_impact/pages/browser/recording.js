@@ -1,11 +1,11 @@
-// The recording: a simulation at frames, and what is between two of them.
+// The recording: a simulation at frames, with interpolation between frames.
 
-/** Whether a frame is in one of some spans of frames. */
+/** Return whether a frame is in any of some spans of frames. */
 function isWithin(spans, frame) {
   return spans.some(([first, last]) => frame >= first && frame < last + 1);
 }
 
-/** The largest index whose value is ≤ wanted, in increasing numbers; 0 if there is none. */
+/** Return the largest index whose value is ≤ wanted, in increasing numbers; 0 if there is none. */
 export function lastBefore(numbers, wanted) {
   let low = 0;
   let high = numbers.length - 1;
@@ -18,11 +18,11 @@ export function lastBefore(numbers, wanted) {
 }
 
 /**
- * A simulation at frames that follow each other evenly on the screen, and in simulated time closely at impacts.
- * A frame's number may be a fraction: what it shows is interpolated.
+ * A simulation at frames, which follow each other evenly on the screen and are dense in simulated time at impacts. The
+ * number of a frame may have a fraction: values are then interpolated.
  */
 export class Recording {
-  /** Of its parts: `time`, `x` and `y` of the points, `energies`, `forces`, `contacts` and others, as `framesOf` gives them. */
+  /** `parts` are `time`, `x` and `y` of the points, `energies`, `forces`, `contacts` and others, from `framesOf`. */
   constructor(parts) {
     Object.assign(this, parts);
     this.start = this.time[0];
@@ -31,47 +31,50 @@ export class Recording {
     this.impacts.forEach((impact, index) => {
       impact.number = index + 1;
     });
-    // a contact is the present one from the middle between the end of the one before and its own onset
+    // a contact is the present contact from the middle between the end of the contact before and its own onset
     this.turns = this.contacts.map(({ onset }, index) =>
       index ? onset - Math.max(0, (onset - this.contacts[index - 1].end) / 2) : -Infinity);
   }
 
-  /** The frame at a simulated time [s]. */
+  /** Return the frame at a simulated time [s]. */
   frameAt(time) {
     const index = Math.min(lastBefore(this.time, time), this.time.length - 2);
     const fraction = (time - this.time[index]) / (this.time[index + 1] - this.time[index]);
     return index + Math.min(Math.max(fraction, 0), 1);
   }
 
-  /** The simulated time of a frame [s]. */
+  /** Return the simulated time of a frame [s]. */
   timeAt(frame) {
     return this.between(this.time, frame);
   }
 
-  /** Simulated seconds that pass in a second on the screen at a frame, with slow motion at the speed 1. */
+  /** Return the simulated seconds per second on the screen at a frame, with slow motion, at the speed 1. */
   rateAt(frame) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     return (this.time[index + 1] - this.time[index]) * this.frameRate;
   }
 
-  /** A value at a frame, of values in rows of some width. */
+  /** Return the value at a frame, from values in rows of some width. */
   between(values, frame, column = 0, width = 1) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     const first = values[index * width + column];
     return first + (frame - index) * (values[(index + 1) * width + column] - first);
   }
 
-  /** The force at every frame of the point and the wall of a contact [N]; undefined where none was in any frame. */
+  /**
+   * Return the force [N] at every frame between the point and the wall of a contact; undefined if there is no force in any
+   * frame.
+   */
   forceOf({ point, wall }) {
     return this.#ofContact(point, wall)?.values;
   }
 
-  /** The same of the penetration [m]; undefined where it is not known. */
+  /** Return the penetration [m] at every frame for a contact; undefined if it is not known. */
   depthOf({ point, wall }) {
     return this.#ofContact(point, wall)?.depth;
   }
 
-  /** The same of its dry friction, along the wall; undefined without friction. */
+  /** Return the dry friction along the wall at every frame for a contact; undefined without friction. */
   frictionOf({ point, wall }) {
     return this.#ofContact(point, wall)?.friction;
   }
@@ -80,12 +83,12 @@ export class Recording {
     return this.forces.find((force) => force.point === point && force.wall === wall);
   }
 
-  /** Where a point is at a frame [m]. */
+  /** Return the position of a point at a frame [m]. */
   pointAt(frame, point) {
     return [this.x, this.y].map((all) => this.between(all, frame, point, this.pointCount));
   }
 
-  /** The corners of the bodies at a frame [m]: the links with points, and the carriage of a slider. */
+  /** Return the corners of the bodies at a frame [m]: the links with points, and the carriage of a slider. */
   bodiesAt(frame) {
     const links = this.bodies.map(([link, corners]) => {
       const [[x0, y0], [x1, y1]] = [link - 1, link].map((point) => this.pointAt(frame, point));
@@ -97,7 +100,7 @@ export class Recording {
     return this.rail ? [...links, this.rail.carriage.map(([dx, dy]) => [x + dx, y + dy])] : links;
   }
 
-  /** The walls where they are at a frame, name → normal and offset [m]. */
+  /** Return the walls in their positions at a frame: name → normal and offset [m]. */
   wallsAt(frame) {
     const moved = this.moved.map(([name, values]) => {
       const { normal, offset } = this.walls[name];
@@ -106,12 +109,14 @@ export class Recording {
     return { ...this.walls, ...Object.fromEntries(moved) };
   }
 
-  /** The free sides of the walls where they are at a frame, and of the stops of a slider. */
+  /** Return the free sides, at a frame, of the walls and of the stops of a slider. */
   sidesAt(frame) {
     return { ...this.wallsAt(frame), ...this.rail?.stops };
   }
 
-  /** The contacts at a frame: point, wall, force and dry friction along the wall [N], and whether it sticks. */
+  /**
+   * Return the contacts at a frame: point, wall, force and dry friction along the wall [N], and whether the contact sticks.
+   */
   contactsAt(frame) {
     return this.forces
       .map(({ point, wall, values, friction, spans }) => ({
@@ -124,17 +129,19 @@ export class Recording {
       .filter(({ force }) => force > 0);
   }
 
-  /** The forces in the joints at a frame: joint, and force on its link [N]; none where they are not known. */
+  /** Return the forces in the joints at a frame: joint, and force on its link [N]; an empty list if they are not known. */
   loadsAt(frame) {
     return this.loads.map(({ joint, x, y }) => ({ joint, force: [this.between(x, frame), this.between(y, frame)] }));
   }
 
-  /** The joints that stick at a frame. */
+  /** Return the joints that stick at a frame. */
   stuckJointsAt(frame) {
     return this.stuckJoints.filter(({ spans }) => isWithin(spans, frame)).map(({ joint }) => joint);
   }
 
-  /** The contact that list, chart and caption tell of at a time: the latest, or the next once that is nearer. */
+  /**
+   * Return the contact that list, chart and caption describe at a time: the latest contact, or the next one if it is nearer.
+   */
   contactAt(time) {
     return this.contacts[lastBefore(this.turns, time)];
   }

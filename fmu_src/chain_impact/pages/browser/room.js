@@ -1,6 +1,6 @@
 // The room between the walls, on the screen.
 
-/** The part of a polygon on the free side of a wall n·p ≥ offset (Sutherland & Hodgman, 1974). */
+/** Return the part of a polygon on the free side of a wall n·p ≥ offset (Sutherland & Hodgman, 1974). */
 function clipped(polygon, { normal: [nx, ny], offset }) {
   const gap = ([x, y]) => nx * x + ny * y - offset;
   return polygon.flatMap((here, index) => {
@@ -13,7 +13,7 @@ function clipped(polygon, { normal: [nx, ny], offset }) {
   });
 }
 
-/** The room within a rectangle: its corners, and the ends of the part of each wall that bounds it. */
+/** Return the room inside a rectangle: its corners, and the ends of the visible part of each wall. */
 export function roomWithin(walls, [[x0, y0], [x1, y1]]) {
   const all = Object.values(walls);
   const corners = all.reduce(clipped, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);
@@ -24,9 +24,10 @@ export function roomWithin(walls, [[x0, y0], [x1, y1]]) {
   return { corners, edges: edges.filter((ends) => ends.length > 1) };
 }
 
-/** The place in a scene of so many pixels: a map from metres to pixels, y upwards, that shows a view below a strip
- * of some height. Where there is more room than for the view, the anchor says how much of it lies left of and below
- * the view. */
+/**
+ * A map from metres to pixels, with y upwards, that shows a view in a scene of some size, below a strip of some height. If
+ * the scene has more room than the view needs, the anchor gives the fraction of this room to the left of and below the view.
+ */
 export class Camera {
   constructor({ view: [[x0, y0], [x1, y1]], anchor: [beside, below] }, width, height, strip) {
     const room = Math.max(height - strip, 1);
@@ -43,7 +44,7 @@ export class Camera {
     return [this.left + this.scale * x, this.bottom - this.scale * y];
   }
 
-  /** Where in the scene a place on the screen is [m]. */
+  /** Return the position in the scene [m] of a place on the screen. */
   at(left, top) {
     return [(left - this.left) / this.scale, (this.bottom - top) / this.scale];
   }

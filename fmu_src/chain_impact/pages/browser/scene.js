@@ -1,4 +1,5 @@
-// The scene: walls, chain, trace of the tip, arrows of forces; drawn by SVG.js, coloured by the style sheet.
+// The drawing of a scene: walls, chain, trace of the tip, arrows of forces; drawn by SVG.js, with colours from the style
+// sheet.
 
 import { ArrowScale } from "./arrow_scale.js";
 import { forceText, unitsOf } from "./format.js";
@@ -8,27 +9,28 @@ import { Camera, roomWithin } from "./room.js";
 import { traceOf } from "./trace.js";
 import { STOPS } from "./view.js";
 
-const LABEL_FROM = 14; // pixels: shorter arrows have no label
-const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // pixels, the letters of forces and of numbers
-const TAIL = 0.3; // s of simulated time in which the trace's bright end fades
+const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
+const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of forces and of numbers
+const TAIL = 0.3; // [s] simulated time in which the bright end of the trace fades
 const TAIL_PARTS = 10;
-const RING_TIME = 0.25; // s of simulated time for which the place of an impact is marked
-const [RING, RINGS_APART] = [20, 7]; // pixels, the width of a ring, and how much wider the next one at its place is
-const SAME = 12; // pixels: rings that are nearer to each other have one place
-const NUMBERS = 8; // impacts that have just been, at most, with a number
-const KEY = 64; // pixels of each kind of arrow that is told
-const STRIP = 30; // pixels at the top for the scale bar, where the chain never comes
-const STOP_DOT = 11; // pixels, the mark of a joint at its stop
-const STICK_BAR = 12; // pixels, half the bar along the wall where a contact sticks
-const STUCK_DOT = 10; // pixels, the mark of a joint that sticks
-const ARC = 0.25; // of a link's length: the radius of the arc of its joint's range
-const TICK = 0.3; // of the radius: the length of the mark of a stop
+const RING_TIME = 0.25; // [s] simulated time for which the place of an impact is marked
+// [pixels] width of a ring, and difference in width between successive rings at one place
+const [RING, RINGS_APART] = [20, 7];
+const SAME = 12; // [pixels] largest distance of rings that count as being at one place
+const NUMBERS = 8; // largest number of recent impacts with a number
+const KEY = 64; // [pixels] width of each entry of the legend of arrows
+const STRIP = 30; // [pixels] height of the strip at the top for the scale bar, which the chain never covers
+const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
+const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
+const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
+const ARC = 0.25; // radius of the arc of a joint's range, over the length of the link
+const TICK = 0.3; // length of the mark of a stop, over the radius of the arc
 const ARC_CORNERS = 33;
-const BESIDE = 15; // pixels from a point to its number
-const NUMBERED = 12; // links, above which points have no numbers
-const MANY_LINKS = 60; // above which the chain is one line, without joints
+const BESIDE = 15; // [pixels] distance from a point to its number
+const NUMBERED = 12; // largest number of links with which points have numbers
+const MANY_LINKS = 60; // number of links from which on the chain is one line, without joints
 
-/** The direction from a point of the chain on the screen to the outside of the bend there. */
+/** Return the direction on the screen from a point of the chain to the outside of the bend at this point. */
 function outOfChain(places, point) {
   const [x, y] = places[point];
   const ways = [places[point - 1], places[point + 1]].filter(Boolean).map(([x1, y1]) => {
@@ -40,7 +42,7 @@ function outOfChain(places, point) {
   return size > 0.2 ? bend.map((part) => part / size) : [ways[0][1], -ways[0][0]];
 }
 
-/** The direction from a point of a body on the screen away from the middle of the rectangle around its corners. */
+/** Return the direction on the screen from a point of a body away from the middle of the rectangle around its corners. */
 function outOfBody(place, corners) {
   const way = place.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);
@@ -51,7 +53,7 @@ function outOfBody(place, corners) {
   return way.map((part) => part / size);
 }
 
-/** The part of a line on the screen that is below the strip with the scale bar. */
+/** Return the part of a line on the screen that is below the strip with the scale bar. */
 function belowStrip([[x0, y0], [x1, y1]]) {
   const at = (y) => (y0 === y1 ? 0 : Math.min(Math.max((y - y0) / (y1 - y0), 0), 1));
   const ends = [y0 < STRIP ? at(STRIP) : 0, y1 < STRIP ? at(STRIP) : 1];
@@ -63,7 +65,7 @@ export class Scene {
     this.drawing = SVG(element);
     this.showTrace = true;
     this.ground = this.drawing.group();
-    this.behind = this.drawing.group(); // for what else a page shows, behind the chain …
+    this.behind = this.drawing.group(); // a group for other drawings of a page behind the chain
     this.trace = this.drawing.polyline().addClass("trace").fill("none");
     this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
       this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
@@ -76,10 +78,10 @@ export class Scene {
     this.numbers = this.drawing.group();
     this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
-    this.above = this.drawing.group(); // … and in front of it
+    this.above = this.drawing.group(); // a group for other drawings of a page in front of the chain
   }
 
-  /** Take another recording. */
+  /** Use another recording. */
   show(recording) {
     this.recording = recording;
     [this.arcs, this.circles, this.bodies, this.links, this.joints, this.numbers].forEach((group) => group.clear());
@@ -92,7 +94,7 @@ export class Scene {
   #makeChain() {
     const { links, pointCount, touching, pointNames, radius, bodies, rail } = this.recording;
     const names = new Map(pointNames);
-    // each link has an edge, so that one can tell which is in front
+    // each link has an edge, so that a reader can see which link is in front
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
@@ -111,7 +113,9 @@ export class Scene {
     }
   }
 
-  /** The number of the body that a point belongs to: an end of the chain, if its link is one, or a point of a link. */
+  /**
+   * Return the number of the body to which a point belongs: as an end of a link with an outline, or as a point of a link.
+   */
   #nearestBody(point) {
     const { links, bodies } = this.recording;
     if (point > 0 && point < links) return undefined;
@@ -122,7 +126,7 @@ export class Scene {
     return ways.indexOf(Math.min(...ways));
   }
 
-  /** Fit the scene into so many pixels. */
+  /** Fit the scene into a width and height [pixels]. */
   resize(width, height) {
     this.size = [width, height];
     this.drawing.size(width, height).viewbox(0, 0, width, height);
@@ -145,7 +149,7 @@ export class Scene {
     return points.map(([x, y]) => this.camera.place(x, y));
   }
 
-  /** The walls, and the room between them, at a frame. */
+  /** Draw the walls, and the room between them, at a frame. */
   #drawRoom(frame) {
     const { corners, edges } = roomWithin(this.recording.wallsAt(frame), this.camera.rectangle);
     this.room.clear();
@@ -154,13 +158,13 @@ export class Scene {
     this.edges.forEach((ends) => this.room.polyline(ends).addClass("wall"));
   }
 
-  /** The ground mark of a pinned base, where the base is at a frame. */
+  /** Draw the ground mark of a pinned base at the position of the base in a frame. */
   #drawPin(frame) {
     const [[x0, y0], [x, y]] = [0, frame].map((at) => this.recording.pointAt(at, 0));
     this.pin.forEach(([line, mark]) => mark.plot(this.#places(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
   }
 
-  /** A bar of a round length, about a sixth of the width. */
+  /** Draw a bar of a round length, about a sixth of the width. */
   #drawScaleBar(width) {
     const wanted = width / 6 / this.camera.scale;
     const power = 10 ** Math.floor(Math.log10(wanted));
@@ -173,7 +177,7 @@ export class Scene {
     this.ground.plain(text).attr({ x: left - 8, y: y + 4 }).addClass("bar-text");
   }
 
-  /** The lengths of the arrows of round forces, up to that of the largest one. */
+  /** Draw the lengths of the arrows of round forces, up to the largest force. */
   #drawRuler() {
     const [left, y] = [12, STRIP - 7];
     const { longest, marks } = this.arrowScale;
@@ -185,7 +189,7 @@ export class Scene {
     this.ground.polygon([[left + longest + 7, y], [left + longest, y - 4], [left + longest, y + 4]]).addClass("ruler-head");
   }
 
-  /** What the two kinds of arrows are. */
+  /** Draw the legend of the two kinds of arrows. */
   #drawKey(width) {
     [["joint", "load"], ["wall", "force"]].forEach(([name, kind], place) => {
       this.ground.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * place, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);
@@ -211,12 +215,12 @@ export class Scene {
     bodies.forEach((corners) => this.places.takeLine([...corners, corners[0]]));
     this.dots.forEach(([point]) => this.places.takeAround(all[point]));
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
-    texts.forEach((text) => this.#label(...text)); // beside all arrows
+    texts.forEach((text) => this.#label(...text)); // after the arrows, because names must not cover them
     this.#drawNames(all, bodies);
     this.#drawRings(frame);
   }
 
-  /** Numbers and names of points; one that has no room beside its point is left out. */
+  /** Draw numbers and names of points; a name without room is left out. */
   #drawNames(all, bodies) {
     const { links } = this.recording;
     this.names.forEach((name, point) => {
@@ -243,7 +247,7 @@ export class Scene {
     });
   }
 
-  /** The arcs of the joints with stops, with a mark at each stop. */
+  /** Draw the arcs of the joints with stops, with a mark at each stop. */
   #drawRanges(frame) {
     this.recording.stops.forEach(({ joint, arc: [from, to], marks }, index) => {
       const at = (point) => this.recording.pointAt(frame, point);
@@ -259,7 +263,10 @@ export class Scene {
     });
   }
 
-  /** Where a point touches a wall, or a link the arc of its range, on the screen, and the direction away from the wall. */
+  /**
+   * Return the place on the screen where a point touches a wall, or a link the arc of its range, and the direction away from
+   * the wall.
+   */
   #spot(frame, point, wall) {
     const side = this.recording.sidesAt(frame)[wall];
     if (!side) return this.#stopSpot(frame, point);
@@ -273,17 +280,20 @@ export class Scene {
     const [[x0, y0], [x1, y1]] = [joint - 1, joint].map((point) => this.recording.pointAt(frame, point));
     const length = Math.hypot(x1 - x0, y1 - y0) || 1;
     const [dx, dy] = [(x1 - x0) / length, (y1 - y0) / length];
-    // the label of its moment stands across the link
+    // the label of the moment is at a right angle to the link
     return { place: this.camera.place(x0 + ARC * (x1 - x0), y0 + ARC * (y1 - y0)), away: [dy, dx] };
   }
 
-  /** Whether a contact can be drawn: its wall is known, or it is at a stop. */
+  /** Return whether a contact can be drawn: its wall is known, or it is at a stop. */
   #isShown({ point, wall }) {
     const { walls, stops, rail } = this.recording;
     return wall in walls || wall in (rail?.stops ?? {}) || stops.some(({ joint }) => joint === point);
   }
 
-  /** Rings where impacts have just been: they widen and fade, each around the one before at its place, with numbers beside. */
+  /**
+   * Draw rings at recent impacts: rings widen and fade, each around the ring before at the same place, with numbers beside
+   * them.
+   */
   #drawRings(frame) {
     const { recording } = this;
     const now = recording.timeAt(frame);
@@ -306,7 +316,7 @@ export class Scene {
     });
   }
 
-  /** Draw the forces of walls and the moments of stops; returns the texts beside them, as `#label` takes them. */
+  /** Draw the forces of walls and the moments of stops; return their texts in the form for `#label`. */
   #drawArrows(frame) {
     const { recording } = this;
     this.arrows.clear();
@@ -334,7 +344,10 @@ export class Scene {
     return texts;
   }
 
-  /** The forces in joints that are not too small to be seen; only the largest one has its size beside. Returns the texts. */
+  /**
+   * Draw the forces in joints that are large enough to be seen; return the texts, which give the size of the largest force
+   * only.
+   */
   #drawLoads(frame) {
     const { recording, camera } = this;
     const sized = recording.loadsAt(frame).map(({ joint, force: [x, y] }) => ({ joint, x, y, size: Math.hypot(x, y) }));
@@ -345,7 +358,7 @@ export class Scene {
     });
   }
 
-  /** Draw the arrow of a force [N] from a place on the screen in a direction; returns how large it is, as `#label` takes it, if that is told. */
+  /** Draw the arrow of a force [N] from a place in a direction; with `told`, return its size in the form for `#label`. */
   #arrow([x, y], [dx, dy], force, kind, told = true) {
     const length = this.arrowScale.lengthOf(force);
     const head = Math.min(14, 0.6 * length);
@@ -357,7 +370,7 @@ export class Scene {
     return told && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, forceText(force), kind]] : [];
   }
 
-  /** A text near a place, ahead of it if there is room. */
+  /** Write a text near a place, ahead of it if there is room. */
   #label(place, way, distance, text, kind) {
     const found = this.places.find(text, FORCE_TEXT, candidatesAround(place, way, distance)) ??
       { at: place.map((part, axis) => part + distance * way[axis]), anchor: anchorOf(way[0]) };

@@ -1,33 +1,33 @@
-// The contents of a scene file, complete and checked by the rules of its keys, as `kit.py` has them. The kernel refuses
-// what only the numbers together can tell.
+// The contents of a scene file, completed and checked by the rules of the keys in `kit.py`. The kernel refuses values that
+// are valid alone but not together.
 
 import { completeSignals, signalsAsWritten } from "./signals.js";
 import { SLIDER_STOPS, STOPS } from "./view.js";
 
 const IN_DEGREES = { rad: "deg", "rad/s": "deg/s" };
 const DEGREES_TEXT = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg(?:\/s)?)\s*$/;
-const LONGEST_VALUE = 60; // characters of a value in a message
+const LONGEST_VALUE = 60; // largest number of characters of a value in a message
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
-/** A value as a message shows it. */
+/** Return a value for a message. */
 function quotedValue(value) {
   const text = JSON.stringify(value) ?? String(value);
   return text.length > LONGEST_VALUE ? `${text.slice(0, LONGEST_VALUE)}…` : text;
 }
 
-/** Refuse what is at a path of the file. */
+/** Refuse the value at a path of the file. */
 function refuse(path, what) {
   throw new RangeError([path, what].filter(Boolean).join(" "));
 }
 
-/** An angle in text, "90 deg", in radians; all else stays as it is. */
+/** Return an angle as text, "90 deg", in radians; return other values unchanged. */
 export function inRadians(value, unit) {
   const [, number, given] = (typeof value === "string" && DEGREES_TEXT.exec(value)) || [];
   return given && given === IN_DEGREES[unit] ? Number(number) * (Math.PI / 180) : value;
 }
 
-/** Whether a value keeps a rule. */
+/** Return whether a value keeps a rule. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
   const is = { float: Number.isFinite, int: Number.isInteger, bool: (one) => typeof one === "boolean", str: (one) => typeof one === "string" };
   return is[kind](value) && !(value < minimum) && !(value <= above) && !(value > maximum) &&
@@ -80,7 +80,7 @@ class ContentsReader {
     return given.map(read);
   }
 
-  /** One entry for each of the equal links of a `count`. */
+  /** Return one entry for each of the equal links of a `count`. */
   #each(links) {
     const all = links.flatMap(({ count = 1, ...link }) => Array.from({ length: count }, () => ({ ...link })));
     const [, most] = this.keys.chain.keys.links.entries;
@@ -90,34 +90,34 @@ class ContentsReader {
   }
 }
 
-/** The stops that are there: pairs of a joint, counted from 1, and the key of its link. */
+/** Return the existing stops: pairs of a joint, counted from 1, and the key of its link. */
 export function stopsOf({ chain: { links } }) {
   return links.flatMap((link, k) => STOPS.filter((stop) => link[stop] !== undefined).map((stop) => [k + 1, stop]));
 }
 
-/** The stops of a slider that are there, as they are called among the walls. */
+/** Return the existing stops of a slider, with their names among the walls. */
 export function sliderStopsOf({ chain: { slider } }) {
   return Object.entries(SLIDER_STOPS).filter(([, key]) => slider?.[key] !== undefined).map(([name]) => name);
 }
 
-/** The points of links beside their ends, in the order of their numbers, with the indices of their link and in it. */
+/** Return the points of links in the order of their numbers, with the index of the link and the index in the link. */
 export function sitesOf({ chain: { links } }) {
   return links.flatMap(({ points }, link) => points.map((site, entry) => ({ ...site, link, entry })));
 }
 
-/** The names of the walls that are there. */
+/** Return the names of the existing walls. */
 export function wallsOf({ box, walls }) {
   return [...Object.keys(box), ...walls.map(({ name }) => name)];
 }
 
-/** The points that can touch a wall unless the file tells them. */
+/** Return the points that can touch a wall if the file does not list points. */
 export function movablePoints({ chain: { base, links } }) {
   return Array.from({ length: links.length + 1 }, (_, point) => point).slice(base === "pinned" ? 1 : 0);
 }
 
 /**
- * The contents of a scene file with every default, links one by one, all angles absolute and in radians; what a scene
- * derives from other values is left out. An error says which key is not as it must be.
+ * Return the contents of a scene file with every default, with each link as one entry, and with all angles absolute and in
+ * radians; derived values are left out. An error says which key is wrong.
  */
 export function complete(data, kit) {
   const file = new ContentsReader(kit).table(data, kit.keys, "");
@@ -129,11 +129,11 @@ export function complete(data, kit) {
   setStops(file, kit.keys.stops.keys);
   completeSignals(file.signals, kit.signals);
   checkContents(file, kit.boxWalls);
-  file.outputs.sensitivities = []; // the page has no derivatives
+  file.outputs.sensitivities = []; // the page computes no derivatives
   return file;
 }
 
-/** The corners of links that are boxes; the slider of a base that slides, and of no other. */
+/** Add the corners of links that are boxes, and the slider of a sliding base; another base has no slider. */
 function setBodies({ chain }, data) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;
@@ -151,7 +151,10 @@ function setBodies({ chain }, data) {
   delete chain.slider;
 }
 
-/** The contents of a complete scene as a file has them: boxes without their corners, signals without what their `forms` have. */
+/**
+ * Return the contents of a complete scene in the form of a file: boxes without corners, signals without default values of
+ * their `forms`.
+ */
 export function asWritten(file, forms) {
   const found = structuredClone(file);
   found.signals = signalsAsWritten(found.signals, forms);
@@ -162,7 +165,7 @@ export function asWritten(file, forms) {
   return found;
 }
 
-/** The angles of links and walls in place of what else tells them. */
+/** Replace joint angles, normals of walls and other forms of angles by absolute angles. */
 function setAngles({ initial, chain, walls }) {
   if (initial.joint_angles && initial.angles) refuse("initial", "has both angles and joint_angles; must have one of them");
   let sum = 0;
@@ -177,7 +180,7 @@ function setAngles({ initial, chain, walls }) {
   });
 }
 
-/** The numbers of the stops' law that follow from no others, where there are stops. */
+/** Set the numbers of the stops' law that do not follow from other numbers, if there are stops. */
 function setStops(file, keys) {
   const [found] = stopsOf(file);
   const [given] = Object.keys(file.stops);
@@ -189,7 +192,7 @@ function setStops(file, keys) {
   }
 }
 
-/** Refuse what the page could not make a record of. */
+/** Refuse contents from which the page cannot make a record. */
 function checkContents(file, boxWalls) {
   const { contact, inputs, initial, chain, walls } = file;
   const movable = movablePoints(file);
@@ -213,7 +216,7 @@ function checkContents(file, boxWalls) {
   checkSlider(file, bases);
 }
 
-/** Refuse what a base on a slider cannot have, and what only such a base has. */
+/** Refuse values that a sliding base cannot have, and values that only a sliding base can have. */
 function checkSlider({ chain: { base, slider }, initial, inputs }, bases) {
   if (!slider) {
     if (initial.slider_velocity) refuse("initial.slider_velocity", `must be 0 for ${bases[base]}`);

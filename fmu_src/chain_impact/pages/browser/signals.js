@@ -1,26 +1,29 @@
-// What drives inputs over time: which inputs each signal drives, what is in the record of it, and what is refused, as
-// `scene/signals.py` and `scene/signal_values.py` do it. The page has the tables of its own scene only.
+// The signals of a scene: the inputs that each signal drives, the data of signals in the record, and the checks, as in
+// `scene/signals.py` and `scene/signal_values.py`. The page has only the tables of its own scene.
 
 import { numbersIn } from "./unpacked.js";
 
-const MOTIONS = ["", "v", "a"]; // of a base: before the axis, a derivative of the one before each
+const MOTIONS = ["", "v", "a"]; // motions of a base, without the axis; each is the derivative of the one before
 const WALL_MOTIONS = ["displacement", "velocity", "acceleration"];
 
-/** The names of what an input drives, each the derivative of the one before; "" for what is no input. */
+/**
+ * Return the names of the quantities that an input drives, each the derivative of the one before; "" for a quantity that is
+ * no input.
+ */
 function familyOf(name) {
   const [head, last] = [name.slice(0, name.lastIndexOf(".")), name.slice(name.lastIndexOf(".") + 1)];
   if (head === "base") return MOTIONS.map((prefix) => `base.${prefix}${last.at(-1)}`);
-  if (last === "belt_speed") return ["", name]; // its travel is no input
+  if (last === "belt_speed") return ["", name]; // the travel of a belt is not an input
   if (head.startsWith("wall.")) return WALL_MOTIONS.map((key) => `${head}.${key}`);
   return /^target_(angle|position)$/.test(last) ? [name, `${head}.target_velocity`] : [name];
 }
 
-/** Whether an input moves base or wall, of which one input alone can be driven. */
+/** Return whether an input moves base or wall; only one input of a motion can be driven. */
 function isMotion(name) {
   return /^(base|wall)\./.test(name) && !name.endsWith(".belt_speed");
 }
 
-/** The signals with the keys of their forms, and those alone; tables by their names. */
+/** Return the signals with exactly the keys of their forms; `tables` are the tables by name. */
 export function completeSignals(signals, { required, other, tables }) {
   for (const [name, signal] of Object.entries(signals)) {
     const what = `signals.${name}`;
@@ -35,7 +38,7 @@ export function completeSignals(signals, { required, other, tables }) {
   }
 }
 
-/** The signals without what their `forms` have by default, as a file has them. */
+/** Return the signals in the form of a file, without the default values of their `forms`. */
 export function signalsAsWritten(signals, forms) {
   return Object.fromEntries(Object.entries(signals).map(([name, signal]) =>
     [name, Object.fromEntries(Object.entries(signal).filter(([key, value]) => forms[signal.form][key] !== value))]));
@@ -56,7 +59,7 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
   throw new RangeError(`${what}.file = "${file}": the page does not have this table as this signal needs it; chain-impact explore makes a page with it`);
 }
 
-/** What signals drive, a row of the record for each input: how many knots it has, and all that is driven with it. */
+/** Return the driven inputs, with a row of the record for each: its number of knots, and all quantities that it drives. */
 export function drivenBy({ signals }, { knots, tables }) {
   const count = (name, input, { form, shape, times }) => ({
     steps: () => times.length,
@@ -66,7 +69,7 @@ export function drivenBy({ signals }, { knots, tables }) {
     const outputs = familyOf(input);
     return { name, input, signal, outputs, order: outputs.indexOf(input), knots: count(name, input, signal) };
   }));
-  // a target velocity comes behind a target whose rate it replaces
+  // a target velocity comes after the target whose rate it replaces
   const [late, early] = [true, false].map((wanted) => rows.filter(({ input }) => input.endsWith("target_velocity") === wanted));
   let first = 0;
   return [...early, ...late].map((row) => {
@@ -75,7 +78,9 @@ export function drivenBy({ signals }, { knots, tables }) {
   });
 }
 
-/** Refuse inputs that the scene does not have, and such that are driven twice; `units` are those of what it has. */
+/**
+ * Refuse inputs that the scene does not have, and inputs that are driven twice; `units` are the units of the scene's inputs.
+ */
 export function checkDriven(driven, units) {
   const owners = new Map();
   for (const { name, input, signal } of driven) {
@@ -93,12 +98,15 @@ export function checkDriven(driven, units) {
   }
 }
 
-/** What drives inputs: name of a driven input, or of what comes with it → the row of its signal, and which derivative it is. */
+/**
+ * Return the driven quantities: name of an input, of its integral or derivative → row of its signal, and order of the
+ * derivative.
+ */
 export function drivenPlaces(driven) {
   return new Map(driven.flatMap(({ outputs }, row) => outputs.map((name, order) => [name, [row, order]])).filter(([name]) => name));
 }
 
-/** The elements of signals, each in the row of the first input that it drives, and of steps. */
+/** Return the elements of signals, each in the row of the first input that it drives, and of steps. */
 export function signalElements(driven, units) {
   const first = driven.filter(({ name }, row) => driven.findIndex((one) => one.name === name) === row);
   return {
@@ -108,7 +116,7 @@ export function signalElements(driven, units) {
   };
 }
 
-/** Put the signals in their places in a new record: `put` takes the name of a place, a value and an index. */
+/** Put the signals into a new record: `put` gets the name of a place, a value and an index. */
 export function putSignals(driven, { forms, shapes, numbers, tables }, acting, put) {
   driven.forEach(({ name, input, signal, order, knots, first }, row) => {
     const [number, index] = acting(input);

@@ -1,12 +1,16 @@
-// The trace of the tip on the screen: a smooth curve through the frames, which has corners where impacts are.
+// The trace of the tip on the screen: a smooth curve through the frames, with corners at impacts.
 
-const APART = 1.5; // pixels between the places of the trace
-const OFF = 0.05; // pixels from the curve to the straight lines that are drawn for it
-const BEND = 4 / 27; // of the difference of a curve's slope from that of its chord: how far it is from the chord
-const MOST_PARTS = 16; // of the curve between two frames …
-const MOST = 20_000; // … and places of a whole trace
+const APART = 1.5; // [pixels] distance between places of the trace
+const OFF = 0.05; // [pixels] largest distance from the curve to the straight lines that are drawn for it
+// largest distance of a curve from its chord, over the difference between the curve's slope and the chord's slope
+const BEND = 4 / 27;
+const MOST_PARTS = 16; // largest number of parts of the curve between two frames
+const MOST = 20_000; // largest number of places of a trace
 
-/** The places of the tip on the screen, without those that cannot be told apart, and the frame of each, a fraction. */
+/**
+ * Return the places of the tip on the screen, without places that coincide, and the frame of each place, which may have a
+ * fraction.
+ */
 export function traceOf(recording, camera) {
   const count = recording.time.length;
   const most = Math.min(MOST_PARTS, Math.max(1, Math.floor(MOST / count)));
@@ -27,13 +31,16 @@ export function traceOf(recording, camera) {
   return { frames, places };
 }
 
-/** The slopes of the curve at both ends of each step from frame to frame, in pixels for the step; undefined where an impact begins in it. */
+/**
+ * Return the slopes of the curve at both ends of each step between frames, in pixels per step; undefined if an impact begins
+ * in the step.
+ */
 function slopesOf(at, recording) {
   const { time, contacts } = recording;
   const broken = new Set(contacts.map(({ onset }) => Math.floor(recording.frameAt(onset))));
   const steps = Array.from({ length: at.length - 1 }, (_, k) => broken.has(k) ? undefined : time[k + 1] - time[k]);
   const speed = (k) => [0, 1].map((axis) => (at[k + 1][axis] - at[k][axis]) / steps[k]);
-  // the slope of the parabola through three frames, where no impact is between them
+  // the slope of the parabola through three frames without an impact between them
   const within = at.map((_, k) => {
     const [h0, h1] = [steps[k - 1], steps[k]];
     if (!(h0 > 0 && h1 > 0)) return undefined;
@@ -43,14 +50,17 @@ function slopesOf(at, recording) {
   return steps.map((h, k) => {
     if (!(h > 0)) return [];
     const chord = speed(k);
-    // without a slope at one end, the curve is a parabola
+    // if the slope at one end is unknown, the curve is a parabola
     const other = (slope) => slope && chord.map((one, axis) => 2 * one - slope[axis]);
     const [from, to] = [within[k] ?? other(within[k + 1]), within[k + 1] ?? other(within[k])];
     return [from, to].map((slope) => (slope ?? chord).map((one) => h * one));
   });
 }
 
-/** The cubic curve with slopes between two places, and how far it bends from the straight line; that line without slopes. */
+/**
+ * Return the cubic curve with given slopes between two places, and its distance from the straight line; without slopes, the
+ * straight line.
+ */
 function curveBetween(from, to, first, last) {
   const chord = [0, 1].map((axis) => to[axis] - from[axis]);
   const [start, end] = [first, last].map((slope) => (slope ?? chord).map((one, axis) => one - chord[axis]));

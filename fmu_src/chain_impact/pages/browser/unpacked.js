@@ -1,16 +1,16 @@
-// What `packed` of `explore.py` made, as bytes, and numbers in base64.
+// The reader of bytes that `packed` of `explore.py` has compressed, and of numbers in base64.
 
-/** The bytes of a text in base64. */
+/** Return the bytes of a text in base64. */
 function bytesIn(text) {
   return Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
 }
 
-/** The numbers of such a text, which is not compressed. */
+/** Return the numbers in a text that is not compressed. */
 export function numbersIn(text) {
   return new Float64Array(bytesIn(text).buffer);
 }
 
-/** The bytes of a text that is compressed. */
+/** Return the bytes of a compressed text. */
 export async function unpacked(text) {
   const stream = new Blob([bytesIn(text)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   return new Uint8Array(await new Response(stream).arrayBuffer());

@@ -1,16 +1,17 @@
-// What is to be seen of a motion: where it goes, and the walls near it. Pictures and films do the same, in `view.py`.
+// The view of a motion: the space that the motion needs, and the walls near it. `view.py` does the same for pictures and
+// films.
 
 import { roomWithin } from "./room.js";
 
-const NEAR_WALL = 0.2; // of the motion's width: a wall farther from the motion is left out …
-const ROOM = 1; // … unless it closes a room with others, which all are nearer than this
-const MARGIN = 0.06; // of the size of what is seen
-const UPRIGHT = 0.5; // of a wall's normal along an axis
-const PIN = 0.08; // of the motion's width
-const LEAST = 1e-6; // m
-/** The stops of a joint: keys of a link, and what they are called among the walls. */
+const NEAR_WALL = 0.2; // largest distance of a wall that is shown from the motion, over the width of the motion
+const ROOM = 1; // largest distance of walls that together close a room, over the width of the motion
+const MARGIN = 0.06; // margin around the view, over the size of the view
+const UPRIGHT = 0.5; // least component of a wall's normal along an axis with which the wall bounds the view on this axis
+const PIN = 0.08; // height of the mark of a pinned base, over the width of the motion
+const LEAST = 1e-6; // [m] size assumed for a chain that does not move
+/** The stops of a joint: keys of a link, which are also names among the walls. */
 export const STOPS = ["joint_min", "joint_max"];
-/** The stops of a slider, as they are called among the walls, and their keys. */
+/** The stops of a slider: name among the walls → key. */
 export const SLIDER_STOPS = { slider_min: "min", slider_max: "max" };
 const PIN_LINES = [
   [[0, 0], [-0.4, 0.65], [0.4, 0.65], [0, 0]],
@@ -18,7 +19,10 @@ const PIN_LINES = [
   ...[-0.7, -0.35, 0, 0.35].map((x) => [[x, 0.65], [x + 0.25, 1]]),
 ];
 
-/** Where a point of a link is, along the link and to the left of it, and its radius [m]; corners of a box follow from it. */
+/**
+ * Return the coordinates of a point of a link, along the link and to its left, and its radius [m]; corners of a box are
+ * computed from the box.
+ */
 export function discOf({ link, entry, corner }, valueOf) {
   const of = `link[${link + 1}]`;
   if (!corner) return ["x", "y", "radius"].map((key) => valueOf(`${of}.point[${entry + 1}].${key}`));
@@ -26,18 +30,18 @@ export function discOf({ link, entry, corner }, valueOf) {
   return [corner % 2 ? 0 : length, corner > 2 ? half : -half, valueOf("contact.radius")];
 }
 
-/** What follows from other values by a rule: the sum of the products of some of them over a number. */
+/** Return a derived value: the sum of products of some values, divided by a number. */
 export function sumOf({ terms, divisor }, valueOf) {
   const products = terms.map((factors) => factors.reduce((found, factor) => found * valueOf(factor), 1) / divisor);
   return products.reduce((sum, product) => sum + product, 0);
 }
 
-/** What a point is called in sentences: its number, and its name if `names` has one: "point 5 (heel)". */
+/** Return the words for a point in sentences: its number, and its name if `names` has one: "point 5 (heel)". */
 export function pointText(names, point) {
   return names.has(point) ? `point ${point} (${names.get(point)})` : `point ${point}`;
 }
 
-/** The free sides of the walls, name → normal and offset, with the parameters as they are. */
+/** Return the free sides of the walls for the present parameters: name → normal and offset. */
 export function wallsAt(scene, valueOf) {
   const normals = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
   const found = Object.entries(scene.walls).map(([name, wall]) => {
@@ -53,7 +57,7 @@ export function wallsAt(scene, valueOf) {
   return Object.fromEntries(found);
 }
 
-/** The least and the largest of numbers. */
+/** Return the least and the largest of some numbers. */
 function ends(numbers) {
   let [low, high] = [Infinity, -Infinity];
   for (const number of numbers) {
@@ -63,8 +67,10 @@ function ends(numbers) {
   return [low, high];
 }
 
-/** The lines of a pinned base's mark at the start, above it if the chain is on the mean below it; `x` and `y` hold
- * all points. */
+/**
+ * Return the lines of a pinned base's mark at the start, above the base if the chain is on average below it; `x` and `y`
+ * contain all points.
+ */
 function pinLines(x, y, points) {
   const [width, height] = [x, y].map((all) => ends(all)).map(([low, high]) => high - low);
   const size = PIN * Math.max(width, height);
@@ -76,7 +82,7 @@ function pinLines(x, y, points) {
   return PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
 }
 
-/** The corners of the room between the walls, if they close it, and nowhere farther than ROOM from the motion. */
+/** Return the corners of the room between the walls, if they close it, and it ends within ROOM of the motion. */
 function closedRoom(walls, [low, high], width) {
   const around = [low.map((end) => end - ROOM * width), high.map((end) => end + ROOM * width)];
   const { corners } = roomWithin(walls, around);
@@ -84,7 +90,7 @@ function closedRoom(walls, [low, high], width) {
   return corners.every(isInside) ? corners : [];
 }
 
-/** View, anchor and pin of a recording whose points are at `x` and `y` in rows of all points. */
+/** Return view, anchor and pin of a recording whose points are at `x` and `y`, in rows of all points. */
 export function viewOf(x, y, points, walls, radius, pinned) {
   const [[left, right], [bottom, top]] = [ends(x), ends(y)];
   const reach = [[left - radius, bottom - radius], [right + radius, top + radius]];
@@ -94,7 +100,7 @@ export function viewOf(x, y, points, walls, radius, pinned) {
   const pins = pin.flat().flatMap((place) => [0, 1].map((end) => place.map((value, axis) => value + ways[axis][end])));
   const room = closedRoom(walls, reach, width);
   const corners = [...reach, ...pins, ...room];
-  const open = [[1, 1], [1, 1]]; // left and below, right and above
+  const open = [[1, 1], [1, 1]]; // fractions to the left and below, to the right and above
   for (const { normal, offset } of Object.values(walls)) {
     if (!room.length) {
       const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);

@@ -1,12 +1,12 @@
-// The worker: it runs the kernel, a few milliseconds at a time, so that a newer request can take the place of an older one.
+// The worker, which runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
 
 import { Kernel, rowTimes } from "./kernel.js";
 import { motion } from "./motion.js";
 
-const MOST_BYTES = 500e6; // of a table
-const AT_ONCE = 15; // ms of computing until it looks for messages
+const MOST_BYTES = 500e6; // largest number of rows of a table
+const AT_ONCE = 15; // [ms] computing time after which the worker looks for messages
 
-/** Let messages in. */
+/** Let the browser deliver messages. */
 function pause() {
   return new Promise((go) => {
     const { port1, port2 } = new MessageChannel();
@@ -15,7 +15,7 @@ function pause() {
   });
 }
 
-/** All columns of the FMU that are asked for, at the rows of a result. */
+/** Return the requested columns of the FMU, at the rows of a result. */
 function* rows(kernel, values, { names }) {
   const wanted = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;
@@ -28,21 +28,21 @@ function* rows(kernel, values, { names }) {
   return { ...found, columns: Object.fromEntries(wanted.map(({ name }, k) => [name, found.columns[k]])) };
 }
 
-/** Some words of the record at the end of runs with different values of some parameters, which are in rows. */
+/** Return some words of the record at the end of runs with rows of values of some parameters. */
 function* study(kernel, values, { names, each, words }) {
   const stop = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
   const stops = new Float64Array(each.length / names.length).fill(stop);
   return { rows: yield* kernel.runEach(values, names, each, stops, words) };
 }
 
-/** The memory of the columns of a result, which is handed over and not copied. */
+/** Return the memory of the columns of a result, which is transferred and not copied. */
 function columnsOf({ time, columns = {}, rows }) {
   return [time, rows, ...Object.values(columns)].filter(Boolean).map(({ buffer }) => buffer);
 }
 
 const KINDS = { motion, rows, study };
-const newest = {}; // kind → number of the newest request; older ones of some kinds are given up
-const kernels = {}; // kind → promise of a kernel of its own, as runs of several kinds take turns
+const newest = {}; // kind → number of the newest request; older requests of some kinds are given up
+const kernels = {}; // kind → promise of a separate kernel for this kind, because runs of several kinds take turns
 const queues = {}; // kind → promise of the end of the request before
 let given; // the scene and the compiled module
 
