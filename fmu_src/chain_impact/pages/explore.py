@@ -34,6 +34,7 @@ MODULES = (
         "scene_file",
         "model",
         "changes",
+        "held",
         "engine",
         "knobs",
         "ghosts",
@@ -57,7 +58,8 @@ def explore(
 
     The page contains the compiled kernel, and gives the numbers of ``simulate``. The page is one file that
     needs no other file. The reader can change all parameters, and add or remove links, points, walls and
-    stops. Inputs without a signal are constant; a base and walls without a signal do not move.
+    stops. Inputs without a signal are constant, or change when the reader moves their sliders while the
+    motion plays; a base and walls without a signal do not move.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.

@@ -20,6 +20,7 @@ import numpy as np
 from chain_impact.compilation.affine import COUNTS, SAMPLES, affine
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.chain.signals import DEGREE
+from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.signals import signal_dtype
@@ -99,7 +100,7 @@ def kit(scene: Scene) -> dict[str, Any]:
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
         "points": [words(("output", "point_position", AT, axis)) for axis in (0, 1)],
-        "constants": {"derived": DERIVED, "noContact": NO_CONTACT, "openArc": OPEN},
+        "constants": {"derived": DERIVED, "noContact": NO_CONTACT, "openArc": OPEN, "atOnce": AT_ONCE},
         "boxWalls": WALLS,
         "rigidWithFriction": FRICTION_WITH_RIGID_WALLS,
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
@@ -235,6 +236,7 @@ def _layout() -> dict[str, Any]:
         },
         "peaks": {name: words(("peaks", part)) for name, part in PEAKS.items()},
         "changes": words(("changes", "count")),
+        "inputsChanged": words(("given", "changed")),
         "active": words(("touch", "active_count")),
         "statistics": {name: words(("statistics", name)) for name in statistics},
     }

@@ -22,13 +22,14 @@ export class Changes {
     this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
     this.values = {}; // the changed values: name → number
+    this.held = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
   }
 
   /** Use another scene, without changes. */
   open(scene) {
     this.#take(scene);
     this.#openers.forEach((opener) => opener());
-    this.replace({});
+    this.replace({}, {});
   }
 
   /** Add a listener that is called when another scene is opened, before listeners for its values are called. */
@@ -41,7 +42,7 @@ export class Changes {
   }
 
   get count() {
-    return Object.keys(this.values).length;
+    return Object.keys({ ...this.values, ...this.held }).length;
   }
 
   valueOf(name) {
@@ -55,8 +56,13 @@ export class Changes {
     return sumOf(derived, (factor) => this.#valueIn(values, factor));
   }
 
+  /** Return the value of an input at a time, or of any other parameter. */
+  valueAt(name, time) {
+    return this.held[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
+  }
+
   isChanged(name) {
-    return name in this.values;
+    return name in this.values || name in this.held;
   }
 
   /** Return the number for a text or the name of a choice; an error says which values are allowed. */
@@ -89,19 +95,24 @@ export class Changes {
     return values;
   }
 
-  /** Change some values: name → number, text, or the name of a choice. */
+  /** Change some values: name → number, text, or the name of a choice. An input has this value all the time then. */
   set(given) {
-    this.replace(this.with(given));
+    this.replace(this.with(given), without(this.held, Object.keys(given)));
+  }
+
+  /** Give an input a value from a time on; what it had later goes. */
+  hold(name, given, time) {
+    const before = (this.held[name] ?? []).filter(([from]) => from < time);
+    this.replace(this.values, { ...this.held, [name]: [...before, [time, this.numberOf(name, given)]] });
   }
 
   reset(name) {
-    const others = Object.entries(this.values).filter(([changed]) => changed !== name);
-    this.replace(this.with({}, Object.fromEntries(others)));
+    this.replace(this.with({}, without(this.values, [name])), without(this.held, [name]));
   }
 
   /** Replace all changes by these changes. */
-  replace(values) {
-    this.values = values;
+  replace(values, held = this.held) {
+    Object.assign(this, { values, held });
     this.#listeners.forEach((listener) => listener());
   }
 
@@ -112,6 +123,11 @@ export class Changes {
       return [name, items.length ? items[value - 1][0] : numberText(value)];
     });
   }
+}
+
+/** Return a table without some of its keys. */
+function without(table, keys) {
+  return Object.fromEntries(Object.entries(table).filter(([key]) => !keys.includes(key)));
 }
 
 /** Refuse values that are each valid, but not together, as the scene does. */

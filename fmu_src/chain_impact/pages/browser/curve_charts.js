@@ -75,7 +75,7 @@ export class CurveCharts {
     this.charts.forEach((chart, unit) => {
       const own = curves.filter((curve) => curve.unit === unit);
       chart.show(recording, own.map((curve, k) => ({
-        ...curve, isStepped: curve.integer, stroke: `input-${(k % INPUT_COLOURS) + 1}`, dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
+        ...curve, stroke: `input-${(k % INPUT_COLOURS) + 1}`, dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
       })));
     });
   }

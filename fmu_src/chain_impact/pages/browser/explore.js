@@ -9,6 +9,7 @@ import { contentsIn, Editor } from "./edit.js";
 import { Engine } from "./engine.js";
 import { Ghosts } from "./ghosts.js";
 import { Handles } from "./handles.js";
+import { heldAmong } from "./held.js";
 import { showKnobs, showList } from "./knobs.js";
 import { GridMap } from "./map.js";
 import { describe } from "./model.js";
@@ -17,6 +18,7 @@ import { asWritten, complete } from "./scene_file.js";
 import { unpacked } from "./unpacked.js";
 
 const WAITING = 120; // [ms] the time after which an old motion becomes grey
+const PATIENCE = 250; // [ms] the time after which the next change ends a run: a slider shows its effect while it is dragged
 const REST = 300; // [ms] the time without a change after which the address gets the changes
 const KEPT = 0.5; // the least part of the view, in size, that a motion must fill for the view to stay
 
@@ -79,16 +81,28 @@ function withoutFriction() {
   return button;
 }
 
-/** Simulate with the present parameters and show the motion, unless the parameters change meanwhile. */
-async function update() {
+let [begun, next] = [-Infinity, 0]; // when the present run began, and the timer of the next one
+
+/** Simulate with the present parameters: at the end of the present run, or when PATIENCE is over. */
+function update() {
+  clearTimeout(next);
+  const left = begun + PATIENCE - performance.now();
+  if (left > 0) next = setTimeout(simulateNow, left);
+  else simulateNow();
+}
+
+/** Simulate with the present parameters and show the motion, unless another run begins meanwhile. */
+async function simulateNow() {
+  [begun, next] = [performance.now(), 0];
   find("reset-all").hidden = changes.count === 0;
   const text = changes.texts().map(([name, one]) => `${name} = ${one}`).join(", ");
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
   const result = await engine
-    .ask("motion", changes.values, { replaces: true, curves: choice.names }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
+    .ask("motion", changes.values, { replaces: true, curves: choice.names, held: changes.held }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
     .catch((error) => ({ parts: null, fault: `The solver cannot work in this browser: ${error.message}.` }));
   clearTimeout(waiting);
   if (!result) return;
+  begun = -Infinity;
   document.body.classList.remove("computing");
   document.body.classList.toggle("stale", !result.parts);
   ending = result.status;
@@ -99,6 +113,7 @@ async function update() {
   } else if (player.recording) {
     player.drawSoon();
   }
+  if (next) update();
 }
 
 /** Return the address of the page with the changes. */
@@ -129,27 +144,32 @@ function open(contents) {
 
 /** Show name and description of the scene, and a note on inputs that are constant on the page. */
 function showWords() {
-  const { name, text, still } = changes.scene;
+  const { name, text, still, inputs } = changes.scene;
   document.querySelector("h1").textContent = name;
   document.title = `${name} – chain-impact`;
   find("description").textContent = text;
   find("description").hidden = !text;
-  find("inputs").hidden = still.length === 0;
-  find("inputs").textContent = `These inputs keep their start values here: ${still.join(", ")}.`;
+  const told = [
+    inputs.length && "While the motion plays, the slider of an input acts from that moment on.",
+    still.length && `These inputs keep their start values here: ${still.join(", ")}.`,
+  ].filter(Boolean);
+  find("inputs").hidden = told.length === 0;
+  find("inputs").textContent = told.join(" ");
   find("edit-first").hidden = !opened;
 }
 
 /** Use the scene and the changes in the address; a fault is shown, and changes nothing. */
 function takeAddress() {
   try {
-    const { scene: text = "", curves = "", ...given } = changesIn(location.hash);
+    const { scene: text = "", curves = "", ...parts } = changesIn(location.hash);
     if (text !== opened) {
       if (text) open(contentsIn(text));
       else show(own, "");
     }
-    const values = new Changes(changes.scene).with(given);
+    const { others, held } = heldAmong(parts, changes);
+    const values = new Changes(changes.scene).with(others);
     choice.take(curves);
-    changes.replace(values);
+    changes.replace(values, held);
   } catch (error) {
     notice = `The link cannot be used: ${error.message}.`;
     remember();
@@ -173,7 +193,7 @@ function connectExport() {
     setTimeout(() => Object.assign(button, { textContent: "Copy" }), 1500);
   }));
   connectFile("csv", async () => {
-    const result = await engine.ask("rows", { ...changes.values });
+    const result = await engine.ask("rows", { ...changes.values }, { held: changes.held });
     save(new Blob([csvOf(result)], { type: "text/csv" }), `${changes.scene.name}.csv`);
     return sentenceOf(result, result.time.length > 0);
   });
@@ -237,10 +257,11 @@ changes.onOpen(() => {
 });
 new Editor(changes, open, () => show(own, ""));
 showWords();
-showKnobs(find("main-knobs"), changes);
+const now = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
+player.further.push({ draw: showKnobs(find("main-knobs"), changes, now) });
 showList(find("list-of-parameters"), changes);
 connectExport();
-find("reset-all").addEventListener("click", () => changes.replace({}));
+find("reset-all").addEventListener("click", () => changes.replace({}, {}));
 find("pin").addEventListener("click", () => player.recording && ghosts.pin());
 find("by-hand").addEventListener("click", () => player.clock.set({ frame: 0, playing: false }));
 if (location.hash) takeAddress();

@@ -96,8 +96,9 @@ export class Kernel {
    * @param times Float64Array [s].
    * @param outputs { word, integer } of the record, one for each column.
    * @param atOnce number of times in one call of the kernel, which cannot be interrupted.
+   * @param held { time, word, value } in the order of time: inputs that have another value from a time on.
    */
-  *run(values, times, outputs = [], atOnce = ROWS) {
+  *run(values, times, outputs = [], { atOnce = ROWS, held = [] } = {}) {
     const width = outputs.length;
     const spans = wordSpans(outputs);
     const [timesAt, spansAt, rowsAt] = this.#places([atOnce, spans.length, atOnce * width]);
@@ -110,18 +111,31 @@ export class Kernel {
     new BigInt64Array(buffer, spansAt, spans.length).set(spans);
     const impacts = [];
     let done = 0;
-    while (done < times.length && this.status === 0) {
-      const asked = Math.min(atOnce, times.length - done);
-      timesHeld.set(times.subarray(done, done + asked));
-      const filled = Number(
-        this.exports.trajectory(this.record, timesAt, BigInt(asked), spansAt, BigInt(spans.length / 2), rowsAt, BigInt(width), 0));
-      columns.forEach((column, k) => {
-        const read = outputs[k].integer ? (from) => Number(integers[from]) : (from) => reals[from];
-        for (let row = 0; row < filled; row += 1) column[done + row] = read(row * width + k);
-      });
-      done += filled;
-      impacts.push(...this.#finished());
-      yield done / times.length;
+    for (const { time, word, value } of [...held, { time: Infinity }]) {
+      const later = times.findIndex((one) => one > time);
+      const until = later < 0 ? times.length : later;
+      while (done < until && this.status === 0) {
+        const asked = Math.min(atOnce, until - done);
+        timesHeld.set(times.subarray(done, done + asked));
+        const filled = Number(
+          this.exports.trajectory(this.record, timesAt, BigInt(asked), spansAt, BigInt(spans.length / 2), rowsAt, BigInt(width), 0));
+        columns.forEach((column, k) => {
+          const read = outputs[k].integer ? (from) => Number(integers[from]) : (from) => reals[from];
+          for (let row = 0; row < filled; row += 1) column[done + row] = read(row * width + k);
+        });
+        done += filled;
+        impacts.push(...this.#finished());
+        yield done / times.length;
+      }
+      if (this.status !== 0 || done === times.length) break;
+      timesHeld[0] = time;
+      let isThere = false;
+      while (!isThere && this.status === 0) {
+        isThere = this.exports.trajectory(this.record, timesAt, 1n, spansAt, 0n, rowsAt, 0n, 0) === 1n;
+        impacts.push(...this.#finished());
+      }
+      this.reals[word] = value;
+      this.integers[this.scene.layout.inputsChanged] = BigInt(this.scene.atOnce);
     }
     const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
     const place = Number(this.integers[this.scene.layout.place]);

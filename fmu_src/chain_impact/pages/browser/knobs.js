@@ -94,8 +94,11 @@ function rounded(value) {
   return Number(value.toPrecision(3));
 }
 
-/** Return a knob: label, field, slider, reset button. */
-function knob(changes, entry) {
+/**
+ * Return a knob: label, field, slider, reset button. While the motion plays, the slider of an input acts from the present
+ * time on, which `now` returns.
+ */
+function knob(changes, entry, now) {
   const parameter = changes.parameters.get(entry.name);
   const { field, refresh } = valueField(changes, parameter);
   const unit = unitText(parameter.unit);
@@ -118,18 +121,27 @@ function knob(changes, entry) {
   }
   const { toPlace, toValue } = scaleOf(entry, changes.starts[entry.name]);
   const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
+  let isDragged = false;
   slider.setAttribute("aria-label", entry.label);
   slider.addEventListener("input", () => {
     const value = rounded(toValue(slider.value / STEPS));
-    attempt(slider, () => changes.set({ [entry.name]: Math.max(value, entry.spread ? rounded(changes.starts[entry.name] / 100) : value) }));
+    const { isPlaying, time } = now();
+    isDragged = true;
+    if (entry.isInput && isPlaying && time > 0) attempt(slider, () => changes.hold(entry.name, value, Number(time.toFixed(6))));
+    else attempt(slider, () => changes.set({ [entry.name]: Math.max(value, entry.spread ? rounded(changes.starts[entry.name] / 100) : value) }));
+  });
+  slider.addEventListener("change", () => {
+    isDragged = false;
   });
   row.append(slider, told);
   return { row, refresh: () => {
     refresh();
-    const value = changes.valueOf(entry.name);
+    const isHeld = entry.name in changes.held;
+    const value = changes.valueAt(entry.name, now().time);
+    if (isHeld && document.activeElement !== field) field.value = numberText(value);
     slider.setCustomValidity("");
     explain(row);
-    if (document.activeElement !== slider) slider.value = String(STEPS * toPlace(value));
+    if (isHeld ? !isDragged : document.activeElement !== slider) slider.value = String(STEPS * toPlace(value));
     slider.style.setProperty("--done", `${100 * Math.min(Math.max(toPlace(value), 0), 1)}%`);
     slider.setAttribute("aria-valuetext", `${numberText(value)} ${unit}`);
     row.classList.toggle("changed", changes.isChanged(entry.name));
@@ -143,7 +155,7 @@ function inputKnobs({ scene, starts }) {
   const ends = { "N.m": weight * sum("length"), N: weight, rad: Math.PI, "rad/s": 10 };
   return scene.inputs.map((name) => {
     const end = Number(ends[scene.parameters.find((one) => one.name === name).unit].toPrecision(3));
-    return { name, label: name, ends: [-end, end] };
+    return { name, label: name, ends: [-end, end], isInput: true };
   });
 }
 
@@ -186,11 +198,14 @@ function knobsOf(changes) {
   }).filter(({ name }) => parameters.has(name)).concat(inputKnobs(changes));
 }
 
-/** Fill an element with the knobs of the scene, and again when another scene is opened. */
-export function showKnobs(element, changes) {
+/**
+ * Fill an element with the knobs of the scene, and again when another scene is opened. `now` returns the present time, and
+ * whether the motion plays; call the returned function when they change.
+ */
+export function showKnobs(element, changes, now) {
   let knobs;
   const fill = () => {
-    knobs = [...signalKnobs(changes), ...knobsOf(changes)].map((entry) => knob(changes, entry));
+    knobs = [...signalKnobs(changes), ...knobsOf(changes)].map((entry) => knob(changes, entry, now));
     element.replaceChildren(...knobs.map(({ row }) => row));
   };
   const refresh = () => knobs.forEach((one) => one.refresh());
@@ -198,6 +213,7 @@ export function showKnobs(element, changes) {
   changes.onChange(refresh);
   fill();
   refresh();
+  return () => Object.keys(changes.held).length && refresh();
 }
 
 /**

@@ -294,6 +294,7 @@ export function describe(kit, file, command) {
     walls: wallsAt({ walls: Object.fromEntries(there.map((name) => [name, null])) }, (name) => values.get(name)?.number),
     stops: [...new Set(stops.map(([joint]) => joint))],
     openArc: kit.constants.openArc,
+    atOnce: kit.constants.atOnce,
     sites: parts.sites,
     sliderStops: parts.sliderStops,
     pointNames,

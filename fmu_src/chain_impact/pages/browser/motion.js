@@ -55,8 +55,9 @@ function interleaved(each) {
  * Return the parts of a `Recording`, and how the runs ended; the generator yields the finished fraction.
  *
  * @param curves names of outputs that are needed over time.
+ * @param held inputs with other values from some times on: name → pairs of a time and a value.
  */
-export function* motion(kernel, values, { curves = [] } = {}) {
+export function* motion(kernel, values, { curves = [], held = {} } = {}) {
   const { scene } = kernel;
   const valueOf = (name) => {
     const parameter = kernel.parameters.get(name);
@@ -65,10 +66,11 @@ export function* motion(kernel, values, { curves = [] } = {}) {
   const stop = valueOf("simulation.stop_time");
   const began = performance.now();
   const { driven } = scene;
-  const firstTimes = driven.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
+  const hands = heldIn(kernel, held);
+  const firstTimes = driven.length || hands.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
   const chosen = scene.columns.filter(({ name }) => curves.includes(name));
   const runs = chosen.length ? 3 : 2;
-  const first = yield* part(kernel.run(values, firstTimes, driven, Math.ceil(firstTimes.length / PARTS)), 0, runs);
+  const first = yield* part(kernel.run(values, firstTimes, driven, { atOnce: Math.ceil(firstTimes.length / PARTS), held: hands }), 0, runs);
   const spent = performance.now() - began;
   const end = first.status === 0 ? stop : Math.min(first.reached, stop);
   const { status, place, reached, statistics, impacts } = first;
@@ -81,7 +83,7 @@ export function* motion(kernel, values, { curves = [] } = {}) {
   const { moved } = scene;
   const words = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
     .filter((word) => word !== null);
-  const { time, columns } = yield* part(kernel.run(values, times, words.map((word) => ({ word }))), 1, runs);
+  const { time, columns } = yield* part(kernel.run(values, times, words.map((word) => ({ word })), { held: hands }), 1, runs);
   if (time.length < 2) return { ...ending, parts: null };
   const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
@@ -118,14 +120,29 @@ export function* motion(kernel, values, { curves = [] } = {}) {
     rail: railOf(Array.from(time, (_, row) => [x, y].map((all) => all[row * points.length])), size, valueOf),
     pinned: scene.pinned,
   };
-  const inputs = { time: first.time, curves: driven.map(({ name, unit }, k) => ({ name, unit, values: first.columns[k] })) };
+  const inputs = { time: first.time, curves: [
+    ...driven.map(({ name, unit }, k) => ({ name, unit, values: first.columns[k] })),
+    ...Object.entries(held).map(([name, steps]) => ({
+      name,
+      unit: kernel.parameters.get(name).unit,
+      isStepped: true,
+      values: first.time.map((now) => steps.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
+    })),
+  ] };
   const outputs = { time, curves: [] };
   if (chosen.length) {
-    const found = yield* part(kernel.run(values, withImpacts(time, contacts), chosen), 2, runs);
+    const found = yield* part(kernel.run(values, withImpacts(time, contacts), chosen, { held: hands }), 2, runs);
     outputs.time = found.time;
-    outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, integer, values: found.columns[k] }));
+    outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, isStepped: integer, values: found.columns[k] }));
   }
   return { ...ending, parts: { ...framesOf(rows, { times: time, frameRate }), inputs, outputs } };
+}
+
+/** Return held inputs as a run of the kernel needs them. */
+export function heldIn(kernel, held) {
+  const all = Object.entries(held).flatMap(([name, steps]) =>
+    steps.map(([time, value]) => ({ time, word: kernel.parameters.get(name).word, value })));
+  return all.sort((a, b) => a.time - b.time);
 }
 
 /** Return times with additional times within impacts, because an impact may lie between two times. */

@@ -1,6 +1,7 @@
 // The exports of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
 
 import { numberText } from "./changes.js";
+import { heldSignals, heldTexts } from "./held.js";
 import { asWritten } from "./scene_file.js";
 
 /** Return a word of a command for a shell, if necessary in double quotes, which shells of Windows also accept. */
@@ -9,15 +10,19 @@ function quoted(word) {
   return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
-/** Return the command that gives the same motion; constant inputs can be given only in Python. */
+/** Return the command that gives the same motion; inputs can be given only in Python, and held inputs are signals there. */
 export function commandOf(changes) {
   const { inputs, command: [source, ...settings] } = changes.scene;
-  const [given, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
+  const [own, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
+  const given = own.filter(([name]) => !(name in changes.held));
+  const signals = Object.entries(heldSignals(changes)).map(([name, { input, form, times, values }]) =>
+    `("signals", "${name}"): {"input": ${JSON.stringify(input)}, "form": "${form}", "times": [${times}], "values": [${values}]}`);
   const set = others.flatMap(([name, text]) => ["--set", `${name}=${text}`]);
-  if (!given.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
+  if (!given.length && !signals.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
   const after = (option) => [...settings, ...set].filter((_, k, words) => words[k - 1] === option);
   const pairs = after("--set").map((word) => word.split(/=(.*)/s));
-  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})${tableOf(changes.scene.file, after("--inputs"))}`;
+  const held = signals.length ? `.with_values({${signals.join(", ")}})` : "";
+  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})${tableOf(changes.scene.file, after("--inputs"))}${held}`;
   const program = `from chain_impact import load_scene, simulate; print(simulate(${scene}, inputs=${dictionary(given)}))`;
   return ["python", "-c", program].map(quoted).join(" ");
 }
@@ -39,13 +44,14 @@ function dictionary(pairs) {
   return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
 }
 
-/** Return the contents of the scene file with the changes, but without constant inputs, which a scene does not have. */
+/** Return the contents of the scene file with the changes; held inputs are signals, and constant inputs are left out. */
 export function contentsOf(changes) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {
     const { place, items } = changes.parameters.get(name);
     if (place) put(file, place, items.length ? items[value - 1][0] : value);
   }
+  Object.assign(file.signals, heldSignals(changes));
   return asWritten(file, changes.scene.forms);
 }
 
@@ -86,7 +92,7 @@ function tomlOf(value) {
  * is not the page's own, and `curves`, the names of the outputs in the chart.
  */
 export function hashOf(changes, shown = {}) {
-  const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts()];
+  const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(), ...heldTexts(changes)];
   return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
 }
 

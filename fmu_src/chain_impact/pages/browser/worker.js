@@ -1,9 +1,9 @@
 // The worker, which runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
 
 import { Kernel, rowTimes } from "./kernel.js";
-import { motion } from "./motion.js";
+import { heldIn, motion } from "./motion.js";
 
-const MOST_BYTES = 500e6; // largest number of rows of a table
+const MOST_BYTES = 500e6; // [byte] largest size of a table
 const AT_ONCE = 15; // [ms] computing time after which the worker looks for messages
 
 /** Let the browser deliver messages. */
@@ -16,7 +16,7 @@ function pause() {
 }
 
 /** Return the requested columns of the FMU, at the rows of a result. */
-function* rows(kernel, values, { names }) {
+function* rows(kernel, values, { names, held = {} }) {
   const wanted = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;
   const [stop, step] = [time("simulation.stop_time"), time("simulation.step_size")];
@@ -24,7 +24,7 @@ function* rows(kernel, values, { names }) {
     throw new RangeError("the table would be too large: choose longer steps, an earlier end or fewer outputs");
   }
   const times = rowTimes(stop, step);
-  const found = yield* kernel.run(values, times, wanted);
+  const found = yield* kernel.run(values, times, wanted, { held: heldIn(kernel, held) });
   return { ...found, columns: Object.fromEntries(wanted.map(({ name }, k) => [name, found.columns[k]])) };
 }
 

@@ -1,0 +1,88 @@
+"""An input is held while the motion plays: from then on, in the link, the command and the scene file."""
+
+import shlex
+
+import numpy as np
+import pytest
+
+from chain_impact import Chain, load_scene, simulate
+from tests.pages.conftest import packed_module, page_contents, until
+from tests.pages.test_in_browser import saved
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+STEPS = [(0.2, 1.5), (0.31, -2.0), (0.6, 0.5)]
+RUN = """async ({ module, file, kit, held, times, name }) => {
+  const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
+  const wanted = kernel.scene.columns.filter((column) => column.name === name);
+  const options = { held: heldIn(kernel, held) };
+  return Array.from(runThrough(kernel.run({}, Float64Array.from(times), wanted, options)).columns[0]); }"""
+SLIDER = "joint[1].torque"
+HELD = "chart => document.querySelector('#inputs-over-time dt')?.textContent === 'joint[1].torque'"
+
+
+def test_an_input_that_is_held_acts_as_when_a_chain_is_set_in_time(worker):
+    scene, name = load_scene("pinned_arm"), "point[2].x"
+    times = np.linspace(0.0, 1.0, 101).tolist()
+    given = {"module": packed_module(), **page_contents(scene), "times": times, "name": name}
+    found = worker.evaluate(RUN, {**given, "held": {SLIDER: STEPS}})
+    chain, known, steps = Chain(scene), [], list(STEPS)
+    for time in times:
+        while steps and steps[0][0] < time:
+            at, value = steps.pop(0)
+            chain.step_to(at)
+            chain.set(SLIDER, value)
+        chain.step_to(time)
+        known.append(chain.get(name))
+    assert found == known
+
+
+def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show, tmp_path, capsys):
+    page = show("pinned_arm")
+    before = page.evaluate("chainImpact.parameters['joint[1].torque']")
+    page.get_by_label("Speed").select_option("¼ ×")
+    page.get_by_role("button", name="Play").click()
+    until(page, "Number(document.getElementById('scrub').value) > 0.1")
+    slider = page.get_by_role("slider", name=SLIDER)
+    for key in ("PageUp", "PageUp", "ArrowLeft"):
+        slider.press(key)
+        page.wait_for_timeout(60)  # at another time each
+    page.get_by_role("button", name="Pause").click()
+    until(page, "location.hash.includes('torque')")
+    page.wait_for_function(HELD)
+    assert page.evaluate("chainImpact.parameters['joint[1].torque']") == before, (
+        "at the start, it is as it was"
+    )
+    ((name, text),) = (
+        part.split("=") for part in page.evaluate("decodeURIComponent(location.hash)").strip("#").split("&")
+    )
+    steps = [tuple(map(float, step.split(":"))) for step in text.split(",")]
+    assert name == f"{SLIDER}@"
+    assert len(steps) == 3
+    assert 0.1 < steps[0][0] < steps[-1][0] < 2.0
+    for time, value in ((0.05, 0.0), (1.99, steps[-1][1])):
+        page.locator("#scrub").fill(str(time))
+        until(page, f"document.getElementById('time').textContent.startsWith('{time}')")
+        assert float(page.locator("#inputs-over-time dd").inner_text().split("\u202f")[0]) == pytest.approx(
+            value
+        )
+        assert float(page.get_by_role("textbox", name=SLIDER).first.input_value()) == pytest.approx(value)
+
+    page.get_by_role("button", name="Export…").click()
+    path = tmp_path / "held.toml"
+    path.write_text(saved(page, "Scene file").read_text(encoding="utf-8"), encoding="utf-8")
+    signal = load_scene(path).signals["held_joint_1_torque"]
+    assert list(zip(signal.times, signal.values, strict=True)) == [(0.0, 0.0), *steps]
+    table = saved(page, "Outputs as CSV").read_text(encoding="utf-8").splitlines()
+    column = table[0].split(",").index("point[2].x")
+    known = simulate(path)["point[2].x"]
+    assert [float(row.split(",")[column]) for row in table[1:]] == pytest.approx(known.tolist(), abs=1e-6)
+    words = shlex.split(page.get_by_label("The command that gives the same motion").input_value())
+    assert words[:2] == ["python", "-c"]
+    page.keyboard.press("Escape")
+    page.reload()
+    page.wait_for_function(HELD)
+    page.get_by_role("button", name=f"Reset {SLIDER}").first.click()
+    until(page, "document.getElementById('inputs-over-time').closest('section').hidden")
+    exec(words[2])  # which prints the result
+    assert f"{len(simulate(path).impacts)} impact" in capsys.readouterr().out
