@@ -26,7 +26,7 @@ SHARED = {
     "step.dense",
     "search.curvature",
     "work.load",
-    *(f"implicit.{name}" for name in ("z", "stages", "parts", "slowness", "normal")),
+    *(f"implicit.{name}" for name in ("z", "stages", "parts", "normal")),
 }
 
 

@@ -303,10 +303,9 @@ def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
     d, _, _ = stiff_joint(1e3)
     own, listed = d.implicit, d.touch.listings
     for listing, made_by, measured in ((listed, IMPLICIT, 0), (STALE, IMPLICIT, 3), (listed, EXPLICIT, 3)):
-        own.listing, d.step.last_method, own.slowness, before = listing, made_by, 0.3, d.limits.other_work
+        own.listing, d.step.last_method, before = listing, made_by, d.limits.other_work
         h = collocation.prepare(d, 0.1)
         assert h < 0.05 if measured else h == 0.1
-        assert own.slowness == (radau.UNKNOWN if measured else 0.3)
         assert d.limits.other_work == before + measured
 
 
@@ -377,7 +376,6 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     collocation.prepare(d, 0.01)
     collocation.attempt(d, 0.01)
     assert control.accepted(d)
-    assert d.implicit.slowness < radau.UNKNOWN
 
     def unsolved(d, _h, _size):
         own = d.implicit
@@ -388,7 +386,6 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     before = d.statistics.rhs_evaluations
     collocation.attempt(d, 0.01)
     assert d.trial.error == error
-    assert d.implicit.slowness == radau.UNKNOWN
     assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * RADAU_STAGES
     if share:
@@ -409,10 +406,8 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
     assert d.limits.other_work - before == 6 + 4 * iterations + 3
     assert d.statistics.rhs_evaluations - evaluations == RADAU_STAGES * iterations
     monkeypatch.setattr(collocation, "estimate", lambda *_: math.nan)
-    d.implicit.slowness = 0.5
     collocation.attempt(d, h)
     assert not control.accepted(d)
-    assert d.implicit.slowness == radau.UNKNOWN
 
 
 @pytest.mark.parametrize("bad", [math.inf, math.nan])

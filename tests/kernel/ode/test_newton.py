@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from chain_impact.kernel.ode import collocation, control, radau
 from tests.helpers.plain import Plain
 
-SCALARS = ("correction", "contraction", "slowness")
+SCALARS = ("correction", "contraction")
 
 
 def record(start, weight=1e14):
@@ -26,7 +26,6 @@ def record(start, weight=1e14):
     block = np.zeros(1, [("implicit", implicit), *parts.items()])
     d = Plain(block[0])
     d.implicit.start[:], d.implicit.weight[:] = start, weight
-    d.implicit.slowness = radau.UNKNOWN
     return d
 
 

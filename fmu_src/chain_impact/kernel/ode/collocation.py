@@ -25,7 +25,6 @@ from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.ode.control import (
     IMPLICIT,
     ORDER,
-    accepted,
     conclude,
     largest_errors,
     moment_error,
@@ -57,7 +56,6 @@ from chain_impact.kernel.ode.radau import (
     PAIRS,
     RADAU_STAGES,
     REAL_EIGENVALUE,
-    UNKNOWN,
     simplified_newton,
 )
 from chain_impact.kernel.rows.constraints import any_constraint
@@ -156,10 +154,7 @@ def prepare(d, h):
     extended_slopes(d, d.implicit.start)
     set_weights(d)
     h = toward_end(d, h)
-    if can_extrapolate(d):
-        return h
-    d.implicit.slowness = UNKNOWN
-    return first_size(d, h)
+    return h if can_extrapolate(d) else first_size(d, h)
 
 
 def set_weights(d):
@@ -268,8 +263,6 @@ def attempt(d, h):
     else:
         refused = DIVERGED if own.contraction > 1.0 else LATE
         conclude(d, refused if math.isfinite(own.correction) else math.inf, 1.0)
-    if not accepted(d):
-        own.slowness = UNKNOWN
 
 
 def cost_factor(own):

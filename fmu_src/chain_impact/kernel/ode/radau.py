@@ -87,10 +87,6 @@ ITERATIONS = 10  # largest number of iterations: a slower iteration costs more t
 ENOUGH = 0.1  # the error that the iteration may leave in the stages, over the tolerance
 DIVERGES = 0.95  # the convergence rate θ above which the iteration is given up
 FARTHEST = 1e20  # the largest correction over the tolerance; beyond this the iteration has failed
-# the θ/(1 − θ) of the last step predicts this value for the next step; the prediction max(θ/(1 − θ),
-# TRUST)^POWER is cautious
-TRUST, POWER = 0.02, 0.8
-UNKNOWN = 1e10  # stands for an unknown θ/(1 − θ)
 
 
 def _transformed(i):
@@ -168,7 +164,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
 
     def converge(d, h, size):
         own = d.implicit
-        ratio, before, theta = max(own.slowness, TRUST) ** POWER, 0.0, 0.0
+        before, theta = 0.0, 0.0
         for k in range(1, ITERATIONS + 1):
             find_residuals(d, h, size)
             if k == 1:
@@ -182,10 +178,10 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
                 return False
             if k > 1:
                 theta = own.correction / before if before > 0.0 else 0.0
-                ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
             before, own.contraction = own.correction, theta
-            if ratio * own.correction <= ENOUGH:
-                own.slowness = ratio if k > 1 else own.slowness
+            ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
+            # A first correction shows no θ. At rest it is small, and to stop there would leave its error.
+            if k > 1 and ratio * own.correction <= ENOUGH:
                 return True
             left = theta ** (ITERATIONS - k) / (1.0 - theta) * own.correction if theta < 1.0 else math.inf
             # the iteration diverges, or will not converge in time

@@ -217,7 +217,7 @@ def search_dtype(candidates: int) -> np.dtype:
     **dict.fromkeys(("shift", "pairs"), "ode/extended.py"),
     **dict.fromkeys(("iterations", "correction", "contraction"), "ode/radau.py"),
     **dict.fromkeys(("last", "listing", "thirds"), "ode/collocation.py"),
-    **dict.fromkeys(("z", "stages", "parts", "slowness"), ("ode/collocation.py", "ode/radau.py")),
+    **dict.fromkeys(("z", "stages", "parts"), ("ode/collocation.py", "ode/radau.py")),
     normal=("ode/collocation.py", "ode/extended.py"),
     weight="ode/collocation.py",
 )
@@ -251,7 +251,6 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("iterations", INTEGER),  # number of iterations in the tried step
         ("correction", REAL),  # largest component of the last correction, over the tolerance
         ("contraction", REAL),  # last convergence rate θ of the iteration
-        ("slowness", REAL),  # θ/(1 − θ) of the last step
         ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed

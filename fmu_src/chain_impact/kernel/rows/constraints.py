@@ -61,6 +61,9 @@ GENTLE = 1e3
 # near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # the largest residual that is accepted, over the largest motion
+# The residual of a constrained motion that may be round-off, over the largest motion. If NOISE is much smaller,
+# the forces of sticking elements contain round-off times D, and the energy of a chain at rest changes.
+NOISE = 1e-13
 # [m, m/s or m/s²] the size of a residual whose square may underflow, as in a chain that has come to rest
 FADED = 1e-100
 # The largest motion that sticking elements may keep, over the squared tolerance times the largest motion.
@@ -133,7 +136,7 @@ def solve_equality(d, scale):
         return worst
     if worst > max(ROUND_OFF * scale, FADED):
         least = NEGLIGIBLE * d.solver.tolerance * d.solver.tolerance * scale
-        leave_free(d, least * least / (least * least + worst * worst))
+        leave_free(d, least * least / (least * least + worst * worst), NOISE * scale)
     return 0.0
 
 
@@ -161,14 +164,17 @@ def iterate(d, scale, impedance):
     return worst
 
 
-def leave_free(d, share):
+def leave_free(d, share, noise):
     """Remove a share of the impulses against motions that are left free.
 
-    If D W ≪ 1, each of the SWEEPS iterations adds D m to such an impulse.
+    If D W ≪ 1, each of the SWEEPS iterations adds D m to such an impulse. A residual m below the ``noise`` may
+    be the round-off of a constrained motion, and its impulse stays.
     """
     own = d.rigid
     for k in range(constraint_rows(d)):
-        own.impulse[k] -= share * SWEEPS * own.impedance[k] * own.residual[k]
+        residual = own.residual[k]
+        above = residual * residual / (residual * residual + noise * noise)
+        own.impulse[k] -= share * above * SWEEPS * own.impedance[k] * residual
     move_by_impulses(d)
 
 
