@@ -10,7 +10,7 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
-from chain_impact.kernel.ode import collocation, control, dense, radau
+from chain_impact.kernel.ode import collocation, control, dense
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ORDER
 from chain_impact.kernel.ode.extended import extended_size, gap_at, quadrature_at, rate_at
 from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, REAL_EIGENVALUE

@@ -61,8 +61,8 @@ GENTLE = 1e3
 # near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # the largest residual that is accepted, over the largest motion
-# The residual of a constrained motion that may be round-off, over the largest motion. If NOISE is much smaller,
-# the forces of sticking elements contain round-off times D, and the energy of a chain at rest changes.
+# The residual of a constrained motion that may be round-off, over the largest motion. If NOISE is much
+# smaller, the forces of sticking elements contain round-off times D, and the energy of a chain at rest changes.
 NOISE = 1e-13
 # [m, m/s or m/s²] the size of a residual whose square may underflow, as in a chain that has come to rest
 FADED = 1e-100
@@ -167,8 +167,8 @@ def iterate(d, scale, impedance):
 def leave_free(d, share, noise):
     """Remove a share of the impulses against motions that are left free.
 
-    If D W ≪ 1, each of the SWEEPS iterations adds D m to such an impulse. A residual m below the ``noise`` may
-    be the round-off of a constrained motion, and its impulse stays.
+    If D W ≪ 1, each of the SWEEPS iterations adds D m to such an impulse. A residual m below the ``noise``
+    may be the round-off of a constrained motion, and its impulse stays.
     """
     own = d.rigid
     for k in range(constraint_rows(d)):
