@@ -32,7 +32,7 @@ from chain_impact.kernel.chain.state import (
 from chain_impact.kernel.chain.tree import accelerations
 from chain_impact.kernel.forces.contact import apply_contacts, apply_told_contacts
 from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_energy
-from chain_impact.kernel.forces.friction import clear_margins
+from chain_impact.kernel.forces.friction import clear_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.rows.compliance import geared_accelerations
@@ -134,6 +134,7 @@ def constrain(d, y, rate):
     """Add to a rate ẏ the effects of constraints and of given motions of base and walls."""
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
+        rate[dissipated_at(d.links)] += static_power(d)
     if d.channels > 0:
         rate[supplied_at(d.links)] += power_of_motion(d, y, rate)
 

@@ -170,16 +170,23 @@ def slide(d, e, size):
 
 
 def keep_static_forces(d):
-    """Store the forces of sticking elements, found as constraint forces, and the margins to their limits.
-
-    Returns:
-        The power [W] that these forces dissipate; the speed of a sticking element is only an error.
-    """
-    own, first, dissipated = d.friction, d.touch.active_count, 0.0
+    """Store the forces of sticking elements, found as constraint forces, and the margins to their limits."""
+    own, first = d.friction, d.touch.active_count
     for i in range(own.stuck_count):
         e = d.element.stuck[i]
         d.element.force[e] = d.rigid.impulse[first + i]
         d.element.margin[e] = min(d.element.margin[e], d.element.limit[e] - abs(d.element.force[e]))
+
+
+def static_power(d):
+    """Return the power [W] that the forces of sticking elements dissipate, whose speeds are errors of a step.
+
+    An explicit step moves by these speeds. An implicit step evaluates this power before the last iteration
+    reduces the speeds, and does not use the power.
+    """
+    own, dissipated = d.friction, 0.0
+    for i in range(own.stuck_count):
+        e = d.element.stuck[i]
         dissipated -= d.element.force[e] * tangential_rate(d, e)
     own.power += dissipated
     return dissipated

@@ -122,7 +122,7 @@ def add_constraint_forces(d, y, rate):
         own.least_force[c] = min(own.least_force[c], own.impulse[k])
         keep_force(d, c, own.impulse[k])
     if any_sticking(d):
-        rate[dissipated_at(d.links)] += keep_static_forces(d)
+        keep_static_forces(d)
 
 
 def project_state(d, y):

@@ -62,7 +62,7 @@ GENTLE = 1e3
 LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # the largest residual that is accepted, over the largest motion
 # The residual of a constrained motion that may be round-off, over the largest motion. If NOISE is much
-# smaller, the forces of sticking elements contain round-off times D, and the energy of a chain at rest changes.
+# smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its energy.
 NOISE = 1e-13
 # [m, m/s or m/s²] the size of a residual whose square may underflow, as in a chain that has come to rest
 FADED = 1e-100
