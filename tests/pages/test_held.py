@@ -42,11 +42,12 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
     before = page.evaluate("chainImpact.parameters['joint[1].torque']")
     page.get_by_label("Speed").select_option("¼ ×")
     page.get_by_role("button", name="Play").click()
-    until(page, "Number(document.getElementById('scrub').value) > 0.1")
+    shown = "Number(document.getElementById('scrub').value)"
+    until(page, f"{shown} > 0.1")
     slider = page.get_by_role("slider", name=SLIDER)
     for key in ("PageUp", "PageUp", "ArrowLeft"):
         slider.press(key)
-        page.wait_for_timeout(60)  # at another time each
+        until(page, f"{shown} > {page.evaluate(shown) + 1e-3}")  # each at a time of its own
     page.get_by_role("button", name="Pause").click()
     until(page, "location.hash.includes('torque')")
     page.wait_for_function(HELD)
