@@ -49,7 +49,7 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
         slider.press(key)
         until(page, f"{shown} > {page.evaluate(shown) + 1e-3}")  # each at a time of its own
     page.get_by_role("button", name="Pause").click()
-    until(page, "location.hash.includes('torque')")
+    until(page, "decodeURIComponent(location.hash).split(':').length === 4")  # three steps, once all rests
     page.wait_for_function(HELD)
     assert page.evaluate("chainImpact.parameters['joint[1].torque']") == before, (
         "at the start, it is as it was"

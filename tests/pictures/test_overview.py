@@ -168,8 +168,7 @@ def check_rules(page):
     if page.get_figwidth() < 4.0:
         legends = [legend for axes in page.axes if (legend := axes.get_legend())]
         heads = [item.get_window_extent().height for item in (page._suptitle, *legends)]
-        rubs = any(axes.get_label() == "friction" for axes in page.axes)  # whose names make panels narrower
-        assert sum(heads) <= (0.19 if rubs else 0.15) * page.bbox.height
+        assert sum(heads) <= 0.15 * page.bbox.height
     check_ink(page)
 
 

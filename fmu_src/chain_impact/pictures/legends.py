@@ -8,6 +8,8 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.style import is_narrow
+
 ABOVE: dict[str, Any] = {
     "loc": "lower left",
     "bbox_to_anchor": (0.0, 1.0),
@@ -30,13 +32,21 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: i
 
 
 def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> None:
-    """Give each legend above its axes the most columns with which it is not wider than the axes."""
-    for axes in page.axes if wanted is None else wanted:
+    """Give each legend above its axes the most columns with which it is not wider than the axes.
+
+    On a narrow page an entry that a legend below also has is left out.
+    """
+    told: set[str] = set()
+    for axes in reversed(page.axes if wanted is None else wanted):
         legend = axes.get_legend()
         if legend is None or legend.get_gid() != MARK:
             continue
-        handles: list[Any] = list(legend.legend_handles)
-        labels = [text.get_text() for text in legend.get_texts()]
+        entries = zip(legend.legend_handles, (text.get_text() for text in legend.get_texts()), strict=True)
+        kept = [(handle, label) for handle, label in entries if label not in told]
+        handles: list[Any] = [handle for handle, _ in kept]
+        labels = [label for _, label in kept]
+        if is_narrow(page):
+            told.update(labels)
         axes.apply_aspect()
         width = axes.get_window_extent().width
         for columns in range(len(labels), 0, -1):

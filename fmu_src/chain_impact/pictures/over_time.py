@@ -29,6 +29,7 @@ from chain_impact.pictures.style import (
     faint,
     give_ticks,
     is_full,
+    is_narrow,
 )
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
@@ -96,7 +97,12 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
             row, sticks = shown.index(place), phase["mode"] == STICKS
             colour, height = (VERMILLION, 0.62) if sticks else (GREY, 0.16)
             axes.barh(row, length, height, left=phase["start"], color=colour)
-    axes.set_yticks(range(len(shown)), shown, fontsize="small")
+    page = axes.get_figure(root=True)
+    short = page is not None and is_narrow(
+        page
+    )  # names are on the left of the panel, which has the rest of the width
+    names = [place.removeprefix("point ") for place in shown] if short else shown
+    axes.set_yticks(range(len(shown)), names, fontsize="small")
     axes.set_ylim(-0.6, len(shown) - 0.4)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
