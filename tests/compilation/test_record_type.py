@@ -5,7 +5,6 @@ import pytest
 
 from chain_impact.compilation.affine import COUNTS, Affine, affine
 from chain_impact.compilation.record_type import TABLES
-from chain_impact.kernel.chain import response
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import is_table
@@ -14,7 +13,7 @@ from chain_impact.kernel.tangent.duals import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance, spans_of
 from chain_impact.variables.model import Model
-from tests.helpers.plain import Plain
+from tests.helpers.plain import Plain, as_plain_python
 from tests.tiers import needs_compilers
 
 pytestmark = needs_compilers
@@ -92,15 +91,6 @@ def chain():
     return scene_from_dict(table | {"box": {"x_min": 0.0, "y_min": 0.0}, "inputs": inputs}, "chain")
 
 
-def by_type(function, of_complex):
-    """Return the function that a compiled kernel calls for these arguments."""
-
-    def chosen(*arguments):
-        return (of_complex if any(isinstance(one, complex) for one in arguments) else function)(*arguments)
-
-    return chosen
-
-
 @pytest.mark.parametrize(
     "changes",
     [
@@ -112,10 +102,8 @@ def by_type(function, of_complex):
     ],
     ids=["explicit", "rigid", "with a jump", "implicit", "a stiff joint"],
 )
-def test_compiled_code_gives_the_bits_of_plain_python(changes, monkeypatch):
+def test_compiled_code_gives_the_bits_of_plain_python(changes):
     """The whole kernel through impacts: lowering and linking change no rounding."""
-    for function, of_complex in response.COMPLEX.items():
-        monkeypatch.setattr(response, function.__name__, by_type(function, of_complex))
     scene = with_values(chain(), changes)
     times = np.array([0.2, 0.28, 0.2801, 0.33, 0.37, 0.4])
     instance = Instance(scene)
@@ -124,7 +112,7 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes, monkeypatch):
     block = Model(scene).new_instance()
     d = Plain(block[0])
     found = np.zeros_like(rows)
-    with np.errstate(all="ignore"):
+    with as_plain_python(), np.errstate(all="ignore"):
         assert initialize(d, 0.0) == 0
         words, wanted = block.view(np.float64), spans_of(instance.model.output_words)
         found_rows = found.view(np.float64).reshape(len(times), -1)

@@ -12,6 +12,6 @@ Random scenes, and what all of them must keep; each file is also a command:
     random_scenes, search, oracle, load_checks, random_bodies, random_derivatives, resting,
     resting_chains, arches.
 Tools:
-    plain, kernel_calls, registers, binaries, processes, forks, shared, reader, page_data, refusal,
+    plain, stamps, kernel_calls, registers, binaries, processes, forks, shared, reader, page_data, refusal,
     cpu_profile.
 """

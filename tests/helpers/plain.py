@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
+from chain_impact.kernel.chain import response
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.dense import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
@@ -52,6 +57,20 @@ class Plain:
         """As ``copy_values`` in kernel/tangent/duals.py, without derivatives."""
         for name in self._record.dtype.names:
             self._record[name] = source._record[name]
+
+
+@contextmanager
+def as_plain_python() -> Iterator[None]:
+    """Choose functions of the kernel that exist for complex numbers, too, by their arguments."""
+
+    def by_type(function: Callable[..., Any], of_complex: Callable[..., Any], *arguments: Any) -> Any:
+        return (of_complex if any(isinstance(one, complex) for one in arguments) else function)(*arguments)
+
+    with ExitStack() as stack:
+        for function, of_complex in response.COMPLEX.items():
+            chosen = partial(by_type, function, of_complex)
+            stack.enter_context(mock.patch.object(response, function.__name__, chosen))
+        yield
 
 
 def record_of(scene: Scene) -> Plain:

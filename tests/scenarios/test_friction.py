@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact import simulate
+from chain_impact import Chain, simulate
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.coulomb_impact import extrapolated, impact_duration, struck
 from tests.helpers.coulomb_literature import zigzag_chain
@@ -291,3 +291,24 @@ def test_the_impulse_of_friction_is_that_of_the_floor_on_the_stiffest_one_from_r
     falls = 0.5 * (result["point[0].vy"] + result["point[1].vy"]) + GRAVITY * result.time
     assert result.impacts["peak_force"].max() > 0.9 * GRAVITY
     np.testing.assert_allclose(result["point[0].vx"] + 0.3 * falls, 2.0, rtol=1e-7)
+
+
+def test_friction_that_is_set_to_zero_during_a_contact_acts_in_no_joint():
+    """The largest force in a joint is that of the outputs, in steps of a thousandth of the contact."""
+    table = scene_table(
+        "Friction",
+        [{"length": 0.3, "mass": 1.0}, {"length": 0.4, "mass": 0.7}],
+        {"position": [0.0, 1.0], "angles": [-1.4, -1.5], "velocity": [3.0, 0.0]},
+        {"y_min": 0.0},
+        contact_table(model="hunt_crossley", stiffness=1e5, restitution=0.8, points=[2], friction=0.5),
+        gravity=GRAVITY,
+        outputs={"loads": True},
+    )
+    chain, seen = Chain(scene_from_dict(table, "friction")), []
+    chain.step_to(0.249)  # s, just before the contact
+    while not len(chain.impacts) or np.isnan(chain.impacts["end"][0]):
+        chain.step(3e-5)
+        seen.append(math.hypot(*chain.get(["joint[2].force.x", "joint[2].force.y"])))
+        if chain.time >= 0.255:
+            chain.set({"contact.friction": 0.0, "contact.static_friction": 0.0})
+    assert chain.impacts["joint_force"][0] == pytest.approx(max(seen), rel=1e-4)

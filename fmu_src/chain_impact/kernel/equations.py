@@ -184,11 +184,11 @@ def joint_moments(d, y):
     The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i: +τ_i on link i, −τ_i on
     link i − 1. A free base has no joint to carry τ_1. In a drive all power of τ_i is supplied.
     """
-    dissipated = 0.0
-    # the power of the force at the tip, the end of the last link
-    tip = d.links
-    supplied = d.inputs.tip_force[0] * d.work.velocity.x[tip] + d.inputs.tip_force[1] * d.work.velocity.y[tip]
-    before = 0.0
+    dissipated, supplied, before = 0.0, 0.0, 0.0
+    # without inputs on the chain there is no force at the tip, and in flight its velocity is not known
+    if d.model.driven:
+        force, velocity, tip = d.inputs.tip_force, d.work.velocity, d.links
+        supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]
     for i in range(d.links):
         torque, omega = 0.0, y[omega_at(d.links) + i]
         if i > 0 or d.model.pinned:

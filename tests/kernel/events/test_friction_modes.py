@@ -17,6 +17,7 @@ from chain_impact.kernel.events.friction_modes import (
     log_changes,
     set_slack,
     update_modes,
+    widen_slack,
 )
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, pending_changes
 from chain_impact.kernel.events.sampled import excess, rest_speed
@@ -326,10 +327,12 @@ def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
     for speed, slack in ((-3e-13, 6e-13), (3e-13, 0.0), (0.0, 0.0)):
         move_at(d, c, sign * speed)
         set_slack(d, c)
+        widen_slack(d, c)
         assert d.element.slack[c] == pytest.approx(slack, rel=1e-10, abs=1e-25)
     move_at(d, c, -sign * 3e-13)
     d.element.undecided[c] = 0
     set_slack(d, c)
+    widen_slack(d, c)
     assert d.element.slack[c] == 0.0
 
 
@@ -346,6 +349,7 @@ def test_what_others_hold_may_move_backward_by_the_tolerance(one, sign):
     for speed, slack in ((-allowed, 2.0 * allowed), (-0.1 * allowed, allowed), (allowed, allowed)):
         move_at(d, c, sign * speed)
         set_slack(d, c)
+        widen_slack(d, c)
         assert d.element.slack[c] == pytest.approx(slack, rel=1e-10)
 
 

@@ -21,6 +21,7 @@ from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
     against,
+    clear_other_forces,
     joint_of,
     list_friction,
     list_sticking,
@@ -61,16 +62,19 @@ def update_modes(d, jumped):
     drop_changes(d)
     decide_onsets(d)
     choose_modes(d)
+    clear_other_forces(d)
     for i in range(own.stuck_count):
         e = d.element.stuck[i]
         if jumped or d.element.before[e] != STICKS:
             set_anchor(d, e)
     log_changes(d)
+    for i in range(own.count):
+        set_slack(d, d.element.index[i])
     if any_sticking(d):
         project_state(d, d.step.state_end)
         locate_points(d, d.step.state_end)
     for i in range(own.count):
-        set_slack(d, d.element.index[i])
+        widen_slack(d, d.element.index[i])
 
 
 def reinit_modes(d, jumped):
@@ -90,14 +94,21 @@ def reinit_modes(d, jumped):
 def set_slack(d, e):
     """Set the speed with which element e may move against its direction of sliding because of errors.
 
-    Where sliding begins at rest, the speed has the error with which its zero was located. If other forces
-    hold an element whose friction is at its limit, the element may accelerate backward, or its sliding may
-    end and continue. Its speed is then as large as the tolerance allows.
+    If other forces hold an element whose friction is at its limit, the element may accelerate backward, or
+    its sliding may end and continue. Its speed is then as large as the tolerance allows.
+    """
+    held = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
+    d.element.slack[e] = d.solver.tolerance * d.model.size if held and d.element.undecided[e] else 0.0
+
+
+def widen_slack(d, e):
+    """Widen the slack of element e to the error of its present speed.
+
+    Where sliding begins at rest, the speed has the error with which its zero was located.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
-    held = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
-    least = d.solver.tolerance * d.model.size if held else 0.0
-    d.element.slack[e] = max(least, 2.0 * backward) if d.element.undecided[e] else 0.0
+    if d.element.undecided[e]:
+        d.element.slack[e] = max(d.element.slack[e], 2.0 * backward)
 
 
 def first_guess(d, e, jumped):

@@ -114,6 +114,13 @@ def suspend_sticking(d):
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
 
+def clear_other_forces(d):
+    """Set the forces of elements without friction to 0: the friction of a wall may have been set to 0."""
+    for e in range(d.elements):
+        if d.element.mode[e] == NO_FRICTION:
+            d.element.force[e] = 0.0
+
+
 def begin_friction(d, c):
     """Set a first mode of a contact that begins at located points.
 

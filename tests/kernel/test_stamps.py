@@ -1,0 +1,79 @@
+"""No function of the kernel reads a value that belongs to another state."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.kernel.chain import kinematics
+from chain_impact.kernel.entry import advance_to
+from chain_impact.kernel.events import contact_log
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.observe import observe
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.status import OK
+from tests.helpers import random_scenes
+from tests.helpers.plain import record_of
+from tests.helpers.stamps import StaleError, stamp, watched
+
+KINDS = ("SLANTED", "SPRUNG", "STOPPED", "RUBBED", "DRIVEN", "SIGNALLED")
+
+
+def run(scene, stop, rows=6):
+    """Run a scene as plain Python with stamps, and return the instance."""
+    d = record_of(scene)
+    stamp(d)
+    with watched(), np.errstate(all="ignore"):
+        status = initialize(d, 0.0)
+        for time in np.linspace(0.0, stop, rows):
+            status = status or advance_to(d, time)
+            observe(d)
+    return d
+
+
+@pytest.mark.parametrize(
+    ("model", "stop"),
+    [
+        ("double_pendulum_wall", 0.7),
+        ("bouncing_table", 0.5),
+        pytest.param("sliding_rod", 0.3, marks=pytest.mark.full("another contact: it sticks and slides")),
+        pytest.param("stick_slip_belt", 0.7, marks=pytest.mark.full("another kind of motion: a belt")),
+        pytest.param("thrown_brick", 0.6, marks=pytest.mark.full("other places: points of links")),
+        pytest.param("arm_at_stop", 0.5, marks=pytest.mark.full("another method: implicit")),
+        pytest.param("cart_pole", 0.5, marks=pytest.mark.full("another base: a slider")),
+    ],
+)
+def test_a_run_reads_only_what_belongs_to_its_state(model, stop):
+    d = run(load_scene(model), stop)
+    assert d.statistics.status == OK
+    assert d.step.time == stop
+
+
+@pytest.mark.full("random scenes, with all that a scene can have")
+@pytest.mark.parametrize("kind", KINDS)
+def test_random_scenes_read_only_what_belongs_to_their_states(kind):
+    for seed in range(3):
+        scene = random_scenes.scene(getattr(random_scenes, kind) + seed)
+        run(scene.with_values({"solver.work_limit": 1e3}), min(0.1, scene.simulation.stop_time))
+
+
+def test_a_read_of_another_state_is_found():
+    d = run(load_scene("double_pendulum_wall"), 0.01)
+    y = d.step.state_end.copy()
+    other = y + 1e-9
+    with watched():
+        kinematics.locate_points(d, y)
+        kinematics.accelerate_points(d, y, d.work.rate_end)
+        gap_acceleration(d, 0)
+        kinematics.locate_points(d, other)
+        clearance(d, 0)
+        with pytest.raises(StaleError, match="acceleration of another state"):
+            gap_acceleration(d, 0)
+        kinematics.link_vectors(d, y)
+        with pytest.raises(StaleError, match="position of another state"):
+            clearance(d, 0)
+
+
+def test_a_step_whose_points_are_elsewhere_is_found(monkeypatch):
+    monkeypatch.setattr(contact_log, "ensure_points", lambda _: None)
+    with pytest.raises(StaleError, match="position of another state"):
+        run(load_scene("rod_drop"), 0.7)
