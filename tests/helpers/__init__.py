@@ -1,14 +1,14 @@
-"""What tests share, by what it makes; the first line of each file says more.
+"""Modules that several tests use, by purpose; the first line of each file says more.
 
-Independent models, which share nothing with the kernel:
+Independent models, which share no code with the kernel:
     textbook, chain_model, body_model, driven_chain, driven, derivatives, complex_laws, reference,
-    accumulation, beam, coulomb_impact, housner, walker; kept_answers keeps what takes them long.
+    accumulation, beam, coulomb_impact, housner, walker; kept_answers stores answers that take long.
 Scenes with exact or known answers:
     problems, bodies, friction, stops, folds, turned, derivative_scenes, friction_derivative_scenes,
     derived_scenes, coulomb_problems, coulomb_literature, asked_elsewhere.
-Problems of others, with their figures and ours:
+Problems from the literature, with published figures and ours:
     figures, validation, friction_figures, stored, measured, measurements.
-Random scenes, and what all of them must keep; each file is also a command:
+Random scenes, and checks that hold for all of them; each file is also a command:
     random_scenes, search, oracle, load_checks, random_bodies, random_derivatives, resting,
     resting_chains, arches.
 Tools:

@@ -1,7 +1,7 @@
 """A pinned arm of two equal rods on a rigid floor: the two times at which its impacts accumulate.
 
-It shares nothing with the kernel: explicit equations of motion in the two angles, scipy at 1e-13, the sums of
-geometric series, and a quadrature for what one angle does alone.
+The model shares no code with the kernel: explicit equations of motion in the two angles, scipy at 1e-13, sums
+of geometric series, and a quadrature for the motion of one angle.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from scipy.integrate import quad, solve_ivp
 from chain_impact.scene.scene import Scene
 
 Vector = NDArray[np.float64]
-SHORT = 1e-6  # s, a flight so short that the next ones are e times as long each, within 1e-12 s in the sum
+# [s] a flight so short that each later flight is e times as long, with an error below 1e-12 s in the sum
+SHORT = 1e-6
 
 
 class Arm:
@@ -30,12 +31,12 @@ class Arm:
         self.start = np.array([*scene.initial.angles, *scene.initial.angular_velocities])
 
     def matrix(self, y: Vector) -> Vector:
-        """Mass matrix: m l² (4/3, ½ cos(θ₁ − θ₂); ½ cos(θ₁ − θ₂), 1/3)."""
+        """Return the mass matrix: m l² (4/3, ½ cos(θ₁ − θ₂); ½ cos(θ₁ − θ₂), 1/3)."""
         coupled = math.cos(y[0] - y[1]) / 2
         return self.mass * self.length**2 * np.array([[4 / 3, coupled], [coupled, 1 / 3]])
 
     def rate(self, _time: float, y: Vector) -> Vector:
-        """ẏ, of M θ̈ = −½ m l² sin(θ₁ − θ₂) (θ̇₂², −θ̇₁²) − m g l (3/2 cos θ₁, ½ cos θ₂)."""
+        """Return ẏ from M θ̈ = −½ m l² sin(θ₁ − θ₂) (θ̇₂², −θ̇₁²) − m g l (3/2 cos θ₁, ½ cos θ₂)."""
         turn = -self.mass * self.length**2 / 2 * math.sin(y[0] - y[1])
         weight = self.mass * self.gravity * self.length
         force = [
@@ -45,26 +46,26 @@ class Arm:
         return np.concatenate([y[2:], np.linalg.solve(self.matrix(y), force)])
 
     def height(self, y: Vector, point: int) -> float:
-        """Height [m] of the elbow (1) or of the tip (2)."""
+        """Return the height [m] of the elbow (1) or of the tip (2)."""
         return float(self.pin + self.length * np.sin(y[:point]).sum())
 
     def gradient(self, y: Vector, point: int) -> Vector:
-        """Of that height: l (cos θ₁, 0) or l (cos θ₁, cos θ₂)."""
+        """Return the gradient of the height of a point: l (cos θ₁, 0) or l (cos θ₁, cos θ₂)."""
         return self.length * np.cos(y[:2]) * [1.0, point - 1.0]
 
     def speed(self, y: Vector, point: int) -> float:
-        """Rate [m/s] of that height."""
+        """Return the rate [m/s] of the height of a point."""
         return float(self.gradient(y, point) @ y[2:])
 
     def reflected(self, y: Vector, point: int, restitution: float) -> Vector:
-        """After an impact: θ̇⁺ = θ̇ − (1 + e) u M⁻¹J/(J M⁻¹J), u = J θ̇."""
+        """Return the state after an impact: θ̇⁺ = θ̇ − (1 + e) u M⁻¹J/(J M⁻¹J), u = J θ̇."""
         gradient = self.gradient(y, point)
         answer = np.linalg.solve(self.matrix(y), gradient)
         jump = (1 + restitution) * self.speed(y, point) / (gradient @ answer)
         return np.concatenate([y[:2], y[2:] - jump * answer])
 
     def falls_on(self, point: int) -> Callable[[float, Vector], float]:
-        """The event that a point comes down to the floor."""
+        """Return the event function for a point that comes down to the floor."""
 
         def height(_time: float, y: Vector) -> float:
             return self.height(y, point)
@@ -75,7 +76,7 @@ class Arm:
 
 
 def first_accumulation(arm: Arm) -> tuple[float, int, Vector]:
-    """Time [s] at which the impacts of one point accumulate, that point, and the state there."""
+    """Return the time [s] at which the impacts of one point accumulate, this point, and the state then."""
     now, y, last = 0.0, arm.start, {1: -1.0, 2: -1.0}
     flight = 1.0
     while True:
@@ -86,7 +87,7 @@ def first_accumulation(arm: Arm) -> tuple[float, int, Vector]:
             method="DOP853",
             rtol=1e-13,
             atol=1e-15,
-            # eight steps or more in each flight, so that none is overlooked
+            # at least eight steps in each flight, so that no flight is overlooked
             max_step=min(1e-3, flight / 8),
             events=[arm.falls_on(1), arm.falls_on(2)],
         )
@@ -95,27 +96,30 @@ def first_accumulation(arm: Arm) -> tuple[float, int, Vector]:
         y = arm.reflected(done.y[:, -1], point, arm.restitution)
         flight, last[point] = now - last[point], now
         if flight < SHORT:
-            # the flights to come: Σ flight eᵏ from k = 1
+            # the duration of all later flights: Σ flight eᵏ from k = 1
             rest = flight * arm.restitution / (1 - arm.restitution)
-            # their impulses add up to what brings the point to rest
+            # the sum of the later impulses brings the point to rest
             return now + rest, point, arm.reflected(y + rest * arm.rate(now, y), point, 0.0)
-        # how long the next one takes, if the point keeps its acceleration
+        # the duration of the next flight if the acceleration of the point stays constant
         lift = (arm.speed(y + 1e-7 * arm.rate(now, y), point) - arm.speed(y, point)) / 1e-7
         flight = min(flight, 2 * arm.speed(y, point) / -lift) if lift < 0 else flight
 
 
 def second_accumulation(arm: Arm, start: float, y: Vector) -> float:
-    """Time [s] at which the tip rests, too, after the elbow rests on the floor from ``start``.
+    """Return the time [s] at which the tip also rests, if the elbow rests on the floor from ``start`` on.
 
-    Then θ₁ is fixed and rod 2 turns about the elbow: θ̇² + (3 g/l) sin θ is constant, with θ = 0 or π on the
-    floor; θ̇⁺ = −e θ̇⁻ at an impact.
+    From ``start`` on θ₁ is fixed and rod 2 turns about the elbow: θ̇² + (3 g/l) sin θ is constant, with θ = 0
+    or π on the floor; θ̇⁺ = −e θ̇⁻ at an impact.
     """
     pull = 3 * arm.gravity / arm.length
-    # mirrored, so that the rod stands on the side of θ = 0
+    # mirrored, so that the rod is on the side of θ = 0
     angle, rate = (y[1], y[3]) if math.cos(y[1]) > 0 else (math.pi - y[1], -y[3])
 
     def up(top: float, low: float) -> float:
-        """Time [s] between an angle and the highest one: ∫ dθ/√(c (sin θ_top − sin θ)), θ = θ_top − s²."""
+        """Return the time [s] from an angle to the highest angle: ∫ dθ/√(c (sin θ_top − sin θ)).
+
+        The substitution θ = θ_top − s² removes the singularity.
+        """
 
         def integrand(s: float) -> float:
             # sin a − sin b = 2 cos((a + b)/2) sin((a − b)/2)
@@ -125,10 +129,10 @@ def second_accumulation(arm: Arm, start: float, y: Vector) -> float:
         return float(quad(integrand, 0.0, math.sqrt(top - low), epsabs=1e-15, epsrel=1e-13)[0])
 
     def top_of(square: float) -> float:
-        """The highest angle of a rod that leaves the floor with θ̇² = ``square``."""
+        """Return the highest angle of a rod that leaves the floor with θ̇² = ``square``."""
         return math.asin(square / pull)
 
-    square = rate**2 + pull * math.sin(angle)  # θ̇² on the floor
+    square = rate**2 + pull * math.sin(angle)  # θ̇² at the floor
     top = top_of(square)
     now = start + up(top, 0.0) + math.copysign(up(top, angle), rate)
     while square > 1e-26:

@@ -1,8 +1,9 @@
 """Random chains with dry friction at a wall and in their joints, many with slow torques: a campaign.
 
-``python -m tests.helpers.arches`` runs them for ten seconds of simulated time, or ``--lasting`` longer. It
-prints for each kind how many runs end early, by what status. In these scenes constraints of what sticks often
-depend on each other: a flat arch stands on both tips, a chain lies on all its points.
+``python -m tests.helpers.arches`` runs them for ten seconds of simulated time, or ``--lasting`` longer. For
+each kind the command prints how many runs end early, and with which status. In these scenes the constraints
+of sticking elements often depend on each other: a flat arch stands on both tips, a chain lies on all its
+points.
 """
 
 from __future__ import annotations
@@ -27,7 +28,10 @@ Signal = Callable[[Any], Any]
 
 
 def links_of(draw: Draw, kind: str) -> list[dict[str, float]]:
-    """Links, equal ones or not; the joints of arches are dry, of other chains many are."""
+    """Return equal or unequal links.
+
+    All joints of arches have dry friction, and many joints of other chains.
+    """
     low, high = {"arch": (2, 4), "slope": (1, 5), "floor": (1, 5), "rod": (1, 1)}[kind]
     count, equal = draw.whole(low, high), draw.chance(0.5)
     length, mass, moment = draw.real(0.2, 0.6), draw.power(0.3, 3.0), draw.power(0.02, 8.0)
@@ -47,7 +51,7 @@ def links_of(draw: Draw, kind: str) -> list[dict[str, float]]:
 
 
 def table_of(draw: Draw, kind: str) -> dict[str, Any]:
-    """A scene: the chain is thrown on a rough floor or slope, arches all but flat."""
+    """Return the table of a scene: a chain is thrown on a rough floor or slope; arches are nearly flat."""
     links = links_of(draw, kind)
     friction, steep = draw.power(0.05, 1.6), 0.6 if kind == "arch" else 1.5
     contact: dict[str, Any] = {
@@ -80,7 +84,7 @@ def table_of(draw: Draw, kind: str) -> dict[str, Any]:
 
 
 def torques_of(draw: Draw, kind: str, count: int) -> dict[str, Signal]:
-    """Slow torques in most joints of arches, and of every other chain."""
+    """Return slow torques in most joints of arches, and of every other chain."""
     if not (kind == "arch" or draw.chance(0.5)):
         return {}
     return {
@@ -96,7 +100,7 @@ def torques_of(draw: Draw, kind: str, count: int) -> dict[str, Signal]:
 
 
 def run(kind: str, seed: int, **options: Any) -> Result:
-    """Simulate the scene of a kind with a seed; ``options`` as of ``simulate``."""
+    """Simulate the scene of a kind with a seed; ``options`` are those of ``simulate``."""
     draw = Draw(seed, KINDS.index(kind))
     table = table_of(draw, kind)
     scene = scene_from_dict(table, f"{kind} {seed}")
@@ -104,7 +108,7 @@ def run(kind: str, seed: int, **options: Any) -> Result:
 
 
 def main() -> None:
-    """Run the campaign, and print what ended early."""
+    """Run the campaign, and print which runs end early."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("kinds", nargs="*", default=[], help=f"of {', '.join(KINDS)}; all of them")
     parser.add_argument("--count", type=int, default=750, help="scenes of each kind")

@@ -1,6 +1,6 @@
-"""Public questions to other programs: what they ask, our scene, a closed form and our figure.
+"""Questions from public threads about other programs: the question, our scene, a closed form and our figure.
 
-Where the scene of a question is no planar chain, ours has what the question is about. Units are SI.
+If the scene of a question is not a planar chain, our scene contains the effect in question. Units are SI.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.helpers.friction import SLOPE, sled
 from tests.helpers.problems import GRAVITY, RIGID, build, contact_table, ghost_spinner
 
-NEARLY = 0.01  # how far a coefficient of friction is from that which just holds, as a part of it
+# the difference of a coefficient of friction from the coefficient that just holds, over this coefficient
+NEARLY = 0.01
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,11 @@ class Question:
 
     Attributes:
         threads: OWNER/NAME#NUMBER on GitHub.
-        asked: what is asked or seen there.
-        scene: ours, in words, and the figure with its unit.
-        exact: its closed form.
-        ours: simulates it.
-        held: how far it may be from the closed form, as a part of it, or absolute if that is 0.
+        asked: the question or observation in the thread.
+        scene: our scene in words, and the figure with its unit.
+        exact: the closed form of the figure.
+        ours: function that simulates our scene and returns the figure.
+        held: the largest allowed error of the figure, over the closed form, or absolute if that is 0.
     """
 
     threads: tuple[str, ...]
@@ -40,7 +41,7 @@ class Question:
 
 
 def ball(box: dict[str, float], y: float, speed: float, gravity: float = 0.0, **more: Any) -> Scene:
-    """A point mass of 1 kg at x = 0, thrown up at a speed, or along x if there is no floor or ceiling."""
+    """Return a point mass of 1 kg at x = 0, thrown up at a speed, or along x without floor and ceiling."""
     stop = more.pop("stop_time")
     velocity = [0.0, speed] if {"y_min", "y_max"} & box.keys() else [speed, 0.0]
     initial = {"position": [0.0, y], "angles": [0.0], "velocity": velocity}
@@ -50,12 +51,12 @@ def ball(box: dict[str, float], y: float, speed: float, gravity: float = 0.0, **
 
 
 def onset(scene: Scene, number: int = 0) -> float:
-    """When an impact begins [s]."""
+    """Return the onset [s] of an impact."""
     return float(simulate(scene).impacts["onset"][number])
 
 
 def thrown_under_a_ceiling(overlap: float = 1e-9, rise: float = 0.5) -> Question:
-    """A parabola whose top is a little beyond a ceiling."""
+    """Return the figure for a parabola whose top is slightly beyond a ceiling."""
     top = 0.5 * GRAVITY * rise**2
     scene = ball({"y_max": top - overlap}, 0.0, GRAVITY * rise, GRAVITY, stop_time=1.0, model="hertz")
     return Question(
@@ -69,7 +70,7 @@ def thrown_under_a_ceiling(overlap: float = 1e-9, rise: float = 0.5) -> Question
 
 
 def spinning_rod(overlap: float = 1e-6) -> Question:
-    """A rod whose ends come below a floor for a moment at each turn."""
+    """Return the figure for a rod whose ends come below a floor for a moment at each turn."""
     scene, exact = ghost_spinner(-overlap)
     return Question(
         ("patrick-kidger/diffrax#507",),
@@ -82,7 +83,7 @@ def spinning_rod(overlap: float = 1e-6) -> Question:
 
 
 def goes_on(number: int = 30) -> Question:
-    """Impacts one after the other, in one run."""
+    """Return the figure for impacts one after the other in one run."""
     fall = math.sqrt(2.0 / GRAVITY)
     exact = fall + 2.0 * fall * sum(0.9**k for k in range(1, number))
     scene = ball({"y_min": 0.0}, 1.0, 0.0, GRAVITY, stop_time=9.0, model=RIGID, restitution=0.9)
@@ -96,7 +97,7 @@ def goes_on(number: int = 30) -> Question:
 
 
 def speed_of_an_impact() -> Question:
-    """The speed at the onset, not at the end of a step."""
+    """Return the figure for the speed at the onset, not at the end of a step."""
     scene = ball({"y_min": 0.0}, 1.0, 0.0, GRAVITY, stop_time=1.0)
     return Question(
         ("hannorein/rebound#862",),
@@ -108,7 +109,7 @@ def speed_of_an_impact() -> Question:
 
 
 def prescribed_restitution() -> Question:
-    """A law with a force that realises e."""
+    """Return the figure for a law with a force that realises e."""
     scene = ball({"y_min": 0.0}, 1e-3, -1.0, stop_time=0.1, restitution=0.8)
 
     def ratio() -> float:
@@ -125,7 +126,7 @@ def prescribed_restitution() -> Question:
 
 
 def contact_force() -> Question:
-    """A spring as a contact."""
+    """Return the figure for a spring as a contact."""
     scene = ball(
         {"y_min": 0.0}, 1e-3, -1.0, stop_time=0.1, model="hertz", exponent=1.0, stiffness=1e6, restitution=1.0
     )
@@ -139,7 +140,7 @@ def contact_force() -> Question:
 
 
 def elastic_bounces(count: int = 20) -> Question:
-    """Height after many elastic bounces."""
+    """Return the figure for the height after many elastic bounces."""
     fall = math.sqrt(20.0 / GRAVITY)
     scene = ball({"y_min": 0.0}, 10.0, 0.0, GRAVITY, stop_time=2 * count * fall, model=RIGID, restitution=1.0)
     return Question(
@@ -152,17 +153,17 @@ def elastic_bounces(count: int = 20) -> Question:
 
 
 def on_a_slope(part: float, stop: float, **more: Any) -> Result:
-    """A rod on a slope with a coefficient of friction as a part of that which just holds it."""
+    """Return a rod on a slope; its coefficient of friction is ``part`` times the one that just holds it."""
     values = {"initial.vx": 0.0, "initial.vy": 0.0, "contact.friction": part * math.tan(SLOPE)}
     return simulate(sled(**values), stop_time=stop, tolerance=1e-10, **more)
 
 
 def holds() -> Question:
-    """A rod that friction just holds, for an hour."""
+    """Return the figure for a rod that friction just holds, for an hour."""
 
     def drift() -> float:
         result = on_a_slope(1.0 + NEARLY, 3600.0, output_step=1.0)
-        x, y = (result[f"point[0].{axis}"][2:] for axis in "xy")  # from 2 s on
+        x, y = (result[f"point[0].{axis}"][2:] for axis in "xy")  # the rows from 2 s on
         return float(math.hypot(x[-1] - x[0], y[-1] - y[0]))
 
     return Question(
@@ -176,7 +177,7 @@ def holds() -> Question:
 
 
 def slides() -> Question:
-    """A rod that friction just does not hold."""
+    """Return the figure for a rod that friction just does not hold."""
 
     def speed() -> float:
         result = on_a_slope(1.0 - NEARLY, 2.0)
@@ -193,13 +194,13 @@ def slides() -> Question:
 
 
 def derivative(scene: Scene, output: str, name: str, **more: Any) -> float:
-    """Of an output at the end."""
+    """Return the derivative of an output at the end."""
     result = simulate(scene, sensitivities=[name], **more)
     return float(result.sensitivity(output, name)[-1])
 
 
 def later_if_higher() -> Question:
-    """Without gravity, a ball that starts higher ends lower."""
+    """Return the figure for a ball without gravity: if it starts higher, it ends lower."""
     scene = ball({"y_min": 0.0}, 3.0, -5.0, stop_time=1.0, model=RIGID, restitution=1.0)
     return Question(
         ("google/brax#317",),
@@ -211,7 +212,7 @@ def later_if_higher() -> Question:
 
 
 def long_horizon(torque: float = 0.5, inertia: float = 0.2, stop: float = 1000.0) -> Question:
-    """A wheel that a torque turns for long."""
+    """Return the figure for a wheel that a torque turns for a long time."""
     link = {"length": 1.0, "mass": 1.0, "center_of_mass": 0.0, "inertia": inertia}
     table = {
         "name": "Wheel",
@@ -231,7 +232,7 @@ def long_horizon(torque: float = 0.5, inertia: float = 0.2, stop: float = 1000.0
 
 
 def position_of_the_wall() -> Question:
-    """Where a ball ends after an elastic impact, by the place of the wall."""
+    """Return the derivative of a ball's end position, after an elastic impact, to the place of the wall."""
     scene = ball({"x_max": 0.52}, 0.0, 1.0, stop_time=1.0, model=RIGID, restitution=1.0)
     return Question(
         ("keenon/nimblephysics#97",),
@@ -243,7 +244,7 @@ def position_of_the_wall() -> Question:
 
 
 def restitution_of_a_speed() -> Question:
-    """How the speed after an impact depends on e, through a force law."""
+    """Return the derivative of the speed after an impact with respect to e, through a force law."""
     scene = ball({"y_min": 0.0}, 1e-3, -2.0, stop_time=0.1, restitution=0.8)
 
     def slope() -> float:

@@ -1,6 +1,6 @@
 """An Euler–Bernoulli beam that hits with one end: the sum of its free modes, integrated by scipy.
 
-It shares nothing with the kernel, not even the chain of rigid links.
+The model shares no code with the kernel, and does not use a chain of rigid links.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ class Bar:
 
     @property
     def mass(self) -> float:
-        """Mass [kg]."""
+        """The mass [kg]."""
         return self.density * math.pi * self.thickness**2 / 4 * self.length
 
     @property
     def bending(self) -> float:
-        """E I [N·m²]."""
+        """The bending stiffness E I [N·m²]."""
         return self.young * math.pi * self.thickness**4 / 64
 
     def frequencies(self) -> Vector:
-        """Of the free beam [rad/s]: (x/L)² √(E I L/m) with cos x cosh x = 1."""
+        """Return the frequencies of the free beam [rad/s]: (x/L)² √(E I L/m) with cos x cosh x = 1."""
         guesses = (2 * np.arange(1, MODES + 1) + 1) * math.pi / 2
-        # from the sixth on the guess is exact to round-off
+        # from the sixth frequency on the guess is exact up to round-off
         roots = [
             brentq(lambda x: math.cos(x) - 1 / math.cosh(x), guess - 0.1, guess + 0.1, xtol=1e-14)
             for guess in guesses[:5]
@@ -53,10 +53,10 @@ class Bar:
         return (waves / self.length) ** 2 * math.sqrt(self.bending * self.length / self.mass)
 
     def impact(self, times: Vector) -> tuple[Vector, float]:
-        """The force [N] at each of the times, from the first touch on, and the whole impulse [N·s].
+        """Return the force [N] at each of the times after the first touch, and the whole impulse [N·s].
 
-        With modes whose mean square is 1 the struck end has 1, √3 in the two rigid ones and 2 in each
-        bending one: q̈ = −ω² q + φ F/m, and the end is at φ·q.
+        In modes whose mean square is 1, the struck end has the amplitude 1 and √3 in the two rigid modes, and
+        2 in each bending mode: q̈ = −ω² q + φ F/m, and the end is at φ·q.
         """
         squares = np.concatenate([[0.0, 0.0], self.frequencies() ** 2])
         shape = np.concatenate([[1.0, math.sqrt(3.0)], np.full(MODES, 2.0)])
@@ -75,11 +75,11 @@ class Bar:
         return force(done.y), float(done.y[-1, -1])
 
     def restitution(self, impulse: float) -> float:
-        """Of the bar without its vibration: 4 p/(m u) − 1, as p changes its rate at the end by 4 p/m."""
+        """Return the restitution of the bar without vibration: 4 p/(m u) − 1 for the impulse p."""
         return 4 * impulse / (self.mass * self.speed) - 1
 
     def chain(self, scene: Scene, links: int, tolerance: float) -> Result:
-        """The bar as a chain of so many links, simulated in the manner of a scene."""
+        """Return the result of the bar as a chain of ``links`` links, with the settings of a scene."""
         part = self.length / links
         link = {"length": part, "mass": self.mass / links, "joint_stiffness": self.bending / part}
         changes = {
@@ -91,5 +91,5 @@ class Bar:
 
 
 def impulse(result: Result) -> float:
-    """The impulse [N·s] of the support in a whole run."""
+    """Return the impulse [N·s] of the support in a whole run."""
     return float(result["contact[0].y_min.impulse"][-1])

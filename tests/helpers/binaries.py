@@ -1,4 +1,4 @@
-"""What a shared library asks of a system and offers to it, read from the file: ELF, PE, Mach-O of 64 bits."""
+"""The symbols and libraries that a shared library needs and offers, read from its file."""
 
 import hashlib
 import struct
@@ -9,9 +9,10 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Binary:
-    """A shared library: ``machine`` is its format's number of the processor.
+    """The contents of a shared library; ``machine`` is the number of the processor in its format.
 
-    ``libraries`` are those it loads, ``needed`` the names that it takes from them, ``offered`` its own.
+    ``libraries`` are the libraries that it loads, ``needed`` the names that it uses from these, ``offered``
+    the names that it defines.
     """
 
     machine: int
@@ -21,7 +22,7 @@ class Binary:
 
 
 def binary(data: bytes) -> Binary:
-    """Read a library by its first bytes."""
+    """Return the contents of a library; its first bytes determine the format."""
     for magic, read in ((b"\x7fELF\x02\x01", _elf), (b"MZ", _pe), (b"\xcf\xfa\xed\xfe", _macho)):
         if data.startswith(magic):
             return read(data)
@@ -29,19 +30,19 @@ def binary(data: bytes) -> Binary:
 
 
 def read_binary(path: Path) -> Binary:
-    """Read a library's file."""
+    """Return the contents of a library's file."""
     return binary(path.read_bytes())
 
 
 def oldest_macos(data: bytes) -> tuple[int, int]:
-    """The oldest macOS that a Mach-O library says it runs on, by its load command LC_BUILD_VERSION."""
+    """Return the oldest macOS on which a Mach-O library runs, from its load command LC_BUILD_VERSION."""
     ((_, at),) = ((command, at) for command, at in _commands(data) if command == 0x32)
     (version,) = struct.unpack_from("<I", data, at + 12)
     return version >> 16, version >> 8 & 0xFF
 
 
 def signed_without_identity(data: bytes) -> bool:
-    """Whether a Mach-O library has a signature that holds: the hash of each of its pages, and no identity."""
+    """Return whether a Mach-O library has a valid signature: the hash of each page, and no identity."""
     places = [at for command, at in _commands(data) if command == 0x1D]  # LC_CODE_SIGNATURE
     if not places:
         return False
@@ -49,7 +50,8 @@ def signed_without_identity(data: bytes) -> bool:
     magic, _, count = struct.unpack_from(">III", data, start)
     parts = dict(struct.unpack_from(">II", data, start + 12 + 8 * i) for i in range(count))
     directory = data[start + parts[0] :]
-    # after magic, length and version: flags, places of hashes and name, numbers of hashes, length of the code
+    # fields after magic, length and version: flags, places of hashes and name, numbers of hashes, length of
+    # the code
     flags, hashes, _, _, pages, length = struct.unpack_from(">6I", directory, 12)
     size, kind, _, page = struct.unpack_from(">4B", directory, 36)
     found = [
@@ -61,7 +63,7 @@ def signed_without_identity(data: bytes) -> bool:
 
 
 def _commands(data: bytes) -> Iterator[tuple[int, int]]:
-    """The load commands of a Mach-O library: number, and place in the file."""
+    """Return the load commands of a Mach-O library: number, and place in the file."""
     at = 32
     for _ in range(struct.unpack_from("<I", data, 16)[0]):
         command, size = struct.unpack_from("<II", data, at)
@@ -112,7 +114,7 @@ def _pe(data: bytes) -> Binary:
         found.libraries.add(_text(data, place(row[3])).lower())
         names = place(row[0] or row[4])
         while name := struct.unpack_from("<Q", data, names)[0]:
-            if not name >> 63:  # else a number in place of a name
+            if not name >> 63:  # otherwise the symbol has a number instead of a name
                 found.needed.add(_text(data, place(name) + 2))
             names += 8
         entry += 20
@@ -133,7 +135,7 @@ def _macho(data: bytes) -> Binary:
             symbols, count, texts, _ = struct.unpack_from("<IIII", data, at + 8)
             for i in range(count):
                 name, kind, section, _, _ = struct.unpack_from("<IBBHQ", data, symbols + 16 * i)
-                if kind & 1 and not kind & 0xE0:  # external, and not for debuggers
+                if kind & 1 and not kind & 0xE0:  # external symbols, not those for debuggers
                     (found.offered if section else found.needed).add(
                         _text(data, texts + name).removeprefix("_")
                     )

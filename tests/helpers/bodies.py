@@ -6,7 +6,7 @@ SHIN = {"length": 0.25, "mass": 0.5, "shape": "box", "height": 0.04}
 
 
 def body() -> Scene:
-    """Two links that fall on a rough floor: a foot with its mass beside its line, and a box."""
+    """Return two links that fall on a rough floor: a foot with its mass beside its line, and a box."""
     heel, toe = {"x": 0.05, "y": -0.1, "name": "heel"}, {"x": 0.45, "y": -0.08, "radius": 0.01, "name": "toe"}
     foot = {"length": 0.5, "mass": 1.0, "center_of_mass_offset": 0.04, "points": [heel, toe]}
     scene = {
@@ -21,7 +21,7 @@ def body() -> Scene:
 
 
 def cart() -> Scene:
-    """A cart with a pole on a line with a slope, which has stops, a spring, dry friction and a motor."""
+    """Return a cart with a pole on a sloping line, which has stops, a spring, dry friction and a motor."""
     slider = {"angle": 0.1, "mass": 2.0, "damping": 0.4, "stiffness": 5.0, "rest_position": 0.05}
     slider |= {"friction": 0.2, "min": -0.2, "max": 0.2, "force_limit": 10.0}
     scene = {

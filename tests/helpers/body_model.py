@@ -1,8 +1,8 @@
-"""The independent model of the tests with bodies: offsets of centres of mass, points of links, and sliders.
+"""The independent model for bodies: offsets of centres of mass, points of links, and sliders.
 
-A place of a link is x e + y e⊥, with e along the link and e⊥ to its left, which both turn with the link. So
-the kinetic energy is that of ``tests.helpers.chain_model`` with twice as many directions, e and e⊥ of each
-link, with the same ω. A base on a slider moves along u alone: all equations are projected on the columns of
+A point of a link is x e + y e⊥, with e along the link and e⊥ to its left; both vectors turn with the link. So
+the kinetic energy has the form of ``tests.helpers.chain_model`` with twice as many directions, e and e⊥ of
+each link, with the same ω. A sliding base moves only along u: all equations are projected on the columns of
 P, of which the first is u, and the others are the angles.
 """
 
@@ -22,18 +22,18 @@ from tests.helpers.derivatives import Derivatives, _Run
 
 
 def motion(scene: Scene, times: Sequence[float], tolerance: float = 1e-13) -> Derivatives:
-    """Outputs of a scene at some times, and all contacts until the last of them."""
+    """Return outputs of a scene at some times, and all contacts up to the last time."""
     return _Run(BodyModel(scene), tolerance).to(times)
 
 
 class BodyPlace(Place):
-    """The same with the points of links behind their ends."""
+    """The place of a chain with the points of links, which come after the ends of links."""
 
     chain: BodyModel
 
     @cached_property
     def directions(self) -> tuple[np.ndarray, np.ndarray]:
-        """E and e⊥ of all links, and what these are turned by a right angle, shape (lanes, 2N, 2)."""
+        """E and e⊥ of all links, and the same vectors turned by a right angle, shape (lanes, 2N, 2)."""
         return (
             np.concatenate([self.along, self.across], 1),
             np.concatenate([self.across, -self.along], 1),
@@ -52,7 +52,7 @@ class BodyPlace(Place):
         return matrix
 
     def with_points(self, ends: np.ndarray, ways: np.ndarray) -> np.ndarray:
-        """Vectors of the ends of links, and behind these of their points, for those of e and e⊥."""
+        """Return vectors of the links' ends, then of their points, from vectors of ends and of e and e⊥."""
         chain, n = self.chain, self.chain.links
         own, place = chain.site_links, chain.site_places[..., None]
         sites = ends[:, own] + place[:, :, 0] * ways[:, own] + place[:, :, 1] * ways[:, n + own]
@@ -69,9 +69,9 @@ class BodyPlace(Place):
 
 
 class BodyModel(ChainModel):
-    """The equations of a scene with bodies; stops in joints and of a slider together are left out.
+    """The equations of a scene with bodies; stops in joints together with stops of a slider are left out.
 
-    ``motion`` knows neither the energy of drives nor walls that move.
+    ``motion`` supports neither the energy of drives nor moving walls.
     """
 
     place_type = BodyPlace
@@ -81,11 +81,11 @@ class BodyModel(ChainModel):
         self.friction = BodyFriction(self)
 
     def _bodies(self) -> None:
-        self.pinned = self.scene.chain.base != "free"  # whether there is a joint 1
+        self.pinned = self.scene.chain.base != "free"  # whether joint 1 exists
         super()._bodies()
         n, mass = self.links, self.values("link[{}].mass")
         offset, centre = (self.values(f"link[{{}}].center_of_mass{end}") for end in ("_offset", ""))
-        # arm of e and e⊥ of link i that carries the mass k
+        # arm, along e and e⊥ of link i, to the mass k
         arm = np.zeros((self.lanes, 2 * n, n), complex)
         for k in range(n):
             arm[:, :k, k] = self.length[:, :k]
@@ -118,7 +118,7 @@ class BodyModel(ChainModel):
         self.rest = np.stack([self.value(name if name in self.base else own) for name, own in names], 1)
 
     def _slider(self) -> None:
-        """P of the coordinates that are free, and what acts along u."""
+        """Return P for the free coordinates, and the force along u."""
         n, slider = self.links, self.scene.chain.slider
         free = [0, 1, *range(2, n + 2)] if self.scene.chain.base == "free" else range(2, n + 2)
         self.ways = np.tile(np.eye(n + 2, dtype=complex)[:, list(free)], (self.lanes, 1, 1))
@@ -134,7 +134,7 @@ class BodyModel(ChainModel):
         self.origin = np.stack([self.value("initial.x"), self.value("initial.y")], 1)
 
     def folded(self, columns: np.ndarray) -> np.ndarray:
-        """What belongs to e and e⊥ of a link, together."""
+        """Return the sums of the entries for e and e⊥ of each link."""
         return columns[:, : self.links] + columns[:, self.links :]
 
     def _candidates(self) -> None:
@@ -168,7 +168,7 @@ class BodyModel(ChainModel):
         s = point - self.links - 1
         link, (x, y) = self.site_links[s], self.site_places[:, s].T
         result = super().pull(place, link, direction)
-        # r⊥·F of r = x e + y e⊥
+        # the moment r⊥·F of a force at r = x e + y e⊥
         result[:, 2 + link] = x * (place.across[:, link] * direction).sum(1)
         result[:, 2 + link] -= y * (place.along[:, link] * direction).sum(1)
         return result
@@ -228,7 +228,7 @@ class BodyModel(ChainModel):
         return self.accelerations(look.place, look.acceleration)
 
     def accelerations(self, place: Place, acceleration: np.ndarray) -> np.ndarray:
-        """Of all points, for q̈."""
+        """Return the accelerations of all points for q̈."""
         assert isinstance(place, BodyPlace)
         alpha, square = (
             np.concatenate([one, one], 1)[..., None] for one in (acceleration[:, 2:], place.omega**2)
@@ -240,13 +240,13 @@ class BodyModel(ChainModel):
 
 
 def limited(wanted: np.ndarray, limits: Any) -> np.ndarray:
-    """Forces or moments of drives, at their limits where they are beyond; None: no limit."""
-    limit = np.array(limits, float)  # None becomes NaN, which nothing is beyond
+    """Return forces or moments of drives, limited where they exceed their limits; None: no limit."""
+    limit = np.array(limits, float)  # None becomes NaN, with which every comparison is false
     return np.where(np.abs(wanted.real) > limit, np.sign(wanted.real) * limit, wanted)
 
 
 class BodyFriction(DryFriction):
-    """Dry friction at points of links, too; on a slider it comes behind that of the joints."""
+    """Dry friction, also at points of links; the friction of a slider comes after the friction of joints."""
 
     chain: BodyModel
 

@@ -1,9 +1,9 @@
-"""The chain in complex numbers: a value and, in its imaginary part, its derivative by a parameter.
+"""The chain in complex numbers: a value and, as the imaginary part, its derivative by a parameter.
 
-A model of its own for ``tests.helpers.derivatives``, which shares nothing with the kernel: the mass matrix
-and the forces of a chain after Lagrange, written down for all links at once, the contact laws after
-docs/contact_laws.md, and Coulomb's law. Every array has the lane as its first axis: in lane i the i-th
-parameter has an imaginary part. All lanes have the same real parts. Units are SI throughout.
+The model serves ``tests.helpers.derivatives`` and shares no code with the kernel: the mass matrix and the
+forces of a chain by Lagrange's equations for all links at once, the contact laws after docs/contact_laws.md,
+and Coulomb's law. The first axis of every array is the lane: in lane i only the i-th parameter has an
+imaginary part. All lanes have the same real parts. Units are SI throughout.
 """
 
 from __future__ import annotations
@@ -23,15 +23,16 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from tests.helpers.complex_laws import TINY, Law
 
-REST = 1e-9  # m/s or rad/s: a speed that is none, where modes are decided
-ROUND_OFF = 1e-9  # of a bound, or of the largest acceleration, by which a consistent mode may miss it
-DEPENDENT = 1e8  # the condition number of constraints that count as dependent
+REST = 1e-9  # [m/s or rad/s] the largest speed that counts as rest when modes are decided
+# the largest error of a consistent mode, over a limit of friction or the largest acceleration
+ROUND_OFF = 1e-9
+DEPENDENT = 1e8  # the least condition number of constraints that count as dependent
 Inputs = Mapping[str, Any]
-"""Constant values of inputs, or their times and values, each of which holds until the next."""
+"""Constant values of inputs, or their times and values; each value holds until the next time."""
 
 
 class Place:
-    """Directions, positions and velocities in a state, and clearances of the candidates and their rates."""
+    """The geometry of a state: directions, positions, velocities, candidates' clearances and rates."""
 
     def __init__(self, chain: ChainModel, y: np.ndarray) -> None:
         self.chain, self.y = chain, y
@@ -72,18 +73,18 @@ class Place:
 
 
 def chained(base: np.ndarray, parts: np.ndarray) -> np.ndarray:
-    """Base, and base and parts up to each link: of all points, shape (lanes, N+1, 2)."""
+    """Return the sums of base and parts up to each link, for all points, shape (lanes, N+1, 2)."""
     return np.cumsum(np.concatenate([base[:, None], parts], 1), 1)
 
 
 def relative(values: np.ndarray) -> np.ndarray:
-    """What each link has more than the one before it."""
+    """Return for each link its value minus the value of the link before it."""
     return np.diff(values, axis=1, prepend=0.0)
 
 
 @dataclass
 class Touch:
-    """A contact that lasts: what is latched at its onset, and its largest force and penetration so far."""
+    """A contact that lasts: the values latched at its onset, and its largest force and penetration so far."""
 
     candidate: int
     law: Law
@@ -91,13 +92,13 @@ class Touch:
     onset_speed: np.ndarray  # m/s
     speed: np.ndarray  # m/s, v₀
     mass: np.ndarray  # kg
-    impulse: np.ndarray  # N·s, of the candidate at the onset
-    scale: float  # m, of the penetration: not a function of the parameters
+    impulse: np.ndarray  # N·s, impulse of the candidate at the onset
+    scale: float  # m, scale of the penetration; not a function of the parameters
     damping: np.ndarray = field(init=False)  # N·s/m^(p+1), d
-    pushes: bool = True  # the force is not cut off
-    damped: bool = True  # δ̇ > 0, or the law damps on the way back, too
-    forces: list[np.ndarray] = field(default_factory=list)  # N, at each of its peaks
-    depths: list[np.ndarray] = field(default_factory=list)  # m, likewise
+    pushes: bool = True  # whether the force is not cut off
+    damped: bool = True  # whether δ̇ > 0, or the law also damps during restitution
+    forces: list[np.ndarray] = field(default_factory=list)  # N, force at each of its peaks
+    depths: list[np.ndarray] = field(default_factory=list)  # m, each peak of the penetration
 
     def latch(self) -> None:
         self.damping = self.law.damping(self.speed, self.mass)
@@ -106,15 +107,15 @@ class Touch:
 class ChainModel:
     """The equations of a scene with some parameters perturbed, one in each lane.
 
-    The state of a lane is q = (x₀, y₀, θ), q̇, time, dissipated and supplied energy, that dissipated by dry
-    friction, the normal and the tangential impulse of each candidate, and z of each candidate: the root
-    z = (δ/δ*)^(1/m) of its penetration, while it lasts. With dt/ds = τ Π z^(m−1) the motion is smooth in s,
-    also where contacts begin and end, if m n and m p are whole.
+    The state of a lane consists of q = (x₀, y₀, θ), q̇, time, dissipated and supplied energy, the energy
+    dissipated by dry friction, the normal and the tangential impulse of each candidate, and z of each
+    candidate: the root z = (δ/δ*)^(1/m) of its penetration during a contact. With dt/ds = τ Π z^(m−1) the
+    motion is smooth in s, also where contacts begin and end, if m n and m p are whole.
 
     Args:
         scene: the chain, its walls and its law.
-        parameters: their names in the FMU.
-        inputs: by name.
+        parameters: the names of the parameters in the FMU.
+        inputs: the inputs, by name.
     """
 
     place_type = Place
@@ -126,7 +127,8 @@ class ChainModel:
         unknown = set(parameters) - set(self.base)
         assert not unknown, f"no parameters: {unknown}"
         self.lanes = max(1, len(self.parameters))
-        # to be relative to a parameter's size makes the imaginary parts of all lanes alike
+        # derivatives relative to the size of each parameter make the imaginary parts of all lanes similar in
+        # size
         self.sizes = np.array([abs(self.base[name]) or 1.0 for name in self.parameters])
         self.links, self.pinned = len(scene.chain.links), scene.chain.base == "pinned"
         self.recent: list[tuple[np.ndarray, Place]] = []
@@ -141,7 +143,7 @@ class ChainModel:
         self.set_inputs(0.0)
 
     def value(self, name: str, otherwise: float = 0.0) -> np.ndarray:
-        """A parameter in each lane, shape (lanes,)."""
+        """Return a parameter in each lane, shape (lanes,)."""
         value = np.full(self.lanes, self.base.get(name, otherwise), complex)
         for lane, parameter in enumerate(self.parameters):
             if parameter == name:
@@ -149,11 +151,11 @@ class ChainModel:
         return value
 
     def values(self, form: str) -> np.ndarray:
-        """A parameter of each link in each lane, shape (lanes, N)."""
+        """Return a parameter of each link in each lane, shape (lanes, N)."""
         return np.stack([self.value(form.format(i + 1)) for i in range(self.links)], 1)
 
     def set_inputs(self, time: float) -> None:
-        """Take the inputs that hold from a time [s] on."""
+        """Use the inputs that hold from a time [s] on."""
         for name, given in self.inputs.items():
             if not isinstance(given, float | int):
                 self.base[name] = given[1][np.searchsorted(given[0], time, side="right") - 1]
@@ -163,10 +165,11 @@ class ChainModel:
         self.tip = np.stack([self.value(f"tip.force.{axis}") for axis in "xy"], 1)
 
     def _bodies(self) -> None:
-        """T = ½m|ẋ₀|² + Σ b_i ω_i (ẋ₀·e_i⊥) + ½Σ c_ij cos(θ_i−θ_j) ω_i ω_j, with each link's own inertia."""
+        """Set the terms of T = ½m|ẋ₀|² + Σ b_i ω_i (ẋ₀·e_i⊥) + ½Σ c_ij cos(θ_i−θ_j) ω_i ω_j + ½Σ I_i ω_i²."""
         mass, self.length = self.values("link[{}].mass"), self.values("link[{}].length")
         centre, n = self.values("link[{}].center_of_mass"), self.links
-        # arm of link i that carries the mass k: its length, or up to its own centre of mass
+        # arm along link i to the mass k: the length of link i or, for k = i, the distance of the centre of
+        # mass
         arm = np.zeros((self.lanes, n, n), complex)
         for k in range(n):
             arm[:, :k, k] = self.length[:, :k]
@@ -182,7 +185,7 @@ class ChainModel:
         self.gravity = np.stack([self.value("gravity.x"), self.value("gravity.y")], 1)
 
     def _candidates(self) -> None:
-        """Points, walls and laws of all candidates; at walls n and n·x, at stops the sides and limits.
+        """Set points, walls and laws of all candidates: at walls n and n·x, at stops sides and limits.
 
         The clearance of a stop is side · (θ_i − θ_{i−1} − limit).
         """
@@ -222,7 +225,7 @@ class ChainModel:
         return Law(model, *map(self.value, names))
 
     def start(self) -> np.ndarray:
-        """The state at time 0, shape (lanes, size)."""
+        """Return the state at time 0, shape (lanes, size)."""
         y, first = np.zeros((self.lanes, self.size), complex), self.v.start
         y[:, 0], y[:, 1] = self.value("initial.x"), self.value("initial.y")
         y[:, 2:first] = self.values("initial.angle[{}]")
@@ -234,7 +237,7 @@ class ChainModel:
     # --- motion ------------------------------------------------------------------------------------------
 
     def locate(self, y: np.ndarray) -> Place:
-        """Where the chain is in a state, and how it moves. The last two are kept."""
+        """Return the place of the chain in a state, and its motion. The last two places are kept."""
         for state, place in self.recent:
             if state is y:
                 return place
@@ -243,23 +246,23 @@ class ChainModel:
         return place
 
     def answers(self, place: Place, columns: np.ndarray) -> np.ndarray:
-        """M⁻¹ f of the coordinates that are free, for the columns f of a matrix in each lane."""
+        """Return M⁻¹ f for the free coordinates, for the columns f of a matrix in each lane."""
         first, result = 2 if self.pinned else 0, np.zeros_like(columns)
         result[:, first:] = np.linalg.solve(place.mass[:, first:, first:], columns[:, first:])
         return result
 
     def answer(self, place: Place, forces: np.ndarray) -> np.ndarray:
-        """The same for one f in each lane."""
+        """Return M⁻¹ f for the free coordinates, for one f in each lane."""
         return self.answers(place, forces[..., None])[..., 0]
 
     def gradient(self, place: Place, c: int) -> np.ndarray:
-        """J of the clearance of candidate c."""
+        """Return J of the clearance of candidate c."""
         if c >= self.at_walls:
             return self.side[c - self.at_walls] * self.joint_row(self.joints[c - self.at_walls])
         return self.pull(place, self.points[c], self.normal[:, c])
 
     def joint_row(self, joint: int) -> np.ndarray:
-        """J of the angle of a joint, from 0."""
+        """Return J of the angle of a joint, from 0."""
         result = np.zeros((self.lanes, self.links + 2), complex)
         result[:, 2 + joint] = 1.0
         if joint:
@@ -267,7 +270,7 @@ class ChainModel:
         return result
 
     def pull(self, place: Place, point: int, direction: np.ndarray) -> np.ndarray:
-        """The generalized force of a unit force on one point."""
+        """Return the generalized force of a unit force on one point."""
         result = np.zeros((self.lanes, self.links + 2), complex)
         result[:, :2] = direction
         across = (place.across[:, :point] * direction[:, None]).sum(2)
@@ -275,7 +278,7 @@ class ChainModel:
         return result
 
     def look(self, y: np.ndarray, touches: Sequence[Touch]) -> SimpleNamespace:
-        """All that follows from a state: accelerations, forces, powers."""
+        """Return all quantities that follow from a state: accelerations, forces, powers."""
         place = self.locate(y)
         pairs = [self.force(y, place, touch) for touch in touches]
         omega, along, across, pushed = place.omega, place.along, place.across, self.tip.any()
@@ -288,7 +291,7 @@ class ChainModel:
         friction = self.friction.slide(normal)
         for e, force in friction.items():
             forces += self.friction.row(place, e) * force[:, None]
-        # Σ_j c_ij sin(θ_i−θ_j) ω_j² and −Σ b_i ω_i² e_i, to the other side
+        # the terms Σ_j c_ij sin(θ_i−θ_j) ω_j² and −Σ b_i ω_i² e_i, moved to the right side
         square = (omega**2)[..., None]
         outward = self.c @ (square * along) + self.b[..., None] * self.gravity[:, None]
         forces[:, 2:] += (across * outward).sum(2)
@@ -324,7 +327,7 @@ class ChainModel:
         return chained(look.acceleration[:, :2], turning - inward)
 
     def sinking(self, look: SimpleNamespace, c: int) -> np.ndarray:
-        """δ̈ of candidate c."""
+        """Return δ̈ of candidate c."""
         if c < self.at_walls:
             point = self.point_accelerations(look)[:, self.points[c]]
             return -(self.normal[:, c] * point).sum(1)
@@ -332,7 +335,7 @@ class ChainModel:
         return -self.side[c - self.at_walls] * turning
 
     def rate(self, y: np.ndarray, touches: Sequence[Touch]) -> np.ndarray:
-        """dy/ds."""
+        """Return dy/ds."""
         look, result, tempo = self.look(y, touches), np.zeros_like(y), self.tempo(y, touches)
         result[:, self.q], result[:, self.v] = y[:, self.v], look.acceleration
         result[:, self.time], result[:, self.dissipated] = 1.0, look.loss
@@ -350,7 +353,7 @@ class ChainModel:
         return result
 
     def tempo(self, y: np.ndarray, touches: Sequence[Touch], without: Touch | None = None) -> np.ndarray:
-        """dt/ds = τ Π z^(m−1), τ = m δ*/v₀ of the first contact; 1 in flight."""
+        """Return dt/ds = τ Π z^(m−1), with τ = m δ*/v₀ of the first contact; 1 in flight."""
         if not touches:
             return np.ones(self.lanes, complex)
         first = touches[0]
@@ -363,7 +366,7 @@ class ChainModel:
     # --- contacts ----------------------------------------------------------------------------------------
 
     def depth_power(self, y: np.ndarray, touch: Touch, exponent: Any) -> np.ndarray:
-        """δ^exponent, from the root of the penetration."""
+        """Return δ^exponent, from the root of the penetration."""
         exponent = exponent + np.zeros(self.lanes, complex)
         root = y[:, self.root + touch.candidate]
         return np.exp(exponent * math.log(touch.scale)) * power(root, touch.law.m * exponent)
@@ -372,7 +375,7 @@ class ChainModel:
         return touch.damping if touch.damped else 0.0 * touch.damping
 
     def force(self, y: np.ndarray, place: Place, touch: Touch) -> tuple[np.ndarray, np.ndarray]:
-        """F = K δⁿ + d δᵖ δ̇, or 0 where it is cut off, and K δⁿ."""
+        """Return F = K δⁿ + d δᵖ δ̇, or 0 where the force is cut off, and K δⁿ."""
         law = touch.law
         elastic = law.stiffness * self.depth_power(y, touch, law.exponent)
         if not touch.pushes:
@@ -382,13 +385,13 @@ class ChainModel:
         return elastic + damped, elastic
 
     def push(self, y: np.ndarray, touch: Touch) -> np.ndarray:
-        """F/δᵖ, whose sign tells whether the force is cut off."""
+        """Return F/δᵖ, whose sign says whether the force is cut off."""
         law = touch.law
         spring = law.stiffness * self.depth_power(y, touch, law.exponent - law.rate_exponent)
         return spring - self.damping(touch) * self.locate(y).gap_rate[:, touch.candidate]
 
     def force_rate(self, y: np.ndarray, touches: Sequence[Touch], touch: Touch) -> np.ndarray:
-        """Ḟ δ^(1−p), which is zero at a peak of the force and neither at onset nor end."""
+        """Return Ḟ δ^(1−p), which is zero at a peak of the force, but not at onset and end."""
         look, c, d = self.look(y, touches), touch.candidate, self.damping(touch)
         n, p, stiffness = touch.law.exponent, touch.law.rate_exponent, touch.law.stiffness
         approach, sinking = -look.place.gap_rate[:, c], self.sinking(look, c)
@@ -398,7 +401,7 @@ class ChainModel:
         return (spring + p * d * approach) * approach + d * self.depth_power(y, touch, 1.0) * sinking
 
     def begin(self, y: np.ndarray, c: int) -> Touch:
-        """The contact of candidate c whose clearance falls through zero in the state y."""
+        """Return the contact of candidate c, whose clearance falls through zero in the state y."""
         place, law = self.locate(y), self.laws[c]
         gradient = self.gradient(place, c)
         mass = 1.0 / (gradient * self.answer(place, gradient)).sum(1)
@@ -414,7 +417,7 @@ class ChainModel:
         return touch
 
     def bounce(self, y: np.ndarray, c: int) -> tuple[np.ndarray, Touch]:
-        """The state after a rigid impact of candidate c: q̇⁺ = q̇ − M⁻¹Jᵀ m (1+e) J q̇."""
+        """Return the state after a rigid impact of candidate c: q̇⁺ = q̇ − M⁻¹Jᵀ m (1+e) J q̇."""
         place, touch = self.locate(y), self.begin(y, c)
         assert touch.onset_speed[0].real > touch.law.slowest[0].real, "a contact comes to rest"
         impulse, e = touch.mass * (1.0 + touch.law.restitution) * touch.onset_speed, touch.law.restitution
@@ -426,7 +429,7 @@ class ChainModel:
 
 
 def power(base: np.ndarray, exponent: np.ndarray) -> np.ndarray:
-    """Base^exponent in each lane; for an exponent that is not whole as if the base were positive."""
+    """Return base^exponent in each lane; for an exponent that is not whole, as if the base were positive."""
     if exponent[0].real == round(exponent[0].real) and not exponent.imag.any():
         return base ** round(exponent[0].real)
     none = base == 0.0
@@ -435,15 +438,15 @@ def power(base: np.ndarray, exponent: np.ndarray) -> np.ndarray:
 
 
 class DryFriction:
-    """Coulomb's law: the sign of what slides is latched, what sticks is held.
+    """Coulomb's law: the sign of sliding is latched, sticking elements are constraints.
 
-    An element is a candidate at a wall, with a force along t = (n_y, −n_x) while it touches, or a joint, with
-    a moment: those come after the candidates. What slides with the sign s has −s µ F_n. What sticks has no
-    acceleration along t, which is a constraint.
+    An element is a candidate at a wall, with a force along t = (n_y, −n_x) during a contact, or a joint, with
+    a moment; joints come after the candidates. An element that slides with the sign s has the force −s µ F_n.
+    A sticking element has no acceleration along t, which is a constraint.
 
     Attributes:
-        sliding, static: of each element with friction, in each lane: a coefficient, or a moment [N·m].
-        modes: of each element that acts now: 0 sticks, ±1 slides along ±t.
+        sliding, static: friction of each element in each lane: a coefficient, or a moment [N·m].
+        modes: mode of each element that acts now: 0 sticks, ±1 slides along ±t.
     """
 
     def __init__(self, chain: ChainModel) -> None:
@@ -461,7 +464,7 @@ class DryFriction:
                 self.sliding[self.first_joint + i] = self.static[self.first_joint + i] = moments[:, i]
 
     def _coefficients(self, wall: str) -> tuple[np.ndarray, np.ndarray]:
-        """µ and µ_s of a wall, which has its own or those of all walls."""
+        """Return µ and µ_s of a wall: its own coefficients, or those of all walls."""
         chain, own = self.chain, f"wall.{wall}."
         sliding, static = chain.value("contact.friction"), chain.value("contact.static_friction")
         if f"{own}friction" in chain.base:
@@ -471,7 +474,7 @@ class DryFriction:
         return sliding, static if static[0].real > sliding[0].real else sliding
 
     def row(self, place: Place, e: int) -> np.ndarray:
-        """J of the tangential motion of element e; of a joint, of its angle."""
+        """Return J of the tangential motion of element e; for a joint, J of its angle."""
         if e not in place.rows:
             joint, chain = e - self.first_joint, self.chain
             if joint >= 0:
@@ -487,7 +490,7 @@ class DryFriction:
         return (self.row(self.chain.locate(y), e) * y[:, self.chain.v]).sum(1)
 
     def acceleration(self, place: Place, acceleration: np.ndarray, e: int) -> np.ndarray:
-        """Of element e along t, J q̈ + J̇ q̇, for q̈."""
+        """Return the acceleration of element e along t, J q̈ + J̇ q̇, for q̈."""
         along = (self.row(place, e) * acceleration).sum(1)
         if e >= self.first_joint:
             return along
@@ -495,17 +498,22 @@ class DryFriction:
         return along + (self.tangent(e) * inward[:, : self.chain.points[e]].sum(1)).sum(1)
 
     def slide(self, normal: Mapping[int, np.ndarray]) -> dict[int, np.ndarray]:
-        """The forces of what slides, for the normal forces of the candidates."""
+        """Return the forces of sliding elements, for the normal forces of the candidates."""
         return {e: -s * self.sliding[e] * normal.get(e, 1.0) for e, s in self.modes.items() if s}
 
     def bound(self, normal: Mapping[int, np.ndarray], e: int) -> np.ndarray:
-        """The largest force with which element e sticks."""
+        """Return the largest force with which element e sticks."""
         return self.static[e] * normal.get(e, 1.0)
 
     def hold(
         self, place: Place, free: np.ndarray, normal: Mapping[int, np.ndarray]
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
-        """The accelerations with what sticks, and its forces, for the accelerations without."""
+        """Return accelerations with sticking elements, and the forces of these elements.
+
+        ``free`` holds the accelerations without these forces.
+
+        ``without`` holds the accelerations without these elements.
+        """
         stuck = [e for e, s in self.modes.items() if s == 0]
         if not stuck:
             return free, {}
@@ -517,9 +525,9 @@ class DryFriction:
     def respond(
         self, place: Place, stuck: Sequence[int], asked: np.ndarray, bounds: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The motion M⁻¹Jᵀλ of the coordinates that gives elements what is asked for, and λ.
+        """Return the motion M⁻¹Jᵀλ that gives elements the motion ``asked``, and λ.
 
-        Dependent constraints have the forces with the least Σ λ²/bound, in a model without parameters.
+        In a model without parameters, dependent constraints get the forces with the least Σ λ²/bound.
         """
         rows = np.stack([self.row(place, e) for e in stuck], 1)
         moved = self.chain.answers(place, rows.swapaxes(1, 2)).swapaxes(1, 2)
@@ -541,7 +549,7 @@ class DryFriction:
         self.decide(y, touches, list(self.modes))
 
     def touch(self, y: np.ndarray, c: int) -> None:
-        """Candidate c begins to touch."""
+        """Begin the friction of candidate c, which begins to touch."""
         if c in self.sliding:
             speed = self.speed(y, c)[0].real
             self.modes[c] = 0 if abs(speed) < REST else int(np.sign(speed))
@@ -549,15 +557,15 @@ class DryFriction:
     def decide(
         self, y: np.ndarray, touches: Sequence[Touch], resting: Sequence[int] = (), slides: int | None = None
     ) -> None:
-        """Decide the modes of what sticks and of ``resting``, and bring to rest what sticks, in the state y.
+        """Decide the modes of sticking and ``resting`` elements, and stop sticking elements, in the state y.
 
-        Of all consistent modes these are those with the fewest that slide.
+        Of all consistent sets of modes, the function chooses one with the fewest sliding elements.
 
         Args:
             y: the state, which is changed.
             touches: the contacts that last.
-            resting: what may stick from now on: it does not, if it has a speed.
-            slides: what has come to the bound of static friction.
+            resting: elements that may stick from now on; an element with a speed does not stick.
+            slides: the element that has reached the limit of static friction.
         """
         if not (undecided := [e for e, s in self.modes.items() if s == 0 or e in resting]):
             return
@@ -588,13 +596,13 @@ class DryFriction:
         return True
 
     def stop(self, y: np.ndarray) -> None:
-        """Take the speeds, which are round-off, from what sticks; their derivatives, too."""
+        """Remove the speeds of sticking elements, which are round-off, and their derivatives."""
         stuck = [e for e, s in self.modes.items() if s == 0]
         if stuck:
             asked = np.stack([-self.speed(y, e) for e in stuck], 1)
             y[:, self.chain.v] += self.respond(self.chain.locate(y), stuck, asked, np.ones(len(stuck)))[0]
-            self.chain.recent = []  # it would hold what has changed
+            self.chain.recent = []  # the stored places would contain the old speeds
 
     def halting(self, y: np.ndarray, found: int) -> list[int]:
-        """What stops sliding where the element found does: all that has no speed there."""
+        """Return the elements that stop sliding together with the element found: all without speed now."""
         return [e for e, s in self.modes.items() if s and (e == found or abs(self.speed(y, e)[0]) < REST)]

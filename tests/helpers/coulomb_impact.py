@@ -1,19 +1,22 @@
 """The impact of one point with Coulomb friction, in closed form.
 
-Force laws in the limit of stiff walls, and a hypothesis of rigid ones; and random scenes of such impacts.
+The module has force laws in the limit of stiff walls, a hypothesis for rigid walls, and random scenes of such
+impacts.
 
 An impact without duration does not move the chain. With the normal impulse p as the variable (Routh 1860),
 
     dġ/dp = W_nn + c W_nt,    dv_t/dp = W_nt + c W_tt,    c = F_t/F_n,    W = [J_n; J_t] M⁻¹ [J_n; J_t]ᵀ,
 
-with the rate ġ of the clearance and the tangential velocity v_t of the point. c is constant in a phase:
+with the rate ġ of the clearance and the tangential velocity v_t of the point. The ratio c is constant in a
+phase of friction:
 
     slip with the sign s:  c = −µ s;        stick:  c = −W_nt/W_tt, which needs |c| ≤ µ_s.
 
-The impact begins with slip, or with v_t = 0. At v_t = 0 the point sticks if it can, to the end of the impact;
-else it slips with the sign of W_nt, also to the end: then |W_nt| > µ_s W_tt ≥ µ W_tt, so its speed grows.
+The impact begins with slip, or with v_t = 0. At v_t = 0 the point sticks to the end of the impact, if |c| ≤
+µ_s. Otherwise it slips with the sign of W_nt, also to the end: then |W_nt| > µ_s W_tt ≥ µ W_tt, so its speed
+grows.
 
-This module shares nothing with the kernel.
+This module shares no code with the kernel.
 """
 
 from __future__ import annotations
@@ -30,13 +33,14 @@ from tests.helpers.problems import contact_table, scene_table
 from tests.helpers.reference import exact_damping_factor
 from tests.helpers.textbook import Textbook
 
-SLOWEST, FASTEST = 0.3, 5.0  # m/s, of the approach
-DIGITS = 40  # of the closed forms; their results are rounded to double precision
+SLOWEST, FASTEST = 0.3, 5.0  # [m/s] least and largest approach speed of random impacts
+# number of digits in which closed forms are computed; their results are rounded to double precision
+DIGITS = 40
 
 
 @dataclass(frozen=True)
 class Strike:
-    """A point that arrives at a wall.
+    """The data of a point that arrives at a wall.
 
     Attributes:
         nn, nt, tt: W, the inverse inertia of the point along the normal and the tangent [1/kg].
@@ -56,27 +60,27 @@ class Strike:
 
     @property
     def inverse_inertia(self) -> np.ndarray:
-        """W [1/kg]."""
+        """The matrix W [1/kg]."""
         return np.array([[self.nn, self.nt], [self.nt, self.tt]])
 
     @property
     def sticks(self) -> bool:
-        """Whether the point would stick, once v_t = 0."""
+        """Whether the point sticks once v_t = 0."""
         static = self.friction if self.static_friction is None else self.static_friction
         return abs(self.nt) <= static * self.tt
 
 
 @dataclass(frozen=True)
 class Departure:
-    """The point after its impact.
+    """The data of a point after its impact.
 
     Attributes:
         separation: ġ [m/s].
         sliding: v_t [m/s].
         normal: impulse of the normal force [N·s].
         tangential: impulse of friction along t [N·s].
-        dissipated: kinetic energy that is lost [J]; a hypothesis may make it negative.
-        phases: "slip", "stick" or "reverse", as they follow each other.
+        dissipated: lost kinetic energy [J]; with a hypothesis it may be negative.
+        phases: the sequence of "slip", "stick" or "reverse".
     """
 
     separation: float
@@ -99,7 +103,7 @@ class Phase:
         ratio: c = F_t/F_n.
         normal: b = dġ/dp [1/kg].
         tangential: dv_t/dp [1/kg].
-        extent: normal impulse after which v_t = 0 [N·s], infinite if it never is.
+        extent: normal impulse after which v_t = 0 [N·s]; infinite if v_t never becomes 0.
     """
 
     kind: str
@@ -110,7 +114,7 @@ class Phase:
 
 
 def phases(strike: Strike) -> Iterator[Phase]:
-    """The phases of friction of an impact that lasts for as long as it takes: one or two."""
+    """Return the one or two phases of friction of an impact without a limit on its normal impulse."""
     nn, nt, tt, friction, sliding = (
         mpmath.mpf(value) for value in (strike.nn, strike.nt, strike.tt, strike.friction, strike.sliding)
     )
@@ -131,7 +135,7 @@ def phases(strike: Strike) -> Iterator[Phase]:
 
 @dataclass
 class Path:
-    """How far an impact has come along its phases."""
+    """The progress of an impact through its phases."""
 
     strike: Strike
     rate: Any = field(init=False)  # ġ [m/s]
@@ -144,7 +148,7 @@ class Path:
         self.rate, self.sliding = -mpmath.mpf(self.strike.approach), mpmath.mpf(self.strike.sliding)
 
     def go(self, phase: Phase, impulse: Any) -> None:
-        """Go on in a phase, by a normal impulse [N·s]."""
+        """Continue in a phase, by a normal impulse [N·s]."""
         if phase.kind not in self.kinds:
             self.kinds.append(phase.kind)
         self.rate += phase.normal * impulse
@@ -153,7 +157,10 @@ class Path:
         self.tangential += phase.ratio * impulse
 
     def end(self) -> Departure:
-        """The point where it is now. The kinetic energy changes by ½ p·(u⁻ + u⁺), with the impulses p."""
+        """Return the point in its present state.
+
+        The kinetic energy changes by ½ p·(u⁻ + u⁺), with the impulses p.
+        """
         gained = self.normal * (self.rate - self.strike.approach)
         gained += self.tangential * (self.sliding + self.strike.sliding)
         numbers = (self.rate, self.sliding, self.normal, self.tangential, -gained / 2)
@@ -164,21 +171,21 @@ class Path:
 
 
 def stiff_limit(strike: Strike, damping: Any, minimum_speed: float = 1e-3) -> Departure:
-    """The limit K → ∞ of F_n = K δⁿ (1 + λ δ̇/v₀) with Coulomb friction, for any exponent n.
+    """Return the impact in the limit K → ∞ of F_n = K δⁿ (1 + λ δ̇/v₀) with Coulomb friction, for any n.
 
     In a phase, F_n dt = dp and dġ = b dp. With w = δ̇/v₀ = −ġ/v₀ and the elastic energy E = K δⁿ⁺¹/(n+1),
 
         dE = K δⁿ δ̇ dt = δ̇ dp/(1 + λw) = −(v₀²/b) w dw/(1 + λw)    ⟹    b ΔE = −v₀² ΔG,
         G(w) = ∫₀ʷ s ds/(1 + λs) = (λw − ln(1 + λw))/λ².
 
-    The impact ends at E = 0. After one phase this is G(w_f) = G(1), so −w_f is the e of the law, whatever
-    b is. After a change at w_s it is G(w_f) = G(w_s) + (b₂/b₁)(G(1) − G(w_s)).
+    The impact ends at E = 0. With one phase the condition is G(w_f) = G(1), so −w_f is the e of the law for
+    any b. After a change of phase at w_s, G(w_f) = G(w_s) + (b₂/b₁)(G(1) − G(w_s)).
 
-    Where slip has b < 0, the point is pushed into the wall: w grows until v_t = 0. Each time that w reaches
-    2, v₀ is doubled, as in every contact of this package; E and δ̇ stay.
+    If slip has b < 0, the point is pushed into the wall: w grows until v_t = 0. Whenever w reaches 2, v₀ is
+    doubled, as in every contact of this package; E and δ̇ do not change.
 
     Args:
-        strike: what arrives.
+        strike: the arriving point.
         damping: λ; ``tests.helpers.reference.exact_damping_factor(e)`` for the law of Zhang and Sharf.
         minimum_speed: the least v₀ [m/s].
     """
@@ -196,14 +203,14 @@ def stiff_limit(strike: Strike, damping: Any, minimum_speed: float = 1e-3) -> De
 
 @dataclass
 class Pressed(Path):
-    """The path of a force law, with λ, the latched v₀ [m/s] and the elastic energy E [J]."""
+    """The progress of a force law, with λ, the latched v₀ [m/s] and the elastic energy E [J]."""
 
     damping: Any = 0
     latched: Any = 0
     energy: Any = 0
 
     def go(self, phase: Phase, impulse: Any) -> None:
-        """Go on in a phase, by a normal impulse [N·s]."""
+        """Continue in a phase, by a normal impulse [N·s]."""
         before = self.speed
         super().go(phase, impulse)
         if phase.normal == 0:  # w is constant, and dE = w v₀ dp/(1 + λw)
@@ -214,11 +221,11 @@ class Pressed(Path):
 
     @property
     def speed(self) -> Any:
-        """w = δ̇/v₀."""
+        """The ratio w = δ̇/v₀."""
         return -self.rate / self.latched
 
     def jam(self, phase: Phase) -> Any:
-        """Go on for as long as v₀ has to be doubled; the normal impulse of that [N·s]."""
+        """Continue while v₀ must be doubled; return the normal impulse [N·s] of this time."""
         spent = mpmath.mpf(0)
         while phase.normal < 0 and spent + (step := self._to_doubling(phase)) < phase.extent:
             self.go(phase, step)
@@ -229,7 +236,7 @@ class Pressed(Path):
         return (2 * self.latched + self.rate) / -phase.normal
 
     def impulse_to_end(self, phase: Phase) -> Any:
-        """The normal impulse after which E = 0, if the phase lasts until then [N·s]."""
+        """Return the normal impulse [N·s] after which E = 0, if the phase lasts until then."""
         if phase.normal <= 0:
             return mpmath.inf
         value = _loss(self.speed, self.damping) + phase.normal * self.energy / self.latched**2
@@ -237,14 +244,14 @@ class Pressed(Path):
 
 
 def _loss(w: Any, lam: Any) -> Any:
-    """G(w)."""
+    """Return G(w)."""
     if lam == 0:
         return w * w / 2
     return (lam * w - mpmath.log1p(lam * w)) / lam**2
 
 
 def _separating(value: Any, lam: Any) -> Any:
-    """The w ≤ 0 at which G(w) has a value: with x = 1 + λw, −x e⁻ˣ = −e^{−(1 + λ²G)}, so x = −W₀(…)."""
+    """Return the w ≤ 0 with a value of G(w): with x = 1 + λw, −x e⁻ˣ = −e^{−(1 + λ²G)}, so x = −W₀(…)."""
     if lam == 0:
         return -mpmath.sqrt(2 * value)
     x = -mpmath.lambertw(-mpmath.exp(-1 - lam**2 * value)).real
@@ -255,11 +262,11 @@ def _separating(value: Any, lam: Any) -> Any:
 
 
 def algebraic(strike: Strike, restitution: float) -> Departure:
-    """Newton's hypothesis with Coulomb's law on the impulses, as of Whittaker and of Kane & Levinson 1985.
+    """Apply Newton's hypothesis with Coulomb's law on the impulses (Whittaker; Kane & Levinson 1985).
 
-    If |p_t| ≤ µ_s p_n makes v_t⁺ = 0, it does; else p_t = −µ p_n sign(v_t⁺). Time stepping by Moreau's
-    scheme does the same. No path of forces leads there: in the double pendulum of Kane
-    and Levinson it makes energy.
+    If a p_t with |p_t| ≤ µ_s p_n gives v_t⁺ = 0, this is the impulse; else p_t = −µ p_n sign(v_t⁺). Time
+    stepping by Moreau's scheme gives the same result. No path of forces gives this result: in the double
+    pendulum of Kane and Levinson energy increases.
     """
     w, before = strike.inverse_inertia, np.array([-strike.approach, strike.sliding])
     wanted = np.array([restitution * strike.approach, 0.0])
@@ -280,9 +287,9 @@ def algebraic(strike: Strike, restitution: float) -> Departure:
 
 
 def struck(seed: int, stiffness: float) -> tuple[dict[str, Any], Strike, Departure]:
-    """A scene whose tip touches the floor at time 0 and arrives, without gravity; what arrives; and departs.
+    """Return a scene whose tip hits the floor at time 0 without gravity, the arriving point, and the result.
 
-    One free rod, two free ones, or two whose base is pinned. Nothing else can touch.
+    The chain is one free rod, two free rods, or two rods with a pinned base. No other point can touch.
     """
     rng = np.random.default_rng(seed)
     count = 1 + seed % 2
@@ -315,16 +322,17 @@ def struck(seed: int, stiffness: float) -> tuple[dict[str, Any], Strike, Departu
 
 
 def impact_duration(strike: Strike, stiffness: float) -> float:
-    """How long a force must be given to end [s]: many durations of an elastic impact."""
+    """Return a simulated time [s] in which a force ends: many durations of an elastic impact."""
     return 40.0 * (strike.approach**2 / strike.nn / stiffness) ** 0.4 / strike.approach
 
 
 def extrapolated(soft: np.ndarray, stiff: np.ndarray, ratio: float) -> np.ndarray:
-    """Richardson's extrapolation of values at K and ``ratio`` · K, which approach their limit as K^−2/5.
+    """Extrapolate (Richardson) values at K and ``ratio`` · K, which approach their limit as K^−2/5.
 
-    Of the first 200 impacts simulated at 1e12 and 1e13, the impulses came within 1.3e-6 of the normal one,
-    half of them within 3e-9; at 1e11 and 1e12 within 7e-6 and 9e-9. Two of the first 1500 need larger
-    stiffnesses, 493 and 869: a pinned arm is all but straight, so W is all but singular and the impact long.
+    In the first 200 impacts simulated at 1e12 and 1e13, the error of the impulses is below 1.3e-6 of the
+    normal impulse, in half of them below 3e-9; at 1e11 and 1e12, below 7e-6 and 9e-9. Two of the first 1500
+    seeds, 493 and 869, need larger stiffnesses: a pinned arm is nearly straight, so W is nearly singular and
+    the impact long.
     """
     factor = ratio**0.4
     return (factor * stiff - soft) / (factor - 1.0)

@@ -1,8 +1,8 @@
-"""Problems of others with Coulomb friction, as scenes, with what their sources say.
+"""Problems from the literature with Coulomb friction, as scenes, with the figures of their sources.
 
-Each builder returns a scene as its file has it, and what is known of it: published figures, and a second
-solution that shares nothing with the kernel. Units are SI. Books and papers were not read themselves: their
-numbers came through what each docstring names, or are those after which a published figure follows.
+Each builder returns the table of a scene, published figures, and a second solution that shares no code with
+the kernel. Units are SI. The books and papers were not read: their numbers come from the sources that each
+docstring names, or are chosen so that a published figure follows from them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tests.helpers.coulomb_problems import Table
 from tests.helpers.problems import GRAVITY, contact_table, scene_table
 from tests.helpers.reference import exact_damping_factor
 
-FIRM = 1e9  # N/m^(3/2), a stiffness near the limit K → ∞
+FIRM = 1e9  # [N/m^(3/2)] a stiffness near the limit K → ∞
 
 
 # --- Kane and Levinson's double pendulum -----------------------------------------------------------------
@@ -28,20 +28,20 @@ FIRM = 1e9  # N/m^(3/2), a stiffness near the limit K → ∞
 
 @dataclass(frozen=True)
 class KaneLevinson:
-    """What arrives, and the energy that Kane's rule makes of it [J]: as published, and computed anew."""
+    """The arriving point, and the energy [J] that Kane's rule adds: as published, and computed."""
 
     strike: Strike
     published_gain: str
     rule: Departure
-    limit: Departure  # of force laws, which lose energy
+    limit: Departure  # the result of force laws, which lose energy
 
 
 def kane_pendulum(stiffness: float = FIRM) -> tuple[Table, KaneLevinson]:
-    """Two rods of 1 kg and 1 m, 20° and 30° from the vertical, turn at −.1 and −.2 rad/s; e = .7, µ = .5.
+    """Return two rods of 1 kg and 1 m, 20° and 30° from the vertical, that turn at −0.1 and −0.2 rad/s.
 
-    Kane & Levinson 1985, *Dynamics: Theory and Applications*, after an example of Kane's of 1984.
-    Their rule, Newton's hypothesis with Coulomb's law on the impulses (``algebraic``), makes .0407 J, where
-    there were .0232 J before. The parameters are those after which it does.
+    Kane & Levinson 1985, *Dynamics: Theory and Applications*, after an example of Kane's of 1984. Their rule,
+    Newton's hypothesis with Coulomb's law on the impulses (``algebraic``), increases the energy from .0232 J
+    to .0407 J. The parameters are chosen so that these figures follow.
     """
     e, friction = 0.7, 0.5
     first, second, slow, fast = math.radians(20.0), math.radians(30.0), -0.1, -0.2
@@ -66,10 +66,11 @@ def kane_pendulum(stiffness: float = FIRM) -> tuple[Table, KaneLevinson]:
 
 # --- a stick of Siconos ----------------------------------------------------------------------------------
 
-# from the first impact to the second: horizontal velocity of the centre [m/s], angular velocity [rad/s], and
-# the energy that was made [J], as stored
+# stored values from the first impact to the second: horizontal velocity of the centre [m/s], angular velocity
+# [rad/s], and the increase of energy
 SICONOS = ("-0.50373883", "1.6800228", "0.00070713554")
-FREMOND = ("-0.49631334", "1.6890682", "-0.00066901813")  # by Frémond's law, ImpactingStick-FremondNSL
+# the same values by Frémond's law, ImpactingStick-FremondNSL
+FREMOND = ("-0.49631334", "1.6890682", "-0.00066901813")
 
 
 @dataclass(frozen=True)
@@ -78,11 +79,11 @@ class SiconosStick:
 
     Attributes:
         onset: [s].
-        strike: what arrives.
-        published: velocity of the centre along x [m/s] and angular velocity [rad/s] after it, and the energy
-            that was made [J], as stored.
-        rule: the same by the rule that the time stepping of Siconos follows, at the exact time.
-        limit: the same of force laws as K → ∞.
+        strike: the arriving point.
+        published: stored velocity of the centre along x [m/s], angular velocity [rad/s], and increase of
+            energy [J].
+        rule: the same values by the rule that the time stepping of Siconos uses, at the exact time.
+        limit: the same values with force laws as K → ∞.
     """
 
     onset: float
@@ -93,18 +94,18 @@ class SiconosStick:
 
 
 def siconos_stick(stiffness: float = FIRM) -> tuple[Table, SiconosStick]:
-    """A stick of 1 m and 1 kg that falls on one end at 45°; e = 1, µ = .01, g = 10 m/s².
+    """Return a stick of 1 m and 1 kg that falls on one end at 45°; e = 1, µ = .01, g = 10 m/s².
 
     The example ImpactingStick of Siconos (Acary & Brogliato 2008, *Numerical Methods for Nonsmooth Dynamical
     Systems*), siconos-tutorials, with the values of its reference file: Moreau's time stepping of 0.1 ms. The
-    slip of the end reverses in the impact, in which this scheme makes energy.
+    slip of the end reverses in the impact, where this scheme increases the energy.
     """
     friction, weight, spin = 0.01, 10.0, 0.1
-    velocity, angle = np.array([-0.5, 0.1]), math.pi / 4  # of the centre; from the vertical
+    velocity, angle = np.array([-0.5, 0.1]), math.pi / 4  # of the centre; angle from the vertical
     centre = np.array([0.5 * math.sin(angle), 0.5 * math.cos(angle) + 0.01])
 
     def arm(time: float) -> np.ndarray:
-        """From the centre to the end."""
+        """Return the vector from the centre to the end."""
         return 0.5 * np.array([math.sin(angle + spin * time), -math.cos(angle + spin * time)])
 
     def height(time: float) -> float:
@@ -151,7 +152,7 @@ def siconos_stick(stiffness: float = FIRM) -> tuple[Table, SiconosStick]:
 
 @dataclass(frozen=True)
 class GlockerRod:
-    """When the sliding rod cannot slide on [s], as published and as the rigid rod does; its motion there.
+    """The time [s] at which the sliding rod jams, published and for the rigid rod, and the rod's motion then.
 
     Attributes:
         published: [s].
@@ -169,13 +170,13 @@ class GlockerRod:
 
 
 def glocker_rod(stiffness: float = 1e7, restitution: float = 0.3) -> tuple[Table, GlockerRod]:
-    """A rod of 2 m and 1 kg slides on its leading end at 30 m/s, 31° from the floor; µ = 5/3, g = 10 m/s².
+    """Return a rod of 2 m and 1 kg that slides on its leading end at 30 m/s, 31° from the floor; µ = 5/3.
 
     Glocker 1995, *Dynamik von Starrkörpersystemen mit Reibung und Stößen*, after an example of the library
-    cardillo, which marks the "impact without collision" at .83 s. With rigid contact the normal force is
-    F_n = m (g − s φ̇² sin φ) J/A, A = J + m s² cos φ (cos φ − µ sin φ), which no longer exists where A = 0: at
-    tan φ = 1. All motions near it end at the point where the numerator is zero, too (Génot & Brogliato
-    1999, Eur J Mech A 18:653).
+    cardillo, which marks the "impact without collision" at .83 s. With rigid contact the normal force is F_n
+    = m (g − s φ̇² sin φ) J/A, A = J + m s² cos φ (cos φ − µ sin φ), which no longer exists where A = 0: at
+    tan φ = 1. All motions near this angle end at the point where the numerator is zero, too (Génot &
+    Brogliato 1999, Eur J Mech A 18:653). g = 10 m/s².
     """
     half, friction, weight, angle = 1.0, 5 / 3, 10.0, math.radians(31.0)
     initial = {
@@ -198,7 +199,7 @@ def glocker_rod(stiffness: float = 1e7, restitution: float = 0.3) -> tuple[Table
 
 @cache
 def _rigid_slide(half: float, friction: float, weight: float, angle: float) -> GlockerRod:
-    """The rigid rod of 1 kg up to where A = 0: y = (φ, φ̇, v_x)."""
+    """Return the motion of the rigid rod of 1 kg until A = 0: y = (φ, φ̇, v_x)."""
     inertia = half**2 / 3
 
     def lever(phi: float) -> float:
@@ -227,18 +228,20 @@ def _rigid_slide(half: float, friction: float, weight: float, angle: float) -> G
 
 @dataclass(frozen=True)
 class StewartRod:
-    """When the lower end of the falling rod hits the floor [s], and what arrives there."""
+    """The time [s] at which the lower end of the falling rod hits the floor, and the arriving point."""
 
     onset: float
     strike: Strike
 
 
 def stewart_rod(stiffness: float = 1e7, restitution: float = 0.05) -> tuple[Table, StewartRod]:
-    """A rod of 1 kg, ends .5 m apart and round with 5 cm, of .002 kg·m², falls spinning at 4 rad/s; µ = .6.
+    """Return a rod of 1 kg with round ends, .5 m apart, of .002 kg·m², that falls spinning at 4 rad/s.
+
+    Μ = .6.
 
     Stewart & Trinkle 1996, Int J Numer Methods Eng 39:2673, after recreations of the example by others: the
-    centre at 1 m, 30° from the horizontal, inelastic. With so little inertia it is Painlevé's problem at an
-    ordinary µ. Only curves were published, so there is no figure.
+    centre at 1 m, 30° from the horizontal, inelastic. The radius of the ends is 5 cm. With so little inertia
+    Painlevé's problem occurs at an ordinary µ. The source has only curves, so there is no published figure.
     """
     length, radius, inertia, friction, spin = 0.5, 0.05, 0.002, 0.6, 4.0
     centre, start = np.array([0.0, 1.0]), math.radians(30.0)
@@ -268,19 +271,19 @@ def stewart_rod(stiffness: float = 1e7, restitution: float = 0.05) -> tuple[Tabl
 
 # --- the rocking block -----------------------------------------------------------------------------------
 
-RIGID = 1e6  # N·m, dry friction that holds two links of a block together
+RIGID = 1e6  # [N·m] dry friction that holds two links of a block together
 
 
 @dataclass(frozen=True)
 class RockingBlock:
-    """A block that turns about one lower corner until the other one hits the floor.
+    """A block that turns about one lower corner until the other corner hits the floor.
 
     Attributes:
         published: ω⁺/ω⁻ of Housner, e = 0.
-        onset: of the second corner [s].
-        before: angular velocity then [rad/s].
-        strike: what arrives there.
-        after: angular velocity after it, of force laws as K → ∞ [rad/s].
+        onset: time at which the second corner hits the floor [s].
+        before: angular velocity before this impact [rad/s].
+        strike: the arriving corner.
+        after: angular velocity after the impact, with force laws as K → ∞ [rad/s].
     """
 
     published: float
@@ -293,16 +296,17 @@ class RockingBlock:
 def rocking_block(
     tilt: float, spin: float = 0.0, stiffness: float = FIRM, restitution: float = 0.1
 ) -> tuple[Table, RockingBlock]:
-    """A block of 1 m by 1.5 m and 1 kg, as in Siconos' example RockingBlock, tilted by an angle [rad]; µ = 1.
+    """Return a block of 1 m by 1.5 m and 1 kg, as in Siconos' example RockingBlock, tilted by an angle [rad].
 
-    Housner 1963, Bull Seismol Soc Am 53:403: it sticks to the floor, and the corner on which it stood leaves
-    it without an impulse. The angular momentum about the other one stays, so ω⁺/ω⁻ = 1 − (3/2) sin²α, with
-    tan α = width/height, if nothing rebounds (e = 0). The corners are the ends of a chain of two links whose
-    joint, the centre, is held by dry friction. ``spin``: at the start [rad/s], negative towards the floor.
+    Housner 1963, Bull Seismol Soc Am 53:403: the block sticks to the floor (µ = 1), and the corner on which
+    it stood leaves the floor without an impulse. The angular momentum about the other corner stays constant,
+    so ω⁺/ω⁻ = 1 − (3/2) sin²α, with tan α = width/height, without a rebound (e = 0). The corners are the ends
+    of a chain of two links whose joint, the centre, is held by dry friction. ``spin``: at the start [rad/s],
+    negative towards the floor.
     """
     half_width, half_height, friction = 0.5, 0.75, 1.0
     reach, rise = math.hypot(half_width, half_height), math.atan2(half_height, half_width)
-    inertia = reach**2 / 3  # about the centre
+    inertia = reach**2 / 3  # about the centre of the block
     half = {"length": reach, "mass": 0.5, "inertia": inertia / 2}
     links = [half | {"center_of_mass": reach}, half | {"center_of_mass": 0.0, "joint_friction": RIGID}]
 
@@ -310,7 +314,7 @@ def rocking_block(
         drop = math.sin(rise + tilt) - math.sin(rise + angle)
         return math.sqrt(spin**2 + 2.0 * GRAVITY * reach * drop / (inertia + reach**2))
 
-    # regular in u for θ = tilt (1 − u²), also from rest
+    # with θ = tilt (1 − u²) the integrand is regular in u, also from rest
     onset = quad(lambda u: 2.0 * tilt * u / speed(tilt * (1.0 - u * u)), 0.0, 1.0, epsabs=1e-13)[0]
     before = -speed(0.0)
     w = np.array([[0.0, 1.0, half_width], [1.0, 0.0, half_height]])
@@ -332,11 +336,11 @@ def rocking_block(
 
 @dataclass(frozen=True)
 class ZigzagChain:
-    """What was seen, and the first impact of a chain that is all but level.
+    """The published observation, and the first impact of a chain that is nearly level.
 
     Attributes:
-        ahead: of free fall in the experiment, from … to [m].
-        speeds: of the points 0…N, in units of that of the fall, after the tip, point N, has hit.
+        ahead: least and largest distance ahead of free fall in the experiment [m].
+        speeds: speeds of the points 0…N after the impact of the tip, point N, over the speed of the fall.
     """
 
     ahead: tuple[str, str]
@@ -344,22 +348,23 @@ class ZigzagChain:
 
 
 def zigzag_chain(count: int = 20, length: float = 0.25, tilt: float = 0.12) -> tuple[Table, ZigzagChain]:
-    """A chain of equal rods, nearly level and tilted to and fro, dropped on a rigid floor; e = 0, µ = 0.
+    """Return a chain of equal rods, nearly level and tilted alternately, dropped on a rigid floor; e = µ = 0.
 
     Grewal, Johnson & Ruina 2011, *A chain that speeds up, rather than slows, due to collisions: How
     compression can cause tension*, Am J Phys 79:723. Where a rod lands on its lower end, its upper end is
-    thrown down and pulls what is above: of a free rod at 3/2 of its speed. In their experiment, after the
-    page on it, a chain of .218 kg whose lower end was .75 m above a table came 6 to 7 cm ahead of one that
-    fell free. The number, the length and the tilt of the rods are ours: the page does not give them.
+    thrown down and pulls what is above: for a free rod with 3/2 of its speed. In their experiment, according
+    to its web page, a chain of .218 kg whose lower end was .75 m above a table was 6 to 7 cm ahead of a chain
+    in free fall. The number, the length and the tilt of the rods are our choice, because the page does not
+    give these values.
 
     Their rods hang in strings, which a tension does not unfold. Those of this chain are hinged end to end:
     pulled down at one end, a rod turns and lifts its other end. With the heights y of the points the kinetic
     energy is Σ m (ẏ² + ẏ ẏ' + ẏ'²)/6 over the rods, so an impulse at the tip changes the speeds by factors of
-    −(2 − √3) from point to point: the effect dies out, and no such lead is to be expected.
+    −(2 − √3) from point to point: the effect decays, and such a distance is not to be expected.
     """
     mass, drop = 0.218, 0.75
     rods = [{"length": length, "mass": mass / count}] * count
-    # the base is the upper end; rod k goes down to one side, the next to the other
+    # the base is the upper end; successive rods go down to opposite sides
     angles = [-tilt if k % 2 == 0 else math.pi + tilt for k in range(count)]
     top = drop + count * length * math.sin(tilt)
     initial = {"position": [0.0, top], "angles": angles}

@@ -1,15 +1,15 @@
 """Scenes with Coulomb friction at walls, or in a joint, that have exact answers.
 
-Each builder returns a scene as its file has it, and what must come of it. Units are SI.
+Each builder returns the table of a scene, and its exact motion. Units are SI.
 
-Bodies start at a clearance of 0 and settle on the contact forces, but nothing here depends on how. Along and
-across a wall that rises by α, with s = sign(v_t),
+Bodies start at a clearance of 0 and settle on the contact forces; the results do not depend on the settling.
+Along and across a wall that rises by α, with s = sign(v_t),
 
     m v̇_t = −m g sin α − µ s F_n,    m ÿ = F_n − m g cos α
     ⟹    d/dt (v_t + µ s ẏ) = −g (sin α + µ s cos α).
 
-So once ẏ = 0 at the depth δ, v_t is what Coulomb's law makes of the weight, and the way is µ s δ longer.
-Bodies lie flat, all their points equally deep: friction has no moment about any joint.
+So after ẏ = 0 at the depth δ, v_t follows from Coulomb's law with the weight as the load, and the distance is
+µ s δ longer. Bodies lie flat, all their points equally deep: friction has no moment about any joint.
 """
 
 from __future__ import annotations
@@ -23,35 +23,36 @@ from tests.helpers.problems import GRAVITY, contact_table, scene_table
 from tests.helpers.reference import exact_damping_factor, point_impact
 
 Table = dict[str, Any]
-STIFFNESS, EXPONENT, RESTITUTION = 1e7, 1.5, 0.7  # a body settles within SETTLED
-SETTLED = 0.25  # s
+STIFFNESS, EXPONENT, RESTITUTION = 1e7, 1.5, 0.7  # the contact law with which a body settles within SETTLED
+SETTLED = 0.25  # [s] the time in which a body settles
 
 
 @dataclass(frozen=True)
 class Body:
-    """What can lie flat with all its points that may touch equally deep: its links and these points."""
+    """A body that lies flat, with equal depths of all points that may touch: its links and these points."""
 
     links: tuple[dict[str, float], ...]
     points: tuple[int, ...]
 
     @property
     def mass(self) -> float:
-        """[kg]."""
+        """The mass [kg]."""
         return sum(link["mass"] for link in self.links)
 
     @property
     def depth(self) -> float:
-        """At which it rests on a level floor [m]; on a slope the weight is less."""
+        """The penetration [m] at rest on a level floor; on a slope the weight is smaller."""
         return self.depth_under(self.mass * GRAVITY)
 
     def depth_under(self, force: float) -> float:
-        """Penetration (F/(k K))^{1/n} [m] of each of its k points under a force [N]."""
+        """Return the penetration (F/(k K))^{1/n} [m] of each of the k points under a force [N]."""
         return (force / (len(self.points) * STIFFNESS)) ** (1.0 / EXPONENT)
 
 
 BALL = Body(({"length": 1.0, "mass": 2.0, "center_of_mass": 0.0, "inertia": 1.0},), (0,))
 ROD = Body(({"length": 1.0, "mass": 2.0},), (0, 1))
-# A link at an end has half as much mass more, at a third of its length: the five points bear the same.
+# An end link has half as much additional mass, at a third of its length, so that the five points carry equal
+# loads.
 _END = {"length": 0.6, "mass": 1.5, "inertia": 0.03}
 _MIDDLE = {"length": 0.6, "mass": 1.0}
 CHAIN = Body(
@@ -61,9 +62,9 @@ BODIES = {"ball": BALL, "rod": ROD, "chain": CHAIN}
 
 
 def lying(body: Body, slope: float, speed: float, stop_time: float, **coulomb: float | None) -> Table:
-    """A body on a wall ``ramp`` that rises by ``slope`` [rad] to the right, moving up along it [m/s].
+    """Return a body on a wall ``ramp`` that rises by ``slope`` [rad] to the right, moving up along it [m/s].
 
-    ``coulomb``: the keys ``friction`` and ``static_friction``, which is left out if it is None.
+    ``coulomb``: the keys ``friction`` and ``static_friction``; a key with None is left out.
     """
     along = (math.cos(slope), math.sin(slope))
     initial = {"angles": [slope] * len(body.links), "velocity": [speed * part for part in along]}
@@ -78,10 +79,10 @@ def lying(body: Body, slope: float, speed: float, stop_time: float, **coulomb: f
 
 @dataclass(frozen=True)
 class Slide:
-    """How a body slides along a slope from t = 0, stops, and sticks or slides back.
+    """The exact motion of a body that slides along a slope from t = 0, stops, and sticks or slides back.
 
     Attributes:
-        body: what slides.
+        body: the body.
         slope: α [rad].
         speed: v_t at the start [m/s], not 0.
         friction: µ.
@@ -95,37 +96,40 @@ class Slide:
     static_friction: float
 
     def acceleration(self, sign: float) -> float:
-        """v̇_t of slip with a sign, once settled [m/s²]."""
+        """Return v̇_t [m/s²] of slip with a sign, after settling."""
         return -GRAVITY * (math.sin(self.slope) + sign * self.friction * math.cos(self.slope))
 
     @property
     def sign(self) -> float:
-        """That of the slip at the start."""
+        """The sign of the slip at the start."""
         return math.copysign(1.0, self.speed)
 
     @property
     def stop(self) -> float:
-        """When v_t becomes 0 [s], infinite if it never does."""
+        """The time [s] at which v_t becomes 0; infinite if v_t never becomes 0."""
         slowing = -self.sign * self.acceleration(self.sign)
         return abs(self.speed) / slowing if slowing > 0.0 else math.inf
 
     @property
     def sticks(self) -> bool:
-        """Whether it stays once it has stopped: tan α ≤ µ_s."""
+        """Whether the body stays at rest after it has stopped: tan α ≤ µ_s."""
         return math.tan(abs(self.slope)) <= self.static_friction
 
     @property
     def depth(self) -> float:
-        """At rest [m]."""
+        """The penetration [m] at rest."""
         return self.body.depth_under(self.body.mass * GRAVITY * math.cos(self.slope))
 
     @property
     def normal_force(self) -> float:
-        """On each point, once settled [N]."""
+        """The normal force [N] on each point, after settling."""
         return self.body.mass * GRAVITY * math.cos(self.slope) / len(self.body.points)
 
     def friction_force(self, time: float) -> float:
-        """On each point along t at a time after SETTLED [N]; while it sticks, a share of the weight."""
+        """Return the friction [N] on each point along t at a time after SETTLED.
+
+        In stick, a share of the weight.
+        """
         if time < self.stop:
             return -self.sign * self.friction * self.normal_force
         if self.sticks:
@@ -133,7 +137,7 @@ class Slide:
         return math.copysign(self.friction, self.slope) * self.normal_force
 
     def velocity(self, time: float) -> float:
-        """v_t at a time after SETTLED [m/s]."""
+        """Return v_t [m/s] at a time after SETTLED."""
         if time < self.stop:
             return self.speed + self.acceleration(self.sign) * time
         if self.sticks:
@@ -141,7 +145,7 @@ class Slide:
         return self.acceleration(-math.copysign(1.0, self.slope)) * (time - self.stop)
 
     def way(self, time: float) -> float:
-        """Along t since the start, at a time after SETTLED [m]."""
+        """Return the distance [m] along t since the start, at a time after SETTLED."""
         first = min(time, self.stop)
         way = self.speed * first + 0.5 * self.acceleration(self.sign) * first**2
         way += self.sign * self.friction * self.depth
@@ -157,7 +161,10 @@ def sliding(
     static_friction: float | None = None,
     stop_time: float = 2.0,
 ) -> tuple[Table, Slide]:
-    """A body that slides along a slope: on a floor it stops at v/(µ g); on a slope it may slide back."""
+    """Return a body that slides along a slope: on a floor it stops at v/(µ g).
+
+    On a slope it may slide back.
+    """
     table = lying(body, slope, speed, stop_time, friction=friction, static_friction=static_friction)
     holding = friction if static_friction is None else static_friction
     return table, Slide(body, slope, speed, friction, holding)
@@ -165,7 +172,7 @@ def sliding(
 
 @dataclass(frozen=True)
 class Held:
-    """A body that sticks on a slope: forces on each of its points [N], and their depth [m]."""
+    """A body that sticks on a slope: forces on each of its points [N], and the points' depth [m]."""
 
     normal: float
     tangential: float
@@ -175,9 +182,9 @@ class Held:
 def held(
     body: Body, slope: float, friction: float, static_friction: float | None = None, stop_time: float = 2.0
 ) -> tuple[Table, Held]:
-    """A body that is let go on a slope with tan α < µ.
+    """Return a body that is released on a slope with tan α < µ.
 
-    It slips while it settles, as F_n begins at 0, and sticks before SETTLED; then it does not move.
+    The body slips while it settles, because F_n begins at 0, sticks before SETTLED, and then does not move.
     """
     share = body.mass * GRAVITY / len(body.points)
     normal, tangential = share * math.cos(slope), share * math.sin(slope)
@@ -191,7 +198,7 @@ def held(
 
 @dataclass(frozen=True)
 class Leg:
-    """A part of a motion with a constant acceleration, which begins at a time."""
+    """A part of a motion, with constant acceleration from a start time on."""
 
     time: float
     way: float
@@ -199,7 +206,7 @@ class Leg:
     acceleration: float
 
     def at(self, time: float) -> tuple[float, float]:
-        """Way and velocity."""
+        """Return distance and velocity at a time."""
         passed = time - self.time
         velocity = self.velocity + self.acceleration * passed
         return self.way + 0.5 * (self.velocity + velocity) * passed, velocity
@@ -207,14 +214,14 @@ class Leg:
 
 @dataclass(frozen=True)
 class Pushed:
-    """One coordinate at rest with dry friction, pushed by a force (or moment) that is constant in pieces.
+    """One coordinate at rest with dry friction, pushed by a piecewise constant force or moment.
 
     Attributes:
         inertia: [kg or kg·m²].
-        sliding: friction while it moves [N or N·m].
-        holding: the most with which friction holds it.
-        times: of the beginnings of the pieces [s].
-        pushes: of each piece.
+        sliding: friction during motion [N or N·m].
+        holding: largest friction at rest.
+        times: start times of the pieces [s].
+        pushes: force or moment of each piece.
     """
 
     inertia: float
@@ -224,7 +231,7 @@ class Pushed:
     pushes: tuple[float, ...]
 
     def legs(self) -> list[Leg]:
-        """The parts of the motion; one with no acceleration and no velocity is rest."""
+        """Return the parts of the motion; a part without acceleration and velocity is rest."""
         legs: list[Leg] = []
         way = velocity = 0.0
         for k, (time, push) in enumerate(zip(self.times, self.pushes, strict=True)):
@@ -247,11 +254,11 @@ class Pushed:
         return Leg(time, way, velocity, (push + friction) / self.inertia)
 
     def at(self, time: float) -> tuple[float, float]:
-        """Way and velocity at a time."""
+        """Return distance and velocity at a time."""
         return [leg for leg in self.legs() if leg.time <= time][-1].at(time)
 
     def changes(self) -> list[tuple[float, str]]:
-        """When it begins to "slip", and when it begins to "stick" after it has moved [s]."""
+        """Return the times [s] at which "slip" begins, and at which "stick" begins after motion."""
         legs, found = self.legs(), []
         for before, leg in itertools.pairwise(legs):
             moved, moves = (any((one.velocity, one.acceleration)) for one in (before, leg))
@@ -261,7 +268,7 @@ class Pushed:
 
 
 def pushes(strength: float, count: int, begin: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Times and values of ``count`` pushes to and fro, a tenth of a second each, 0.4 s apart."""
+    """Return times and values of ``count`` pushes to and fro, of 0.1 s each, 0.4 s apart."""
     times, values = [0.0], [0.0]
     for k in range(count):
         times += [begin + 0.4 * k, begin + 0.4 * k + 0.1]
@@ -278,10 +285,11 @@ def pushed_flat(
     count: int = 10,
     excess: float = 1.5,
 ) -> tuple[Table, dict[str, Any], Pushed]:
-    """A body on a level floor whose tip is pushed to and fro, with a multiple of what friction can hold.
+    """Return a body on a level floor whose tip is pushed to and fro, with a multiple of the holding force.
 
     Its points share one tangential motion, so all but one of their contacts are redundant in stick; only the
-    sum of their friction is determined. Also returns the inputs, of which each sample holds until the next.
+    sum of the points' friction is determined. The function also returns the inputs; each sample holds until
+    the next.
     """
     weight = body.mass * GRAVITY
     holding = (friction if static_friction is None else static_friction) * weight
@@ -297,7 +305,7 @@ def pushed_flat(
 
 @dataclass(frozen=True)
 class Bounce:
-    """The oblique impact of a point mass: speeds after it [m/s], impulses [N·s], and what is lost [J]."""
+    """The oblique impact of a point mass: speeds afterwards [m/s], impulses [N·s] and energy losses [J]."""
 
     separation: float
     sliding: float
@@ -312,9 +320,10 @@ class Bounce:
 def oblique_ball(
     speed: float, sliding: float, friction: float, stiffness: float = 1e8
 ) -> tuple[Table, Bounce]:
-    """A point mass that hits a level floor obliquely, without gravity: W_nt = 0, so nothing else matters.
+    """Return a point mass that hits a level floor obliquely without gravity; W_nt = 0 decouples its motions.
 
-    Slip takes µ (1 + e) u of v_t, or all of it. No limit of K is needed, and no law but its e and λ.
+    Slip reduces v_t by µ (1 + e) u, at most to 0. The result holds for any K, and depends only on e and λ of
+    the law.
     """
     e, height = RESTITUTION, 1e-3
     (link,) = BALL.links
@@ -343,19 +352,19 @@ def oblique_ball(
 # --- a dry joint ------------------------------------------------------------------------------------------
 
 LINK = {"length": 0.8, "mass": 1.5}
-INERTIA = LINK["mass"] * LINK["length"] ** 2 / 3  # about the pin, kg·m²
+INERTIA = LINK["mass"] * LINK["length"] ** 2 / 3  # moment of inertia about the pin, kg·m²
 
 
 @dataclass(frozen=True)
 class Braked:
-    """A link that turns ever slower: when it stops [s], and the angle that it has turned [rad]."""
+    """A link that slows down: the time at which it stops [s], and the angle that it has turned [rad]."""
 
     stop: float
     turned: float
 
 
 def braked_link(speed: float, moment: float) -> tuple[Table, Braked]:
-    """A pinned link without gravity: ω̇ = −M/I, so it stops at I ω/M, after I ω²/(2M)."""
+    """Return a pinned link without gravity: ω̇ = −M/I, so it stops at I ω/M, after I ω²/(2M)."""
     stop = INERTIA * abs(speed) / moment
     initial = {"angles": [0.0], "angular_velocities": [speed]}
     links = [LINK | {"joint_friction": moment}]
@@ -364,9 +373,9 @@ def braked_link(speed: float, moment: float) -> tuple[Table, Braked]:
 
 
 def driven_link(moment: float, count: int = 6) -> tuple[Table, dict[str, Any], Pushed]:
-    """A pinned link without gravity that a motor turns to and fro, against its dry joint; and the inputs."""
+    """Return a pinned link that a motor turns to and fro against its dry joint, and the inputs."""
     times, values = pushes(1.4 * moment, count, 0.2)
-    # the last torque is too weak to move it
+    # the last torque is too weak to move the link
     times, values = (*times, times[-1] + 0.3), (*values, 0.99 * moment)
     more = {"base": "pinned", "stop_time": times[-1] + 0.2, "inputs": {"joint_torques": True}}
     links, initial = [LINK | {"joint_friction": moment}], {"angles": [0.0]}

@@ -1,7 +1,7 @@
 """CPU seconds of each test and of its processes: ``python -m pytest -p tests.helpers.cpu_profile``.
 
-They hardly depend on what else the machine does, as the times of ``--durations`` do. What a fixture takes is
-counted with the test that first asks for it, and processes with the test at which they end.
+CPU times hardly depend on the load of the machine, in contrast to the times of ``--durations``. The time of a
+fixture counts for the test that uses it first, and the time of a process for the test in which it ends.
 """
 
 import os
@@ -15,19 +15,19 @@ counted = {"until": 0.0}
 
 
 def spent():
-    """CPU seconds of this process, and of those that it has started and that have ended."""
+    """Return the CPU seconds of this process, and of its child processes that have ended."""
     times = os.times()
     return times.user + times.system + times.children_user + times.children_system
 
 
 def pytest_collection_finish():
-    """From here on it counts."""
+    """Begin to count after the collection of tests."""
     counted["until"] = spent()
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport():
-    """Note what was spent since the last report."""
+    """Store the CPU seconds since the last report."""
     report = yield
     report.cpu = spent() - counted["until"]
     counted["until"] += report.cpu
@@ -35,7 +35,7 @@ def pytest_runtest_makereport():
 
 
 def pytest_terminal_summary(terminalreporter):
-    """List the tests and the files that took most."""
+    """List the tests and the files with the most CPU seconds."""
     tests, files = Counter(), Counter()
     reports = chain.from_iterable(terminalreporter.stats.values())
     for report in (one for one in reports if hasattr(one, "cpu")):

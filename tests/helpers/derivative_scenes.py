@@ -1,4 +1,4 @@
-"""Scenes whose derivatives are known, and differences of runs as a second witness."""
+"""Scenes whose derivatives are known, and differences of runs as a second comparison."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ ORACLE = "tests.helpers.derivatives"
 
 @dataclass(frozen=True)
 class Case:
-    """A scene with inputs, parameters to differentiate by, and times to look at [s].
+    """A scene with inputs, parameters for derivatives, and times at which results are compared [s].
 
-    All values of the scene are given: a derivative is that with all others held. Those through what is
-    derived are sums of these, see tests/scenarios/test_derived_values.py.
+    All values of the scene are given, so the derivatives are partial derivatives. The derivatives through
+    derived values are sums of these, see tests/scenarios/test_derived_values.py.
     """
 
     scene: Scene
@@ -34,21 +34,21 @@ class Case:
     inputs: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self):
-        # what can be hashed, of those that change over time
+        # input values that change over time, in a form that can be hashed
         held = {k: tuple(map(tuple, v)) if np.ndim(v) else v for k, v in self.inputs.items()}
         object.__setattr__(self, "inputs", held)
         data = scene_to_dict(self.scene, derived=True)
         object.__setattr__(self, "scene", scene_from_dict(data, self.scene.name))
 
     def value(self, parameter: str) -> float:
-        """The value of a parameter or of an input."""
+        """Return the value of a parameter or of an input."""
         return float(self.inputs.get(parameter, self.scene.values.get(parameter, 0.0)))
 
     def __hash__(self) -> int:
         return hash((self.scene, self.parameters, self.times, tuple(self.inputs.items())))
 
 
-# a dictionary of an answer → the one whose names it has
+# field of an answer that is a dictionary → field with the names of its keys
 DICTIONARIES = {"values": "values", "slopes": "values", "impacts": "impacts", "impact_slopes": "impacts"}
 
 
@@ -84,12 +84,12 @@ def _exact(case: Case, tolerance: float) -> Derivatives:
 
 
 def exact(case: Case, tolerance: float = 1e-12) -> Derivatives:
-    """The oracle's answer, which does not depend on how the kernel is to solve the scene."""
+    """Return the independent model's answer, which does not depend on the settings of the solver."""
     return _exact(replace(case, scene=case.scene.with_values({"solver.method": "auto"})), tolerance)
 
 
 def add_joints(named: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Values or slopes of links, and those of the joints: the difference to the link before."""
+    """Add the values or derivatives of joints: each link's value minus the value of the link before it."""
     joints, before = {}, {"angle": 0.0, "angular_velocity": 0.0}
     for name, value in named.items():
         if name.startswith("link[") and (kind := name.split(".")[1]) in before:
@@ -104,18 +104,21 @@ def table(links: Sequence[Mapping[str, float]], **tables: Any) -> Scene:
 
 
 def link(length: float, mass: float, **more: float) -> dict[str, float]:
-    """A link; what is given of its joint has no prefix."""
+    """Return the table of a link; keys of its joint have no prefix."""
     own = ("center_of_mass", "inertia")
     return {"length": length, "mass": mass} | {k if k in own else f"joint_{k}": v for k, v in more.items()}
 
 
 def start(spins: Any = None, **more: Any) -> dict[str, Any]:
-    """A table [initial], with the angular velocities."""
+    """Return a table [initial] with angular velocities."""
     return more | ({} if spins is None else {"angular_velocities": spins})
 
 
 def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> Case:
-    """Two links that fall onto the floor: three impacts at two points until 0.3 s; at 0.2022 s one lasts."""
+    """Return two links that fall onto the floor: three impacts at two points until 0.3 s.
+
+    At 0.2022 s one lasts.
+    """
     scene = table(
         [
             {"length": 0.5, "mass": 1.0},
@@ -130,7 +133,7 @@ def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> 
 
 
 def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]:
-    """All numbers that a motion depends on, but the exponent and what belongs to the solver."""
+    """Return all numbers on which a motion depends, except the exponent and settings of the solver."""
     tables = ["gravity", "link", "box", "wall", "initial", "stop"]
     if point_wall_pairs(scene):
         tables.append("contact")
@@ -153,7 +156,7 @@ def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]
 
 
 def sprung_chain(law: str = "zhang_sharf", **solver: Any) -> Case:
-    """Three unlike links with springs and dampers in the joints, driven, between a floor and a slope."""
+    """Return three unequal links with springs and dampers in driven joints, between a floor and a slope."""
     scene = table(
         [
             link(0.4, 1.0, center_of_mass=0.15),
@@ -175,7 +178,7 @@ def sprung_chain(law: str = "zhang_sharf", **solver: Any) -> Case:
 
 
 def pinned_chain(law: str = "hunt_crossley", **solver: Any) -> Case:
-    """Two links on a pinned base that swing against a wall, driven at the base."""
+    """Return two links on a pinned base that swing against a wall, driven at the base."""
     scene = table(
         [
             link(0.5, 1.0, damping=0.1, stiffness=1.0, rest_angle=-1.0),
@@ -194,7 +197,7 @@ def pinned_chain(law: str = "hunt_crossley", **solver: Any) -> Case:
 
 
 def pressed_tip(law: str = "zhang_sharf", **solver: Any) -> Case:
-    """Two links whose tip is pressed onto the floor and stays there: v₀ is latched anew several times."""
+    """Return two links whose tip is pressed onto the floor: v₀ is latched several times."""
     scene = table(
         [
             link(0.5, 0.8, damping=0.05),
@@ -215,7 +218,7 @@ def pressed_tip(law: str = "zhang_sharf", **solver: Any) -> Case:
 
 
 def stopped_chain(contact: str, stops: str, times: tuple[float, ...], **solver: Any) -> Case:
-    """Two links on a pinned base that come to the stops of the second joint, and to a floor of a material.
+    """Return two pinned links that hit the stops of the second joint, and a floor with its own material.
 
     Their impacts are at the knee at 0.135 s, at the floor at 0.418 s, and from 0.424 s on at both together.
     """
@@ -242,7 +245,7 @@ def stopped_chain(contact: str, stops: str, times: tuple[float, ...], **solver: 
 
 
 def thrown_chain() -> Case:
-    """Four links with stops in all three joints, thrown up without a wall: three impacts until 0.8 s."""
+    """Return four links with stops in all joints, thrown up without a wall: three impacts until 0.8 s."""
     stopped = link(0.3, 0.6, min=-0.8, max=0.7)
     scene = table(
         [{"length": 0.4, "mass": 1.0}, stopped, stopped | {"joint_max": 0.9}, stopped | {"length": 0.2}],
@@ -270,7 +273,7 @@ AT_STOPS = {
 
 
 def thrown_on_a_slope(seed: int, *, joints: bool = False, base: str = "free") -> Scene:
-    """A chain of three uneven links that hits a floor and a slope, with friction of two materials."""
+    """Return a chain of three unequal links that hits a floor and a slope, with two friction coefficients."""
     rng = np.random.default_rng(seed)
     links = [
         link(
@@ -304,7 +307,7 @@ def thrown_on_a_slope(seed: int, *, joints: bool = False, base: str = "free") ->
 
 
 def six_impacts() -> Case:
-    """The default scene until 1.2 s: six impacts of five points."""
+    """Return the default scene until 1.2 s: six impacts of five points."""
     scene = default_scene().with_values({"simulation.stop_time": 1.2, "simulation.step_size": 0.1})
     parameters = (
         "contact.stiffness",
@@ -324,21 +327,22 @@ def six_impacts() -> Case:
 
 
 def state_names(scene: Scene) -> list[str]:
-    """The outputs that are the state: of the base and of the links."""
+    """Return the names of the outputs that form the state: of the base and of the links."""
     links = range(1, len(scene.chain.links) + 1)
     base = [f"point[0].{name}" for name in ("x", "y", "vx", "vy")]
     return [*base, *(f"link[{i}].{name}" for i in links for name in ("angle", "angular_velocity"))]
 
 
 def size_of(case: Case, parameter: str) -> float:
-    """The size of a parameter, 1 for one that is zero."""
+    """Return the absolute value of a parameter; 1 if it is zero."""
     return abs(case.value(parameter)) or 1.0
 
 
 def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -> float:
-    """The error of slopes by a parameter of a size, over the largest of them.
+    """Return the error of derivatives by a parameter with a value, over the largest derivative.
 
-    Those of what hardly depends on the parameter are compared with a thousandth of value over parameter.
+    Derivatives of an output that hardly depends on the parameter are compared with a thousandth of the output
+    over the parameter.
     """
     kept = ~np.isnan(right)
     assert np.array_equal(kept, ~np.isnan(found))
@@ -349,7 +353,7 @@ def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -
 
 
 def run(case: Case, changes: Mapping[str, float], tolerance: float = 1e-13) -> tuple[np.ndarray, np.ndarray]:
-    """The states at the times of a case, (T, W), and the impacts, (fields, I), with other values."""
+    """Return the states at the times of a case, (T, W), and the impacts, (fields, I), with changed values."""
     scene = case.scene.with_values({k: v for k, v in changes.items() if k not in case.inputs})
     inputs = {name: changes.get(name, value) for name, value in case.inputs.items()}
     result = simulate(scene, tolerance=tolerance, inputs=inputs)
@@ -359,9 +363,9 @@ def run(case: Case, changes: Mapping[str, float], tolerance: float = 1e-13) -> t
 
 
 def differences(case: Case, parameter: str) -> tuple[np.ndarray, np.ndarray]:
-    """Derivatives of ``run`` by central differences: of all sizes tried, those that agree best.
+    """Return derivatives of ``run`` by central differences: of all tried sizes, those that agree best.
 
-    Each is extrapolated once (L. F. Richardson 1911, *Phil Trans R Soc A* 210:307).
+    Each difference is extrapolated once (L. F. Richardson 1911, *Phil Trans R Soc A* 210:307).
     """
     at, unit = case.value(parameter), size_of(case, parameter)
 

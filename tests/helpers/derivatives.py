@@ -1,10 +1,9 @@
 """Motions and their derivatives through impacts, by complex step: the independent model of the tests.
 
-``differentiate`` integrates ``tests.helpers.chain_model`` with frozen steps: their sizes are real, so no
-derivative is taken of them. The times of onsets, of ends of contacts and of all else that changes the
-equations are complex: Newton's method finds where an event's function is zero in every lane, and so the
-derivative of the event's time comes by itself. Nothing is linearised and no jump conditions are written down.
-Without parameters it is the motion alone.
+``differentiate`` integrates ``tests.helpers.chain_model`` with frozen steps: the step sizes are real, so they
+have no derivatives. The times of onsets, of ends of contacts and of all other events are complex: Newton's
+method finds the zero of an event's function in every lane, and so also the derivative of the event's time. No
+equation is linearised, and no jump conditions are needed. Without parameters only the motion is computed.
 """
 
 from __future__ import annotations
@@ -30,26 +29,26 @@ FIELDS = (
     "effective_mass",
     "impulse",
 )
-LONGEST = 0.02  # s, of a step in flight
-NEAR, SHORT = 1e-4, 2e-3  # m, s: a point that comes so near a wall is followed in steps so short
-FIRST = 0.02  # of a contact's own variable, which comes to about 2 at its end
-RELATCH = 2.0  # times v₀, at which it is latched anew
-AT_ONCE = 1e-13  # s, between times that are one
-TOUCHING = 1e-12  # m or rad, a clearance at the start that is none
-NO_FRICTION = 2  # in place of a mode, of a contact that has ended
+LONGEST = 0.02  # [s] largest step in flight
+NEAR, SHORT = 1e-4, 2e-3  # [m], [s]: if a point comes closer to a wall than NEAR, steps are at most SHORT
+FIRST = 0.02  # the first step in the variable of a contact, which reaches about 2 at its end
+RELATCH = 2.0  # the multiple of v₀ at which v₀ is latched again
+AT_ONCE = 1e-13  # [s] the largest difference of times that count as one
+TOUCHING = 1e-12  # [m or rad] the largest clearance at the start that counts as touching
+NO_FRICTION = 2  # the mode of a contact that has ended
 
 
 @dataclass
 class Derivatives:
-    """Values and their derivatives by P parameters.
+    """Values and their derivatives with respect to P parameters.
 
     Attributes:
         values: outputs by their FMU names, shape (T,).
         slopes: their derivatives, shape (T, P).
-        points, walls: of the impacts, in order of onset.
+        points, walls: points and walls of the impacts, in order of onset.
         impacts: fields of the list of impacts, shape (I,).
         impact_slopes: their derivatives, shape (I, P).
-        steps: of the integration.
+        steps: number of steps of the integration.
         modes: changes of dry friction: time [s], element and mode, see ``tests.helpers.chain_model``.
     """
 
@@ -65,7 +64,7 @@ class Derivatives:
 
 @dataclass
 class Event:
-    """What ends a step: a function that is zero there, what it means, and whether it falls or rises."""
+    """The end of a step: a function that is zero there, its meaning, and whether it falls or rises."""
 
     kind: str
     subject: Any
@@ -80,14 +79,14 @@ def differentiate(
     inputs: Inputs | None = None,
     tolerance: float = 1e-13,
 ) -> Derivatives:
-    """Outputs at some times, all contacts until the last of them, and the derivatives of all that.
+    """Return outputs at some times, contacts until the last time, and the derivatives of both.
 
     Args:
-        scene: what to simulate.
+        scene: the scene.
         parameters: names of parameters of the FMU, and of inputs that are constant.
         times: increasing [s].
-        inputs: their values.
-        tolerance: relative, of the steps' errors, in the values as in the derivatives.
+        inputs: the values of the inputs.
+        tolerance: relative tolerance for the errors of a step, in values and derivatives.
     """
     return _Run(ChainModel(scene, parameters, inputs), tolerance).to(times)
 
@@ -95,7 +94,7 @@ def differentiate(
 def runge_kutta(
     rate: Callable[[np.ndarray], np.ndarray], y: np.ndarray, h: Any, first: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One step of DOP853: the state after it and the stages, for the rate ``first`` at its start."""
+    """Make one step of DOP853; return its end state and stages, for the rate ``first`` at the start."""
     stages = np.empty((13, *y.shape), y.dtype)
     stages[0] = first
     for i in range(1, 12):
@@ -104,7 +103,7 @@ def runge_kutta(
 
 
 def combine(weights: np.ndarray, stages: np.ndarray) -> np.ndarray:
-    """Σ w_i k_i, without BLAS: its threads would wait for each other longer than they work."""
+    """Return Σ w_i k_i without BLAS, whose threads would wait for each other longer than they work."""
     return np.einsum("i,i...->...", weights, stages[: len(weights)])
 
 
@@ -114,7 +113,7 @@ class _Run:
         self.y, self.steps = chain.start(), 0
         self.touches: list[Touch] = []
         self.finished: list[tuple[Touch, dict[str, np.ndarray]]] = []
-        self.flight = 1e-3  # s, size of the next step in flight
+        self.flight = 1e-3  # [s] size of the next step in flight
         self.modes: list[tuple[float, int, int]] = []
         chain.friction.begin(self.y, self.touches)
         self.note_modes()
@@ -204,7 +203,7 @@ class _Run:
         return FIRST if self.touches else self.flight
 
     def error(self, after: np.ndarray, stages: np.ndarray, size: float) -> float:
-        """Of a step, over the tolerance: the larger of that of the values and that of the derivatives."""
+        """Return the error of a step over the tolerance: the larger one of values and derivatives."""
         fifth, third = (size * combine(e, stages) for e in (DOP853.E5, DOP853.E3))
         scale = 0.3 + np.maximum(np.abs(self.y.real), np.abs(after.real))[0]
         slope = np.maximum((np.abs(after.imag) / scale).max(1), 1e-3 * TINY)[:, None]
@@ -215,21 +214,21 @@ class _Run:
         return max(errors) / self.tolerance
 
     def dips(self, after: np.ndarray, size: float) -> bool:
-        """Whether a point that is apart at both ends of a step may have touched in between."""
+        """Return whether a point that is apart at both ends of a step may have touched in between."""
         places = [self.chain.locate(y) for y in (self.y, after)]
         span = size * max(abs(self.chain.tempo(y, self.touches)[0]) for y in (self.y, after))
         (gap, slope), (end, end_slope) = ((p.gap[0].real, p.gap_rate[0].real * span) for p in places)
         part = np.linspace(0.0, 1.0, 201)[:, None]
         lowest = _hermite(gap, end, slope, end_slope, part).min(0)
         turned = (gap > 0.0) & (end > 0.0) & (slope < 0.0) & (end_slope > 0.0)
-        # the cubic of a short step is exact enough to tell a touch from a miss
+        # for a short step, the cubic is accurate enough to distinguish a touch from a miss
         near = lowest < (NEAR if span > SHORT else 0.0)
         return bool((turned & near).any())
 
     # --- events ------------------------------------------------------------------------------------------
 
     def events(self, time: float) -> list[Event]:
-        """All that may end the next step."""
+        """Return all events that may end the next step."""
         chain = self.chain
         found = [Event("output", None, lambda y: y[:, chain.time] - time, True)]
         touched = {touch.candidate for touch in self.touches}
@@ -254,7 +253,7 @@ class _Run:
         return found + self.changes_of_modes()
 
     def changes_of_modes(self) -> list[Event]:
-        """The ends of sliding and of sticking."""
+        """Return the events at which sliding or sticking ends."""
         chain, dry, found = self.chain, self.chain.friction, []
         for e, mode in dry.modes.items():
             if mode:
@@ -277,11 +276,11 @@ class _Run:
         stages: np.ndarray,
         size: float,
     ) -> tuple[Event, np.ndarray, np.ndarray] | None:
-        """The first event within the step, the complex size of the step that ends at it, and its state."""
+        """Return the first event in the step, the complex step size up to it, and the state there."""
         found = []
         for event, start in zip(events, before, strict=True):
             end, sign = event.function(after), 1.0 if event.rising else -1.0
-            # after an event its own function is zero, or differs from it by round-off of either sign
+            # after an event its function is zero, or differs from zero by round-off of either sign
             if end[0].real * sign >= 0.0 and self.was_apart(event, start, sign, stages[0], size):
                 found.append((event, *self.land(event.function, size, stages, start, end)))
         return min(found, key=lambda one: one[1][0].real) if found else None
@@ -292,17 +291,17 @@ class _Run:
         return bool(self.along(event.function, self.y, first, size)[0] * sign < 0.0)
 
     def along(self, function: Callable, y: np.ndarray, rate: np.ndarray, size: Any) -> np.ndarray:
-        """dφ/ds in the direction of motion: real, as all that it does is to lead Newton's method."""
+        """Return dφ/ds in the direction of motion, a real number, which suffices for Newton's method."""
         small = 1e-5 * float(np.real(np.max(size)))
         return ((function(y + small * rate) - function(y - small * rate)) / (2.0 * small)).real
 
     def land(
         self, function: Callable, size: float, stages: np.ndarray, start: np.ndarray, end: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The complex size of the step that ends where a function is zero, and the state there.
+        """Return the complex size of the step up to the zero of a function, and the state there.
 
-        The slope of Newton's method is real. It is off by no more than the differences that it is made of,
-        so each round takes some digits of the imaginary part, too.
+        The slope in Newton's method is real. It has only the error of the differences from which it is
+        computed, so each iteration also gives some digits of the imaginary part.
         """
         ends = [
             self.along(function, y, f, size)[0]
@@ -320,7 +319,7 @@ class _Run:
             if settled == 3:
                 break
             h = h - change
-        # near round-off of a clearance it settles no further
+        # near round-off of a clearance the iteration does not converge further
         assert np.abs(change.real).max() < 1e-7 * size, "Newton's method got lost"
         assert -1e-9 * size < h[0].real < size * (1.0 + 1e-9), "an event outside of the step"
         return h, y
@@ -329,7 +328,7 @@ class _Run:
         return self.y + size * combine(DOP853.B, stages)
 
     def handle(self, event: Event) -> None:
-        """Change the equations, at the state where the event is."""
+        """Change the equations at an event, in the state at the event."""
         chain, subject = self.chain, event.subject
         match event.kind:
             case "onset" if chain.laws[subject].rigid:
@@ -339,7 +338,8 @@ class _Run:
                 self.finished.append((touch, row))
             case "onset":
                 self.begin(subject)
-                # in the variable of the contacts, two that begin at one moment would never go on
+                # in the variable of the contacts, two contacts that begin at the same time could never
+                # continue
                 assert not self.arriving(), "two contacts begin at one moment"
             case "end":
                 self.touches.remove(subject)
@@ -362,21 +362,21 @@ class _Run:
         self.note_modes()
 
     def begin(self, c: int) -> None:
-        """Let the contact of a candidate begin, which has a law of force."""
+        """Begin the contact of a candidate that has a force law."""
         touch = self.chain.begin(self.y, c)
         self.touches.append(touch)
         self.chain.friction.touch(self.y, c)
         touch.forces.append(self.force_now(touch))
 
     def arriving(self, at_rest: bool = False) -> list[int]:
-        """The candidates with a law of force that touch now and have no contact yet."""
+        """Return the candidates with a force law that touch now and have no contact yet."""
         place, last = self.chain.locate(self.y), {touch.candidate for touch in self.touches}
         rates = place.gap_rate[0].real
         touching = (place.gap[0].real <= TOUCHING) & ((rates <= 0.0) if at_rest else (rates < 0.0))
         return [c for c in np.flatnonzero(touching) if c not in last and not self.chain.laws[c].rigid]
 
     def note_modes(self) -> None:
-        """Note which modes of dry friction are others than before."""
+        """Store the modes of dry friction that differ from the modes before."""
         time, modes = float(self.y[0, self.chain.time].real), self.chain.friction.modes
         last = {e: mode for _, e, mode in self.modes}
         now = dict.fromkeys(last, NO_FRICTION) | modes
@@ -385,7 +385,7 @@ class _Run:
     # --- what is told ------------------------------------------------------------------------------------
 
     def note_peaks(self, after: np.ndarray, size: Any, first: np.ndarray) -> None:
-        """Note the largest force and penetration of each contact that has one within the step."""
+        """Store the largest force and penetration of each contact that has a peak in the step."""
         chain = self.chain
         places = [(y, chain.locate(y)) for y in (self.y, after)]
         for touch in self.touches:
@@ -394,7 +394,7 @@ class _Run:
             depth_rate = lambda y, c=c: -chain.locate(y).gap_rate[:, c]  # noqa: E731
             force = max(chain.force(y, place, touch)[0][0].real for y, place in places)
             depth = max(-place.gap[0, c].real for _, place in places)
-            # what is far below the largest peak so far has none that counts; at rest it would be round-off
+            # a value far below the largest peak so far has no relevant peak; at rest it would be round-off
             near = [
                 value > 0.9 * max((one[0].real for one in peaks), default=0.0)
                 for value, peaks in ((force, touch.forces), (depth, touch.depths))
@@ -405,7 +405,7 @@ class _Run:
                 touch.depths.append(chain.depth_power(top, touch, 1.0))
 
     def top(self, function: Callable, after: np.ndarray, size: Any, first: np.ndarray) -> np.ndarray | None:
-        """The state within the step where a function falls through zero, if it does."""
+        """Return the state in the step where a function falls through zero, if it does."""
         start, end = function(self.y), function(after)
         if not start[0].real > 0.0 > end[0].real:
             return None
@@ -420,7 +420,7 @@ class _Run:
     def row(
         self, touch: Touch, end: np.ndarray, away: np.ndarray, forces: Sequence[np.ndarray] = ()
     ) -> dict[str, np.ndarray]:
-        """The line of a contact in the list of impacts."""
+        """Return the row of a contact in the list of impacts."""
         chain = self.chain
         now = chain.depth_power(self.y, touch, 1.0) if not touch.law.rigid else np.zeros(chain.lanes)
         peak = max([*touch.forces, *forces], key=lambda force: force[0].real)
@@ -431,14 +431,14 @@ class _Run:
 
 
 def _hermite(start: Any, end: Any, slope: Any, end_slope: Any, part: np.ndarray) -> np.ndarray:
-    """The cubic through two values with two slopes, at parts of the way from 0 to 1."""
+    """Return the cubic through two values with two slopes, at fractions of the way from 0 to 1."""
     rest = 1.0 - part
     of_values = start * rest**2 * (1.0 + 2.0 * part) + end * part**2 * (1.0 + 2.0 * rest)
     return of_values + slope * part * rest**2 - end_slope * part**2 * rest
 
 
 def outputs_of(chain: ChainModel, y: np.ndarray, touches: Sequence[Touch]) -> dict[str, np.ndarray]:
-    """All outputs of a state, by their names in the FMU, each of shape (lanes,)."""
+    """Return all outputs of a state by their names in the FMU, each of shape (lanes,)."""
     look, dry, names, zero = chain.look(y, touches), chain.friction, chain.scene.wall_names, 0.0 * y[:, 0]
     place, elastic, values = look.place, look.spring_energy, {"time": y[:, chain.time]}
     acceleration = chain.point_accelerations(look)
@@ -455,7 +455,7 @@ def outputs_of(chain: ChainModel, y: np.ndarray, touches: Sequence[Touch]) -> di
         name = f"contact[{chain.points[c]}].{names[chain.walls[c]]}."
         values |= {f"{name}{kind}": zero for kind in ("force", "penetration", "penetration_rate")}
         values[f"{name}impulse"] = y[:, chain.impulse + c]
-    # moment and impulse of both stops of a joint together, and how far it is beyond one of them
+    # moment and impulse of both stops of a joint together, and the depth beyond one of them
     for i, (joint, side) in enumerate(zip(chain.joints, chain.side, strict=True), chain.at_walls):
         name = f"joint[{joint + 1}].stop_"
         values |= {f"{name}moment": zero, f"{name}penetration": zero}
@@ -480,7 +480,7 @@ def outputs_of(chain: ChainModel, y: np.ndarray, touches: Sequence[Touch]) -> di
         values["energy.friction"] = y[:, chain.rubbed]
     momentum = (place.mass @ y[:, chain.v, None])[..., 0]
     kinetic = 0.5 * (y[:, chain.v] * momentum).sum(1)
-    # Σ m x_C: of the base, and b_i e_i
+    # Σ m x_C, of the base, plus b_i e_i of the links
     moment = chain.total[:, None] * place.position[:, 0] + (chain.b[..., None] * place.along).sum(1)
     potential = -(chain.gravity * moment).sum(1)
     values |= {

@@ -1,4 +1,4 @@
-"""A scene that derives all that can be derived, and what its edited file gives."""
+"""A scene that derives all values that can be derived, and changes with the values in an edited file."""
 
 from __future__ import annotations
 
@@ -47,26 +47,27 @@ angles = [0.2, 1.0, 0.6]
 stop_time = 0.9
 step_size = 0.002
 """
-"""Links that leave both, one and no value of their shape to the default, stops that leave their law to it."""
+"""Links with both values of their shape, one value or none derived, and stops whose law is derived."""
 
 PARAMETER_CHANGES = (
     {"link[1].length": 0.55},
     {"link[2].length": 0.35, "link[1].mass": 0.8, "link[3].mass": 0.2},
     {"contact.restitution": 0.45},
     {"contact.exponent": 1.25},
-    {"link[1].length": 0.55, "link[1].center_of_mass": 0.25},  # as the scene derives it from its own length
+    # the value that the scene derives from the link's own length
+    {"link[1].length": 0.55, "link[1].center_of_mass": 0.25},
     {"link[1].length": 0.55, "link[1].inertia": 0.02, "contact.restitution": 0.4, "stop.restitution": 0.9},
 )
-"""Changes that an FMU takes, too."""
+"""Changes that are also possible in an FMU."""
 
 
 def finger() -> Scene:
-    """The scene."""
+    """Return the scene."""
     return parse_scene(FINGER, "finger.toml")
 
 
 def edited(text: str, changes: Mapping[str, Any]) -> Scene:
-    """The scene of a file in which some keys are written anew, or removed where the value is None."""
+    """Return the scene of a file in which some keys have new values, or are removed if the value is None."""
     data = tomllib.loads(text)
     for name, value in changes.items():
         table, key = _place(data, name)
@@ -80,7 +81,7 @@ def edited(text: str, changes: Mapping[str, Any]) -> Scene:
 
 
 def _place(data: dict[str, Any], name: str) -> tuple[Any, Any]:
-    """The table of a key by its name, and the key."""
+    """Return the table that contains a key, and the last part of the key."""
     for i, link in enumerate(data["chain"]["links"]):
         for key in ("length", "mass", "center_of_mass", "inertia", "joint_min", "joint_max"):
             if name == name_of(("chain", "links", i, key)):

@@ -1,4 +1,4 @@
-"""Driven models in a few lines each, which share nothing with the kernel: their motion to 1e-12."""
+"""Driven models in a few lines each, which share no code with the kernel: their motions at 1e-12."""
 
 import math
 from itertools import cycle
@@ -13,7 +13,7 @@ ACCURATE = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14}
 
 
 def pendulum(times, start, amplitude, frequency, length):
-    """Angles [rad] and rates of a rod of some length on a pivot at y = a sin ωt; θ from +x, from rest."""
+    """Return angles [rad] and rates of a rod on a pivot at y = a sin ωt; θ from +x, from rest."""
     reduced = 2.0 * length / 3.0
 
     def rate(time, y):
@@ -25,7 +25,7 @@ def pendulum(times, start, amplitude, frequency, length):
 
 
 def stability(amplitude, frequency, reduced):
-    """Whether the upright pendulum is stable: Floquet's theorem on the linear equation."""
+    """Return whether the upright pendulum is stable, by Floquet's theorem for the linear equation."""
 
     def rate(time, y):
         factor = (GRAVITY - amplitude * frequency**2 * math.sin(frequency * time)) / reduced
@@ -37,7 +37,7 @@ def stability(amplitude, frequency, reduced):
 
 
 def table_impacts(start, amplitude, frequency, restitution, count):
-    """The times [s] of impacts of a ball, with height and speed at the start, on a table at y = a sin ωt."""
+    """Return the impact times [s] of a ball, from a height and a speed, on a table at y = a sin ωt."""
     time, found, (height, speed) = 0.0, [], start
     while len(found) < count:
 
@@ -58,24 +58,24 @@ def table_impacts(start, amplitude, frequency, restitution, count):
 
 
 def period_one(acceleration, frequency, restitution):
-    """Height [m] and speed [m/s] of the ball that bounces each period, as the table passes its middle upward.
+    """Return height [m] and speed [m/s] of a ball that bounces once a period, at the table's y = 0 upward.
 
-    With Γ g the acceleration of the table, they meet at the phase φ, cos φ = π (1 − e)/((1 + e) Γ).
+    With Γ g the acceleration of the table, ball and table meet at the phase φ, cos φ = π (1 − e)/((1 + e) Γ).
     """
     amplitude = acceleration * GRAVITY / frequency**2
     phase = math.acos(math.pi * (1.0 - restitution) / ((1.0 + restitution) * acceleration))
     period = 2.0 * math.pi / frequency
-    falling = 0.5 * period - phase / frequency  # s, since the apex
+    falling = 0.5 * period - phase / frequency  # [s] the time since the highest point
     top = amplitude * math.sin(phase) + GRAVITY * period**2 / 8.0
     return top - 0.5 * GRAVITY * falling**2, -GRAVITY * falling
 
 
 def belt(stop_time, speed, height):
-    """The link of ``stick_slip_belt``, by its angle from the vertical, on a belt of some height [m].
+    """Return the motion of the link of ``stick_slip_belt``, as its angle from the vertical, on a belt.
 
     Returns:
-        The solution of each phase as (start, end, function of time for angle and, where it slips, its rate),
-        and the times of changes: it slips first, sticks, slips …
+        The solution of each phase as (start, end, function of time for the angle and, in slip, its rate), and
+        the times of the changes of phases: slip, stick, slip …
     """
     inertia, stiffness, length, wall = 3.0 / 3.0, 2000.0, 1.0, 1000.0
     sliding, static = 0.2, 0.4
@@ -123,12 +123,13 @@ def belt(stop_time, speed, height):
 
 
 def belt_period(speed):
-    """The period [s] of stick and slip for small angles: at the belt's speed, then a part of a cosine."""
+    """Return the period [s] of stick and slip for small angles: the belt's speed, then part of a cosine."""
     normal, mass = 10.0, 1.0
-    stiffness = 2000.0 - normal  # N/m at the tip, L = 1 m: the normal force takes N L from the spring
+    stiffness = 2000.0 - normal  # N/m at the tip, L = 1 m: the normal force reduces the stiffness by N L
     frequency = math.sqrt(stiffness / mass)
-    jump = (0.4 - 0.2) * normal / stiffness  # m, from where it slips to the equilibrium of sliding
-    # x = x_k + jump cos ωt + (v/ω) sin ωt until its rate is v again
+    # m, from the place where slip begins to the equilibrium of sliding
+    jump = (0.4 - 0.2) * normal / stiffness
+    # the solution x = x_k + jump cos ωt + (v/ω) sin ωt, until its rate is v again
     slip = 2.0 * (math.pi - math.atan(jump * frequency / speed)) / frequency
     return slip + 2.0 * jump / speed
 
@@ -138,7 +139,7 @@ CARRIAGE, ARM = (20.0, 2000.0, 40.0), ((0.5, 2.0, 0.05), (0.4, 1.0, 0.05))
 
 
 def carried(times, angles):
-    """Place of the carriage [m] and angles of the arm below it, from rest, as one system, shape (T, 3)."""
+    """Return the carriage's place [m] and the arm's angles, from rest, as one system, shape (T, 3)."""
     mass, spring, damper = CARRIAGE
 
     def rate(_, y):
@@ -146,7 +147,7 @@ def carried(times, angles):
         inertia, forces = np.zeros((3, 3)), np.zeros(3)
         inertia[0, 0], forces[0] = mass, -spring * y[0] - damper * y[3]
         for i, (length, weight, _) in enumerate(ARM):
-            # the centre of mass: J q¨ + J˙ q˙ with the rods before it, and half of its own
+            # the centre of mass: J q¨ + J˙ q˙ with the rods before it, and half of its own rod
             reach = np.array([ARM[k][0] if k < i else 0.5 * length if k == i else 0.0 for k in range(2)])
             jacobian = np.zeros((2, 3))
             jacobian[0] = 1.0, *(-reach * np.sin(turn))

@@ -1,4 +1,4 @@
-"""The textbook's chain with drives in its joints, in flight: an independent model of them."""
+"""The textbook's chain with drives in its joints, in flight: an independent model of drives."""
 
 from __future__ import annotations
 
@@ -14,11 +14,10 @@ from tests.helpers.textbook import Textbook
 
 
 class DrivenChain(Textbook):
-    """As ``Textbook``, with I_a g gᵀ of each joint in M, g the gradient of its relative rotation.
+    """The chain of ``Textbook`` with I_a g gᵀ of each joint in M, g the gradient of its relative rotation.
 
     ``inputs`` are functions of time by the names of the FMU. The state is y = (q, q̇, supplied energy). Each
-    of the phases between events has smooth equations of its own: a drive is at its limit, in one direction,
-    or below it.
+    phase between events has its own smooth equations: a drive is at its limit, in one direction, or below it.
     """
 
     def __init__(self, scene: Scene, inputs: Mapping[str, Callable[[float], float]] | None = None):
@@ -36,13 +35,13 @@ class DrivenChain(Textbook):
         self.drives = self.exists * (np.isfinite(self.limit) | scene.inputs.joint_targets)
 
     def given(self, name: str, otherwise: Any, time: float) -> np.ndarray:
-        """An input of all joints."""
+        """Return the values of an input for all joints."""
         functions = [self.inputs.get(f"joint[{i + 1}].{name}") for i in range(self.n)]
         values = np.array(otherwise * np.ones(self.n))
         return np.array([value if f is None else f(time) for f, value in zip(functions, values, strict=True)])
 
     def wanted(self, time: float, y: np.ndarray) -> np.ndarray:
-        """The torques of motors, springs and dampers, before their limits."""
+        """Return the torques of motors, springs and dampers before their limits apply."""
         n = self.n
         bend, turn = np.diff(y[2 : n + 2], prepend=0), np.diff(y[n + 4 : 2 * n + 4], prepend=0)
         spring = self.stiffness * (self.given("target_angle", self.rest, time) - bend)
@@ -50,7 +49,7 @@ class DrivenChain(Textbook):
         return self.exists * (self.given("torque", 0.0, time) + spring + damper)
 
     def driven_rate(self, time: float, y: np.ndarray, modes: np.ndarray) -> np.ndarray:
-        """The rate of the state in a phase."""
+        """Return the rate of the state in a phase."""
         n = self.n
         torque = np.where(modes == 0, self.wanted(time, y), modes * np.where(modes == 0, 0.0, self.limit))
         matrix, right = self.assemble(y[2 : n + 2], y[n + 4 : 2 * n + 4])
@@ -61,7 +60,7 @@ class DrivenChain(Textbook):
         return np.append(rate, self.drives * torque @ turn)
 
     def reached(self, end: float) -> np.ndarray:
-        """The state at a time [s], with the energy that the drives have supplied."""
+        """Return the state at a time [s], with the energy that the drives have supplied."""
         time, y, modes = 0.0, np.append(self.start, 0.0), np.zeros(self.n)
         wanted = self.wanted(0.0, y)
         modes = np.where(np.abs(wanted) > self.limit, np.sign(wanted), 0.0)
@@ -87,7 +86,7 @@ class DrivenChain(Textbook):
 
 
 def _end_of(chain: DrivenChain, i: int, mode: float) -> Callable[[float, np.ndarray], float]:
-    """A function that falls through zero where the mode of a drive ends."""
+    """Return a function that falls through zero where the mode of a drive ends."""
 
     def end(time: float, y: np.ndarray) -> float:
         torque, limit = chain.wanted(time, y)[i], chain.limit[i]

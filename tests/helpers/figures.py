@@ -1,4 +1,4 @@
-"""Figures of the problems of others: what was published, a second solution, and ours."""
+"""Figures of problems from the literature: published values, a second solution, and our value."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ class Figure:
     """One quantity of a problem.
 
     Attributes:
-        quantity: what it is, with its unit.
-        published: what the source says, in its digits; None where it gives an equation only, or neither.
+        quantity: name of the quantity, with its unit.
+        published: the figure in the source, with its digits; None if the source has no figure.
         independent: the second solution.
-        ours: the simulation.
-        held: how far ``ours`` may be from ``independent`` at a tolerance of 1e-12.
-        published_error: how far the published figure is from the second solution, at the most.
-        inaccurate: the published figure is off by more than its last digit.
-        measured: the published figure was measured, so the distance is that of the model from the real thing.
-        equation: the source has an equation for it.
+        ours: the value from the simulation.
+        held: the largest allowed difference of ``ours`` from ``independent`` at a tolerance of 1e-12.
+        published_error: the largest difference of the published figure from the second solution.
+        inaccurate: whether the error of the published figure exceeds its last digit.
+        measured: whether the published figure was measured, so that the difference is a difference between
+            model and reality.
+        equation: whether the source has an equation for the quantity.
     """
 
     quantity: str
@@ -39,7 +40,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Problem:
-    """A model, its figures, and what its run cost."""
+    """A model with its figures, and the cost of its run."""
 
     model: str
     figures: list[Figure]
@@ -48,11 +49,11 @@ class Problem:
 
 
 def run(model: str, tolerance: float, scene: Scene | None = None, **changes: Any) -> Result:
-    """A model, or a scene made of it, simulated at a tolerance."""
+    """Simulate a model, or a scene made from the model, at a tolerance."""
     return simulate(scene or load_scene(model), tolerance=tolerance, **changes)
 
 
 def problem(model: str, result: Result, figures: Sequence[Figure]) -> Problem:
-    """The figures with the cost of a run."""
+    """Return figures together with the cost of a run."""
     cost = result.statistics
     return Problem(model, list(figures), cost["steps"], cost["rhs_evaluations"])

@@ -1,12 +1,13 @@
-"""What Newton's law allows to a fold of equal links, two points of which all but coincide, dropped on both.
+"""The limits of Newton's law for a fold of equal links that is dropped on two nearly coinciding points.
 
-There W = J M⁻¹ Jᵀ of the two is near-singular: what stops both, whatever the sign of the impulses, can take
-any energy and make any impulse. ``faults(scene)`` follows the fold of a seed (tests/helpers/random_scenes.py)
-from onset to onset and holds every impact against what Newton's law allows.
+W = J M⁻¹ Jᵀ of the two points is nearly singular: impulses of any sign that stop both points could lose any
+energy and have any size. ``faults(scene)`` follows the fold of a seed (tests/helpers/random_scenes.py) from
+onset to onset, and compares every impact with the limits of Newton's law.
 
-Moreau's form of the law, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0 with u⁺ = u⁻ + W p, has p = (1 + e) p̂ with p̂ those of e = 0.
-So an impact takes −½ p·(u⁻ + u⁺) = (1 − e²) T̂ with T̂ = ½ p̂·W p̂ = −½ p̂·u⁻, what the inelastic impact takes:
-the least energy whose removal lets no point arrive. It is ½ u⁻·W⁻¹ u⁻ over the points that have an impulse.
+Moreau's form of the law, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0 with u⁺ = u⁻ + W p, has p = (1 + e) p̂ with p̂ the impulses
+for e = 0. So an impact dissipates −½ p·(u⁻ + u⁺) = (1 − e²) T̂ with T̂ = ½ p̂·W p̂ = −½ p̂·u⁻, the loss of an
+inelastic impact: the least energy whose removal lets no point arrive. T̂ is ½ u⁻·W⁻¹ u⁻ over the points that
+have an impulse.
 """
 
 from __future__ import annotations
@@ -26,22 +27,22 @@ from tests.helpers.random_scenes import FOLD_TOLERANCE as TOLERANCE, LENGTH
 from tests.helpers.reference import clearance_gradient, mass_matrix
 
 TOUCHING = 1e-12  # m
-ROUND_OFF = 1e-9  # of the energy that there is
-# Of the momentum that it can be in: a point that rises by less than round-off is stopped, which takes this
-# much of an impulse that the wall has given before or gives soon.
+ROUND_OFF = 1e-9  # largest error by round-off, over the energy of the chain
+# The largest pull, over the largest possible momentum: the point that rises by less than round-off is
+# stopped, which takes back this part of an impulse that the wall gives just before or after.
 STOP = 1e-7
-ERRORS = 100.0  # tolerances of the energy that there is, for what errors of steps add up to
+ERRORS = 100.0  # allowed sum of the errors of steps, in tolerances of the energy of the chain
 EPSILON = 2.0**-52
 MOST_IMPACTS = 200
 
 
 def faults(scene: Scene) -> dict[str, float]:
-    """What breaks the law in a run of the scene: kind → by how much, in parts of what is allowed.
+    """Return the violations of the law in a run of the scene: kind → size, over the allowed size.
 
-    ``pull``: an impulse below 0; ``pulling contact``: the sum of those of a contact. ``impulse``: more of it
-    than the energy that there was can ask for. ``loss``: an impact takes more than (1 − e²) T̂. ``held``:
-    walls that hold take more than errors of steps may. ``gain``: energy from nothing. ``status``: the run
-    ends early.
+    ``pull``: an impulse below 0; ``pulling contact``: a negative sum of the impulses of a contact.
+    ``impulse``: an impulse larger than the energy explains. ``loss``: an impact loses more than (1 − e²) T̂.
+    ``held``: walls that hold points lose more than errors of steps explain. ``gain``: an increase of energy.
+    ``status``: the run ends early.
     """
     instance = Instance(scene)
     stop, found = scene.simulation.stop_time, {}
@@ -52,7 +53,7 @@ def faults(scene: Scene) -> dict[str, float]:
 
     first = after = row(instance)
     mass = sum(link.mass for link in scene.chain.links)
-    # over the lowest that the chain can come to
+    # relative to the lowest position that the chain can reach
     there = float(first["total"]) + mass * GRAVITY * LENGTH * len(scene.chain.links)
     momentum = math.sqrt(2.0 * mass * there)
     errors = ERRORS * TOLERANCE * there
@@ -83,17 +84,20 @@ def faults(scene: Scene) -> dict[str, float]:
 
 
 def row(instance: Instance) -> np.void:
-    """The outputs as they are now."""
+    """Return the present outputs."""
     instance.observe()
     return instance.record["output"].copy()
 
 
 def loss_bound(scene: Scene, instance: Instance, before: np.void) -> float:
-    """(1 − e²) T̂ [J] of the points that touch in a row of outputs; T̂ if some are so slow that they rest."""
+    """Return (1 − e²) T̂ [J] of the points that touch in a row of outputs.
+
+    T̂ if some points are slow enough to rest.
+    """
     held = instance.record["touch"]["active"] == 1
     gaps, u = before["point_position"][:, 1], before["point_velocity"][:, 1].copy()
     points = np.array(scene.contact.points)
-    # those that are held stand still but for errors
+    # points that are held are at rest except for errors
     u[points[held]] = 0.0
     touching = points[held | (gaps[points] < TOUCHING)]
     gradient = np.array([clearance_gradient(scene, before["angle"], k, "y_min") for k in touching])
@@ -107,7 +111,7 @@ def loss_bound(scene: Scene, instance: Instance, before: np.void) -> float:
 
 
 def inelastic_loss(w: np.ndarray, u: np.ndarray) -> float:
-    """T̂ [J] as the most of −p·u − ½ p·W p over p ≥ 0, which no near-singular W can spoil."""
+    """Return T̂ [J] as the maximum of −p·u − ½ p·W p over p ≥ 0, also for a nearly singular W."""
     most = 0.0
     for count in range(1, len(u) + 1):
         for chosen in combinations(range(len(u)), count):

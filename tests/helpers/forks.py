@@ -1,8 +1,9 @@
-"""Imports a module and then waits for functions to run, each in a process that is forked for it.
+"""A program that imports a module and then waits for functions to run, each in a forked process.
 
-Its arguments: the folder of the module, and its name. A line on its standard input is a list in JSON: the
-source of a function, or nothing for one of the module, its name, its arguments, and the files for what it
-prints and for errors. The line that it answers is the exit code, or minus the number of a signal.
+The arguments of the program are the folder and the name of the module. A line on standard input is a list in
+JSON: the source of a function, or "" for a function of the module, the function's name and arguments, and the
+files for output and for errors. The program answers with a line: the exit code, or minus the number of a
+signal.
 """
 
 import gc
@@ -14,11 +15,11 @@ import traceback
 from importlib import import_module
 from typing import Any
 
-LONGEST = 300  # characters of a line that is printed
+LONGEST = 300  # largest number of characters of a value that is printed
 
 
 def redirect(printed: str, errors: str) -> None:
-    """Give this process files in place of the pipes of its parent."""
+    """Redirect the output of this process from its parent's pipes to files."""
     for descriptor, path, mode in ((0, os.devnull, os.O_RDONLY), (1, printed, None), (2, errors, None)):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC if mode is None else mode)
         os.dup2(file, descriptor)
@@ -26,16 +27,17 @@ def redirect(printed: str, errors: str) -> None:
 
 
 def with_values(*error: Any) -> None:
-    """Print what was raised, with the values of each function's names, as pytest does."""
+    """Print an exception with the values of each function's names, as pytest does."""
     for text in traceback.TracebackException(*error, capture_locals=True).format():
         print(*(line[:LONGEST] for line in text.splitlines()), sep="\n", file=sys.stderr)
 
 
 def main() -> None:
-    """Answer until there are no more lines; a process that was forked returns, and so ends as any program."""
+    """Answer until there are no more lines; a forked process returns, and so ends like any program."""
     sys.path.insert(0, sys.argv[1])
     names = {**vars(import_module(sys.argv[2])), "__name__": "__main__"}
-    gc.freeze()  # else a process that ends looks through all that is imported, for longer than most run
+    # otherwise a process that ends would examine all imported objects, which takes longer than most runs
+    gc.freeze()
     for line in sys.stdin:
         source, function, arguments, printed, errors = json.loads(line)
         child = os.fork()
@@ -46,7 +48,7 @@ def main() -> None:
                 sys.excepthook = with_values
                 exec(compile(source, "test", "exec"), names)
             result = names[function](*arguments)
-            if source:  # the result is on a line of its own after whatever importer and FMU have printed
+            if source:  # the result is on a separate line after the output of importer and FMU
                 print("\n" + json.dumps(result))
             return
         print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)

@@ -1,4 +1,4 @@
-"""Scenes with dry friction, shared by tests: a sled on a slope, and a pendulum with friction in its joint."""
+"""Scenes with dry friction for tests: a sled on a slope, and a pendulum with friction in its joint."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def _scene(table: dict[str, Any], values: dict[str, Any]) -> Scene:
 
 
 def sled(**values: Any) -> Scene:
-    """A rod that lies on a slope and slides down; values by their names."""
+    """Return a rod that lies on a slope and slides down; arguments change values by name."""
     return _scene(
         {
             "name": "Sled",
@@ -30,7 +30,7 @@ def sled(**values: Any) -> Scene:
 
 
 def pendulum(**values: Any) -> Scene:
-    """A double pendulum that comes to rest by dry friction in its joints; values by their names."""
+    """Return a double pendulum that dry friction in its joints brings to rest."""
     link = {"length": 0.4, "mass": 0.9}
     return _scene(
         {
@@ -47,7 +47,7 @@ def pendulum(**values: Any) -> Scene:
 
 
 def thrown(**values: Any) -> Scene:
-    """Two links with friction in their joint, thrown onto a floor with friction; values by their names."""
+    """Return two links with friction in their joint, thrown onto a floor with friction."""
     link = {"length": 0.3, "mass": 0.7}
     return _scene(
         {
@@ -63,7 +63,7 @@ def thrown(**values: Any) -> Scene:
 
 
 def puck(**values: Any) -> Scene:
-    """A body that touches a slope at its centre of mass: it slides up, stops and slides back."""
+    """Return a body that touches a slope at its centre of mass: it slides up, stops and slides back."""
     return _scene(
         {
             "name": "Puck",

@@ -11,7 +11,7 @@ SLOPE = 0.35  # rad
 
 
 def parameters_of(case_scene: Any, inputs: dict[str, float] | None = None) -> tuple[str, ...]:
-    """All that a motion depends on, but a radius of points and a coefficient that another one covers."""
+    """Return all parameters on which a motion depends, except a radius and a coefficient without effect."""
     values = case_scene.values
     covered = values.get("contact.static_friction", 0.0) <= values.get("contact.friction", 0.0)
     left_out = {"contact.radius", *(["contact.static_friction"] if covered else [])}
@@ -19,7 +19,7 @@ def parameters_of(case_scene: Any, inputs: dict[str, float] | None = None) -> tu
 
 
 def puck(law: str = "zhang_sharf", friction: float = 0.2, static: float = 0.0, **solver: Any) -> Case:
-    """A body that touches a slope at its centre of mass: it slides up, stops, and stays or slides back."""
+    """Return a body that touches a slope at its centre of mass: it slides up, stops, and may slide back."""
     scene = table(
         [link(0.1, 0.4, center_of_mass=0.0)],
         walls=[{"name": "slope", "point": [0.0, 0.0], "angle": SLOPE}],
@@ -39,7 +39,7 @@ def puck(law: str = "zhang_sharf", friction: float = 0.2, static: float = 0.0, *
 
 
 def swinging(static: float = 0.0, law: str = "zhang_sharf", **solver: Any) -> Case:
-    """A link that swings below a point on a floor: the point slides, sticks, and slides again."""
+    """Return a link that swings below a point on a floor: the point slides, sticks, and slides again."""
     scene = table(
         [{"length": 0.4, "mass": 0.8}],
         box={"y_min": 0.0},
@@ -59,7 +59,7 @@ def swinging(static: float = 0.0, law: str = "zhang_sharf", **solver: Any) -> Ca
 
 
 def driven(static: float = 0.45, law: str = "zhang_sharf", **solver: Any) -> Case:
-    """Two links below a point on a floor of a material, with a torque and dry friction in their joint."""
+    """Return two links below a point on a floor of a material, with a torque and a dry joint."""
     scene = table(
         [
             link(0.4, 0.8, damping=0.01),
@@ -83,7 +83,7 @@ def driven(static: float = 0.45, law: str = "zhang_sharf", **solver: Any) -> Cas
 
 
 def dry_joints(links: int = 2, **solver: Any) -> Case:
-    """A pinned chain with dry friction in all joints, which swings and comes to rest."""
+    """Return a pinned chain with dry friction in all joints, which swings and comes to rest."""
     joint = {"joint_friction": 0.5, "joint_damping": 0.01}
     lengths = (0.4, 0.35, 0.3, 0.25)[:links]
     scene = table(
@@ -102,7 +102,7 @@ def dry_joints(links: int = 2, **solver: Any) -> Case:
 
 
 def thrown(links: int = 2, law: str = "zhang_sharf", stop: float = 0.5, **solver: Any) -> Case:
-    """A chain with a dry joint that falls on a floor and a slope with friction: impacts slide and stick."""
+    """Return a chain with a dry joint that falls on a floor and a slope: impacts slide and stick."""
     body = link(0.3, 0.7, damping=0.01)
     scene = table(
         [body, *[body | {"joint_friction": 0.1 + 0.03 * i} for i in range(links - 1)]],

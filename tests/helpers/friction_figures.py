@@ -1,8 +1,8 @@
-"""Problems of others with dry friction: published figures, second solutions and ours.
+"""Problems from the literature with dry friction: published figures, second solutions and our values.
 
-The scenes, with their sources and closed forms, are those of tests/helpers/coulomb_literature.py. Where walls
-are rigid in the source, ours is the limit K → ∞, by Richardson's extrapolation from two stiffnesses. Units
-are SI throughout.
+The scenes, with their sources and closed forms, are those of tests/helpers/coulomb_literature.py. If walls
+are rigid in the source, our value is the limit K → ∞, by Richardson's extrapolation from two stiffnesses.
+Units are SI throughout.
 """
 
 from __future__ import annotations
@@ -26,36 +26,36 @@ from tests.helpers.figures import Figure, Problem, problem, run
 from tests.helpers.housner import quarter_period, simulated_quarter_period
 from tests.helpers.reference import exact_damping_factor
 
-SOFT, STIFF = 1e12, 1e13  # N/m^(3/2), of impacts
-SOFT_FLOOR = 1e5  # N/m^(3/2), of a floor that throws Glocker's rod up
+SOFT, STIFF = 1e12, 1e13  # [N/m^(3/2)] the two stiffnesses for impacts
+SOFT_FLOOR = 1e5  # [N/m^(3/2)] stiffness of a floor that throws Glocker's rod up
 
 
 def run_table(table: Table, tolerance: float, **changes: Any) -> Result:
-    """A scene as its file has it, simulated at a tolerance."""
+    """Simulate the table of a scene at a tolerance."""
     return run(table["name"], tolerance, scene_from_dict(table, table["name"]), **changes)
 
 
 def in_the_limit(
     build: Callable[[float], Table], values: Callable[[Result], list[float]], tolerance: float, **changes: Any
 ) -> tuple[np.ndarray, Result]:
-    """Values of an impact as K → ∞, and the run at the larger K of the two."""
+    """Return values of an impact as K → ∞, and the run with the larger K."""
     soft, stiff = (run_table(build(stiffness), tolerance, **changes) for stiffness in (SOFT, STIFF))
     return extrapolated(np.array(values(soft)), np.array(values(stiff)), STIFF / SOFT), stiff
 
 
 def unpublished(quantity: str, independent: float, ours: float, held: float) -> Figure:
-    """What the source has neither a figure nor an equation for."""
+    """Return a figure for which the source has neither a value nor an equation."""
     return Figure(quantity, None, independent, ours, held, equation=False)
 
 
 def impulses(result: Result) -> list[float]:
-    """Normal impulse and that of friction of the only impact [N·s]."""
+    """Return the normal impulse and the impulse of friction of the only impact [N·s]."""
     (impact,) = result.impacts
     return [impact["impulse"], result[f"contact[{impact['point']}].y_min.friction_impulse"][-1]]
 
 
 def kane_pendulum(tolerance: float) -> Problem:
-    """What the impact of Kane and Levinson's pendulum gains by their rule, and loses by a force."""
+    """Return figures for the energy that Kane and Levinson's rule adds, and that a force takes."""
     _, exact = coulomb_literature.kane_pendulum()
     (*impulse, speed, gained), result = in_the_limit(
         lambda stiffness: coulomb_literature.kane_pendulum(stiffness)[0],
@@ -78,7 +78,7 @@ def kane_pendulum(tolerance: float) -> Problem:
 
 
 def siconos_stick(tolerance: float) -> Problem:
-    """The stick between its first impact and the second, in free flight."""
+    """Return figures for the stick between its first and second impact, in free flight."""
     _, exact = coulomb_literature.siconos_stick()
 
     def flight(result: Result) -> list[float]:
@@ -116,10 +116,10 @@ def siconos_stick(tolerance: float) -> Problem:
 
 
 def glocker_rod(tolerance: float) -> Problem:
-    """When the rigid rod cannot slide on, at an angle of 45°; and what a soft floor does after it."""
+    """Return figures for the time at which the rigid rod cannot slide on, and for its motion then."""
     _, exact = coulomb_literature.glocker_rod()
     soft, stiff = (time_at(stiffness, tolerance, exact.angle) for stiffness in (1e7, 1e8))
-    # measured: this time tends to that of the rigid rod as K^−1/2
+    # observation: this time approaches that of the rigid rod in proportion to K^−1/2
     ours = (math.sqrt(10.0) * stiff - soft) / (math.sqrt(10.0) - 1.0)
     table, _ = coulomb_literature.glocker_rod(SOFT_FLOOR)
     result = run_table(table, tolerance, stop_time=0.86, output_step=0.86)
@@ -143,7 +143,7 @@ def glocker_rod(tolerance: float) -> Problem:
 
 
 def time_at(stiffness: float, tolerance: float, angle: float) -> float:
-    """When Glocker's rod comes to an angle from the floor [s]."""
+    """Return the time [s] at which Glocker's rod reaches an angle from the floor."""
     table, _ = coulomb_literature.glocker_rod(stiffness)
     result = run_table(table, tolerance, stop_time=0.82, output_step=1e-3)
     turned = CubicHermiteSpline(result.time, result["link[1].angle"], result["link[1].angular_velocity"])
@@ -155,10 +155,10 @@ FALL = 1e-11  # m
 
 @cache
 def thrown_up() -> tuple[float, float, float, float]:
-    """When the end sticks, when it leaves the soft floor; its upward speed and the rod's spin at 0.86 s."""
+    """Return when the end sticks and leaves the soft floor; upward speed and spin of the rod at 0.86 s."""
     table, _ = coulomb_literature.glocker_rod(SOFT_FLOOR)
     x, y = table["initial"]["position"]
-    # the contact begins a little later, as this model cannot start from a contact at rest
+    # the contact begins a little later, because this model cannot start in a contact at rest
     table = table | {"initial": table["initial"] | {"position": [x, y + FALL]}}
     motion = differentiate(scene_from_dict(table, table["name"]), (), [0.86])
     (sticks,), (leaves,) = [time for time, _, mode in motion.modes if mode == 0], motion.impacts["end"]
@@ -166,7 +166,7 @@ def thrown_up() -> tuple[float, float, float, float]:
 
 
 def stewart_rod(tolerance: float) -> Problem:
-    """The impact of Stewart and Trinkle's rod, whose end slides, halts and sticks."""
+    """Return figures for the impact of Stewart and Trinkle's rod, whose end slides, stops and sticks."""
     _, exact = coulomb_literature.stewart_rod()
     limit = stiff_limit(exact.strike, exact_damping_factor(0.05))
     ours, result = in_the_limit(
@@ -187,7 +187,7 @@ def stewart_rod(tolerance: float) -> Problem:
 
 
 def rocking_block(tolerance: float) -> Problem:
-    """What is left of the spin of a block when its other corner hits the floor."""
+    """Return figures for the spin of a block after its other corner hits the floor."""
     tilt, shown = 0.2, (0.1, 0.2)
     left, figures = [], []
     for restitution in shown:
@@ -196,10 +196,10 @@ def rocking_block(tolerance: float) -> Problem:
         quantity = f"e = {restitution}: angular velocity after / before"
         figures.append(unpublished(quantity, exact.after / exact.before, left[-1], 2e-7))
     (onset,) = result.impacts["onset"][result.impacts["point"] == 2]
-    # the corner that hits sticks through the impact, so what is left is linear in e
+    # the corner that hits sticks during the impact, so the spin after it is linear in e
     plastic, quantity = 2.0 * left[0] - left[1], "extrapolated to e = 0: the same"
     figures = [
-        # a block on a stiff floor stands a little deeper than on a rigid one
+        # a block on a stiff floor stands a little deeper than on a rigid floor
         unpublished("other corner hits: time [s]", exact.onset, onset, 1e-8),
         *figures,
         Figure(quantity, None, exact.published, plastic, 3e-7),
@@ -213,7 +213,7 @@ def rocking_block(tolerance: float) -> Problem:
 def rocked(
     tilt: float, restitution: float, tolerance: float
 ) -> tuple[float, Result, coulomb_literature.RockingBlock]:
-    """The angular velocity in the flight after the impact of the other corner [rad/s], as K → ∞."""
+    """Return the angular velocity [rad/s] in the flight after the other corner's impact, as K → ∞."""
 
     def build(stiffness: float) -> Table:
         return coulomb_literature.rocking_block(tilt, stiffness=stiffness, restitution=restitution)[0]

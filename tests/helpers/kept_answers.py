@@ -1,9 +1,9 @@
-"""Answers of independent models, kept in files: some eighty, each of which takes seconds.
+"""Answers of independent models that are stored in files, because each takes seconds to compute.
 
-The name of a file is a hash of what the model was given and of the sources of the model in the tests. Those
-of chain_impact.scene, which reads scenes, are not in it, but the scene as it was read. An answer that has no
-file is worked out, and kept. ``python -m tests.helpers.kept_answers`` works all of them out anew; the new
-files are to be committed.
+The name of a file is a hash of the model's arguments and of the model's sources in the tests. The hash
+contains the scene that was read, but not the sources of chain_impact.scene, which reads scenes. An answer
+without a file is computed and stored. ``python -m tests.helpers.kept_answers`` computes all answers again;
+the new files must be committed.
 """
 
 from __future__ import annotations
@@ -30,23 +30,23 @@ TESTS = (
     *("scenarios/test_body_motions.py", "scenarios/test_derivatives.py", "scenarios/test_models.py"),
     "kernel/ode/test_collocation.py",
 )
-IDLE = ("solver", "simulation", "outputs")  # tables of a scene that no independent model reads
+IDLE = ("solver", "simulation", "outputs")  # tables of a scene that no independent model uses
 LATER = (
     *("joint_armature", "joint_torque_limit", "joint_targets", "base_motion", "wall_motion"),
     *("center_of_mass_offset", "slider_force", "slider_velocity"),
 )
-"""Keys that came after these answers: a scene that leaves them out is the same."""
+"""Keys that are newer than these answers: a scene without these keys has the same hash."""
 Arrays = dict[str, np.ndarray]
 
 
 def kept(work_out: Callable[[], Arrays], module: str, scene: Scene, *given: Any) -> Arrays:
-    """The answer of a model.
+    """Return the answer of a model, from its file if there is one.
 
     Args:
-        work_out: the model.
-        module: where its source is, as "tests.helpers.textbook".
-        scene: what it was given, …
-        given: … besides numbers, names, and sequences and dictionaries of these.
+        work_out: function that computes the answer.
+        module: the module of the model, such as "tests.helpers.textbook".
+        scene: the scene of the model.
+        given: further arguments: numbers, names, and sequences and dictionaries of these.
     """
     tables = {name: table for name, table in scene_to_dict(scene, derived=True).items() if name not in IDLE}
     text = json.dumps(
@@ -60,7 +60,7 @@ def kept(work_out: Callable[[], Arrays], module: str, scene: Scene, *given: Any)
 
 
 def without_later(data: Any) -> Any:
-    """The tables of a scene without keys that came later, where they have no effect."""
+    """Return the tables of a scene without keys of LATER that have no effect."""
     if isinstance(data, dict):
         return {key: without_later(one) for key, one in data.items() if one or key not in LATER}
     return [without_later(one) for one in data] if isinstance(data, list) else data
@@ -68,19 +68,20 @@ def without_later(data: Any) -> Any:
 
 @cache
 def sources(module: str) -> str:
-    """A hash of the sources of a module of the tests and of those that it imports, however lines end."""
+    """Return a hash of the sources of a test module and of the test modules that it imports."""
     found: dict[str, str] = {}
     left = [module]
     while left:
         name = left.pop()
-        if name not in found and name != "tests.helpers.kept_answers":  # which has no part in an answer
+        # this module has no influence on an answer
+        if name not in found and name != "tests.helpers.kept_answers":
             found[name] = TESTS_FOLDER.parent.joinpath(*name.split(".")).with_suffix(".py").read_text("utf-8")
             left += imported(found[name])
     return hashlib.sha256("".join(found[name] for name in sorted(found)).encode()).hexdigest()
 
 
 def imported(source: str) -> list[str]:
-    """The modules of the tests that a source imports."""
+    """Return the test modules that a source imports."""
     arrows = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.ImportFrom)]
     assert "import tests" not in source, "only `from tests… import` is followed"
     inside = [node.module for node in arrows if (node.module or "").startswith(f"{ROOM}.")]

@@ -1,6 +1,6 @@
-"""The calls of a kernel that an FMU makes and ``Instance`` does not, and the place of an instance in memory.
+"""The calls of a kernel that FMUs make and ``Instance`` does not, and the memory of an instance.
 
-The only module of the tests that knows what an ``Instance`` keeps to itself.
+This is the only module of the tests that uses private attributes of ``Instance``.
 """
 
 from __future__ import annotations
@@ -14,32 +14,32 @@ from chain_impact.simulation.instance import Instance
 
 
 def initialize(instance: Instance, time: float = 0.0) -> int:
-    """Set an instance to its start, at a time [s]; return the status."""
+    """Set an instance to its start, at a time [s], and return the status."""
     return int(instance._kernel.initialize(instance._address, time))
 
 
 def advance(instance: Instance, time: float) -> int:
-    """Advance to a time [s] in one call; return the status."""
+    """Advance to a time [s] in one call, and return the status."""
     return int(instance._kernel.advance(instance._address, time))
 
 
 def advance_awhile(instance: Instance, time: float) -> int:
-    """The same, or a part of the way; return the status."""
+    """Advance to a time [s], or a part of the way, and return the status."""
     return int(instance._kernel.advance_awhile(instance._address, time))
 
 
 def advance_to_onset(instance: Instance, time: float) -> int:
-    """Advance to a time [s], or to the first onset before it, which is due then; return the status."""
+    """Advance to a time [s], or to the first onset before it, which is then due; return the status."""
     return int(instance._kernel.advance_to_onset(c_void_p(instance._address), c_double(time)))
 
 
 def event_update(instance: Instance) -> int:
-    """Let the onset happen that is due; return the status."""
+    """Apply the onset that is due, and return the status."""
     return int(instance._kernel.event_update(c_void_p(instance._address)))
 
 
 def move(instance: Instance, memory: Any) -> None:
-    """Let an instance live in a buffer."""
+    """Move the record of an instance into a buffer."""
     block = instance._block
     place = np.frombuffer(memory, block.dtype, count=1)
     place[:] = block

@@ -1,4 +1,4 @@
-"""What holds for the loads in joints at each row of a run: checks of the search (tests/helpers/oracle.py)."""
+"""Checks of the loads in joints at each row of a run, for the random search (tests/helpers/oracle.py)."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ import numpy as np
 
 from chain_impact.scene.candidates import candidates
 
-NEWTON, MOMENTUM = 1e-9, 1e-8  # of the largest of what is added up
+NEWTON, MOMENTUM = 1e-9, 1e-8  # allowed errors of Newton's law and of momentum, over the largest term
 SAMPLED, ROUGH = (
     1e-6,
     1000.0,
-)  # of the largest force, and of it times the tolerance: peaks are found by samples
-SMALL = 1e-12  # of the weight, or of a momentum of a link length per second
+    # allowed error of a peak, over the largest force and over this force times the tolerance: peaks are found by
+    # samples
+)
+SMALL = 1e-12  # over the weight, or over a momentum of one link length per second
 
 
 def load_checks(run: Any) -> Iterator[tuple[str, float, float, str]]:
-    """Kind, value, the most that it may be, and what that is; nothing of a run without loads.
+    """Return kind, value, bound and words of each check; none for a run without loads.
 
     The forces and impulses follow from the public motion, by Newton's law for the links from each on.
     """
@@ -54,25 +56,26 @@ def load_checks(run: Any) -> Iterator[tuple[str, float, float, str]]:
     fall = np.maximum.accumulate(peaks) - peaks
     yield "peak falls", float(fall.max()), near, "a peak in a joint that falls [N]"
     for impact in run.impacts:
-        within = (time > impact["onset"]) & ~(time >= impact["end"])  # the end of one that lasts is NaN
+        # False if the end of a contact is NaN because it lasts
+        within = (time > impact["onset"]) & ~(time >= impact["end"])
         above = float(sizes[within].max(initial=0.0)) - float(impact["joint_force"])
         yield "peak of impact", above, near, "a force in a joint above that of the impact that lasts [N]"
 
 
 def vectors(loads: Any, count: int, kind: str) -> np.ndarray:
-    """Forces or impulses in the joints, shape (T, N, 2)."""
+    """Return forces or impulses in the joints, shape (T, N, 2)."""
     return np.stack([loads[f"{kind}{axis}"][:, :count] for axis in "xy"], axis=-1)
 
 
 def summed(parts: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """The sums of parts over the links from each on, shape (T, N, 2), and the largest size, shape (T,)."""
+    """Return the sums of parts over the links from each link on, (T, N, 2), and the largest size, (T,)."""
     whole = sum(parts)[:, ::-1].cumsum(axis=1)[:, ::-1]
     sizes = [np.abs(part).sum(axis=1).max(axis=1) for part in parts]
     return whole, np.max(sizes, axis=0)
 
 
 def outside(run: Any, kind: str, at_tip: np.ndarray) -> np.ndarray:
-    """The forces, or impulses, of walls and of the input on the links, shape (T, N, 2)."""
+    """Return the forces, or impulses, of walls and of the input on the links, shape (T, N, 2)."""
     outputs, scene = run.outputs, run.scene
     found = np.zeros((len(outputs), len(scene.chain.links), 2))
     for c, (point, number) in enumerate(candidates(scene)):

@@ -1,7 +1,7 @@
-"""Measured motions: what a model says of them, by a second solution and by ours.
+"""Measured motions, compared with a second solution and with our simulation.
 
 ``models/<model>/measured.csv`` has the measured values under the names of the FMU's variables, in SI units.
-docs/validation.md and the pages of the models tell where they come from.
+docs/validation.md and the pages of the models name the sources.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from tests.helpers.figures import Figure, Problem, problem, run
 
 
 def measured(model: str) -> dict[str, np.ndarray]:
-    """The columns of the measured values of a model: ``time`` [s] and variables."""
+    """Return the columns of the measured values of a model: ``time`` [s] and variables."""
     with (models_folder() / model / "measured.csv").open(newline="") as file:
         names, *rows = csv.reader(file)
     return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
 
 
 def heard_impacts() -> np.ndarray:
-    """The times [s] at which the golf ball was heard on the floor."""
+    """Return the times [s] at which the golf ball was heard on the floor."""
     columns = measured("golf_ball")
     return columns["time"][columns["point[0].y"] == 0.0]
 
 
 def golf_ball(tolerance: float) -> Problem:
-    """Times of impacts that were heard: of the model with the restitution that heights gave, and measured."""
+    """Return figures for the times of heard impacts, with the restitution from heights as the model's."""
     model, shown = "golf_ball", (2, 3, 5, 9)
     result = run(model, tolerance)
     scene = load_scene(model)
@@ -39,7 +39,7 @@ def golf_ball(tolerance: float) -> Problem:
     fall, onsets = math.sqrt(2 * height / gravity), heard_impacts()
     figures = []
     for n in shown:
-        # flights of 2 v eᵏ/g with v = g · fall
+        # flights of the duration 2 v eᵏ/g with v = g · fall
         exact = fall + 2 * fall * sum(e**k for k in range(1, n))
         ours = result.impacts["onset"][n - 1]
         heard = f"{onsets[n - 1]:.4f}"
@@ -48,7 +48,7 @@ def golf_ball(tolerance: float) -> Problem:
 
 
 def triple_pendulum(tolerance: float) -> Problem:
-    """Angles that encoders measured, and of the independent chain with the published parameters."""
+    """Return figures for angles that encoders measured, and of the chain with the published parameters."""
     model, shown = "triple_pendulum", (1.0, 2.0, 5.0)
     result = run(model, tolerance)
     exact = differentiate(load_scene(model), (), shown).values

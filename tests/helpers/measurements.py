@@ -1,4 +1,4 @@
-"""Measurements that are made up from a simulation, with noise of a known size."""
+"""Artificial measurements: results of a simulation with noise of a known size."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ NOISE = 1e-3  # m
 
 
 def scene(**starts):
-    """The four-link box; K, e and rate start where they are told to."""
+    """Return the four-link box, with start values of K, e and rate from the arguments."""
     values = dict(
         zip(FREE, (starts.get(name, true) for name, true in zip("Kew", TRUE, strict=True)), strict=True)
     )
@@ -19,7 +19,7 @@ def scene(**starts):
 
 
 def motion(stop, count=200, seed=0, noise=NOISE):
-    """Columns with the path of the tip, and the result that they are made from."""
+    """Return columns with the path of the tip, and the result from which they are made."""
     result = simulate(scene(), stop_time=stop, output_step=stop / count)
     random = np.random.default_rng(seed)
     columns = {name: result[name][1:] + noise * random.standard_normal(count) for name in TIP}
@@ -27,7 +27,7 @@ def motion(stop, count=200, seed=0, noise=NOISE):
 
 
 def impacts(result, names, noise=0.0, seed=0):
-    """Columns with quantities of all impacts, with relative noise."""
+    """Return columns with quantities of all impacts, with relative noise."""
     random = np.random.default_rng(seed)
     rows = result.impacts
     values = {name: rows["end"] - rows["onset"] if name == "duration" else rows[name] for name in names}

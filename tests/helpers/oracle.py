@@ -1,10 +1,9 @@
-"""The oracle of the random search: what a run of any scene must keep, from the laws of physics and the docs.
+"""The checks of the random search: rules from the laws of physics and the docs that hold for every run.
 
-It knows no exact solution. Each check is a bound that follows from what the solver promises, as
-docs/computation.md says it: errors of a step within the tolerance times scales of the model. ``judge`` looks
-at what a run has given (``Account``) and returns ``Finding``s, each with its numbers; ``search.verdict`` runs
-a scene in a process of its own, which is ended when it takes too long, so that a hang is a finding
-(tests/helpers/search.py).
+The checks need no exact solution. Each check compares a value with a bound that docs/computation.md promises:
+the errors of a step are within the tolerance times scales of the model. ``judge`` takes the results of a run
+(``Account``) and returns ``Finding``s with numbers; ``search.verdict`` runs a scene in a separate process
+with a time limit, so that a hang is a finding (tests/helpers/search.py).
 """
 
 from __future__ import annotations
@@ -26,23 +25,24 @@ from tests.helpers.kernel_calls import move
 from tests.helpers.load_checks import load_checks
 from tests.helpers.random_scenes import drive, started
 
-CPU = 2.0  # s, that a run may take
-ROWS = 50  # communication points, besides the start
-SAFETY = 3.0  # of the tolerance: the error control steers by estimates, and scales are sampled
-INTERPOLATED = 10.0  # times the error of a step, that of an output between steps
-OUTSIDE = 1e-9  # m, that a point may be outside a wall, of what is not reported as penetration
-DEEPER = 3.0  # times the depth that the energy there is can reach
-LEFT = 0.01  # of the time scale of a contact, for which its point may be inside after the end
-ROUND_OFF = 1e-12  # of the speeds that there are, and of a link length a second: a sign is not known better
-FORCE = 1e-9  # of the limit of friction: an excess that is round-off
-SMALL = 1e-8  # of the weight of the chain, and of its mass times a link length per second squared
+CPU = 2.0  # [s] CPU time that a run may take
+ROWS = 50  # number of communication points, in addition to the start
+SAFETY = 3.0  # factor on the tolerance, because the error control uses estimates, and scales are sampled
+INTERPOLATED = 10.0  # error of an output between steps, over the error of a step
+OUTSIDE = 1e-9  # [m] largest distance of a point beyond a wall that is not reported as a penetration
+DEEPER = 3.0  # largest depth, over the depth that the available energy can reach
+# time after the end of a contact for which its point may be inside the wall, over the contact's time scale
+LEFT = 0.01
+ROUND_OFF = 1e-12  # largest speed of unknown sign, over the speeds of the chain and a link length per second
+FORCE = 1e-9  # largest excess of friction that is round-off, over the limit of friction
+SMALL = 1e-8  # over the weight of the chain, and over its mass times one link length per second squared
 EPSILON = 2.0**-52
-Row = tuple[str, float, float, str]  # of a check: kind, value, the most that it may be, and what that is
+Row = tuple[str, float, float, str]  # a row of a check: kind, value, bound, and words for the bound
 
 
 @dataclass(frozen=True)
 class Law:
-    """The law of a candidate, of a stop in the angle of its joint; a rigid one has a stiffness of 0."""
+    """The law of a candidate, for a stop as a law of the joint's angle; a rigid law has the stiffness 0."""
 
     point: int
     wall: int
@@ -50,12 +50,12 @@ class Law:
     model: str
     stiffness: float
     exponent: float
-    slowest: float  # m/s or rad/s
-    unit: float  # m: 1, or the longest link, on which the errors of an angle in rad act
+    slowest: float  # m/s or rad/s, the least speed that v₀ may have
+    unit: float  # m: 1, or for a stop the longest link, on which an error of an angle in rad acts
 
 
 def laws(scene: Scene) -> list[Law]:
-    """The law of each candidate."""
+    """Return the law of each candidate."""
     contact, stops, found = scene.contact, scene.stops, []
     size = max(link.length for link in scene.chain.links)
     for point, wall in candidates(scene):
@@ -76,7 +76,7 @@ def laws(scene: Scene) -> list[Law]:
 
 
 def columns(every: list[Law], impacts: np.ndarray) -> SimpleNamespace:
-    """The laws of contacts, as columns."""
+    """Return the laws of contacts as columns."""
     by_candidate = {(law.point, law.wall): law for law in every}
     rows = [by_candidate[int(row["point"]), int(row["wall"])] for row in impacts]
     names = ("stiffness", "exponent", "slowest", "unit", "stop")
@@ -85,7 +85,7 @@ def columns(every: list[Law], impacts: np.ndarray) -> SimpleNamespace:
 
 @dataclass(frozen=True)
 class Columns:
-    """The links of a chain, as columns."""
+    """The data of a chain's links, as columns."""
 
     length: np.ndarray
     mass: np.ndarray
@@ -98,12 +98,12 @@ class Columns:
 
     @property
     def energy(self) -> float:
-        """Σ m s²/s² [J], the scale of the norm."""
+        """The energy Σ m s²/s² [J], the scale of the error norm."""
         return float(self.mass.sum()) * self.size**2
 
 
 def chain_of(scene: Scene) -> Columns:
-    """The links of a scene."""
+    """Return the links of a scene."""
     rows = [
         (link.length, link.mass, link.center_of_mass / link.length, link.inertia)
         for link in scene.chain.links
@@ -113,7 +113,7 @@ def chain_of(scene: Scene) -> Columns:
 
 @dataclass(frozen=True)
 class Finding:
-    """One check that failed: its kind, the value and the bound that it breaks, and a sentence."""
+    """A failed check: its kind, the value and the bound that the value exceeds, and a sentence."""
 
     kind: str
     value: float
@@ -126,7 +126,7 @@ class Finding:
 
 @dataclass
 class Account:
-    """What a run has given: rows of outputs at the times that it reached, contacts, counts."""
+    """The results of a run: rows of outputs at the reached times, contacts, counts."""
 
     scene: Scene
     time: np.ndarray  # s
@@ -134,16 +134,16 @@ class Account:
     impacts: np.ndarray
     statistics: dict[str, int]
     cpu: float  # s
-    refused: bool = False  # it did not even start
-    tip: np.ndarray = field(default_factory=lambda: np.zeros(2))  # N, the force of an input on the tip
-    torque: float = 0.0  # N·m, in all joints together
+    refused: bool = False  # whether the run could not start
+    tip: np.ndarray = field(default_factory=lambda: np.zeros(2))  # N, force of an input on the tip
+    torque: float = 0.0  # N·m, sum of the torques in all joints
 
     @property
     def push(self) -> float:
         return float(np.linalg.norm(self.tip))
 
     def centres(self, name: str) -> np.ndarray:
-        """A vector of the points, at the centres of mass."""
+        """Return a vector output of the points at the centres of mass."""
         points, ratio = self.outputs[name], self.chain.ratio[:, None]
         return points[:, :-1] + ratio * np.diff(points, axis=1)
 
@@ -165,7 +165,7 @@ class Account:
 
 
 def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Account:
-    """Run a scene in this process; its record lies in ``memory``, if given, for others to look at."""
+    """Run a scene in this process, with its record in ``memory`` if given, so that others can read it."""
     begin = time.process_time()
     times = np.linspace(0.0, scene.simulation.stop_time, rows + 1)
     try:
@@ -190,17 +190,17 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
 
 
 def judge(run: Account, cpu: float = CPU) -> list[Finding]:
-    """All that is wrong with a run."""
+    """Return the findings on a run."""
     return findings(checks(run, cpu))
 
 
 def findings(rows: Iterable[Row]) -> list[Finding]:
-    """Those that failed."""
+    """Return a finding for each failed check."""
     return [Finding(*row) for row in rows if not row[1] <= row[2]]
 
 
 def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
-    """All checks of a run."""
+    """Return all checks of a run, as rows."""
     yield "slow", run.cpu, cpu, "CPU time [s]"
     if run.refused:
         yield "refused", 1.0, 0.0, f"a valid scene does not start: {STATUS_TEXT[run.status]}"
@@ -213,10 +213,10 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
             f"after {run.time[-1] if len(run.time) else 0.0:.3g} s: {STATUS_TEXT[run.status]}",
         )
     outputs = run.outputs
-    # parts of the record are numbers as well, and all numbers are reals
+    # parts of the record as numbers; all numbers in them are reals
     numbers = {name: np.frombuffer(outputs[name].tobytes()) for name in outputs.dtype.names}
     bad = [name for name, values in numbers.items() if not np.isfinite(values).all()]
-    # the end and the separation speed of an open contact are not known
+    # the end and the separation speed of an open contact are unknown
     columns = ("onset", "impact_speed", "peak_force", "max_penetration", "effective_mass")
     bad += [name for name in columns if not np.isfinite(run.impacts[name]).all()]
     yield "not finite", float(len(bad)), 0.0, f"outputs or impacts that are not finite: {bad}"
@@ -243,39 +243,42 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
 
 
 def energy_bound(run: Account) -> float:
-    """How far the ledger may drift [J].
+    """Return the largest allowed drift of the energy balance [J].
 
-    The exact flow keeps the ledger, from wherever it starts; so the drift is the sum of what the errors of
-    the steps change in it, and nothing amplifies them. One step may err by the tolerance times a scale for
-    each component of the state (docs/computation.md, error norm); ``energy_scale`` is what this makes of the
-    ledger, to first order. The errors of n steps add up like √n, as they have no sign in common, and an
-    output between steps is an interpolation, which may err by ten times as much. SAFETY is for the rest: the
-    solver steers by an estimate of a step's error, and the scale is sampled at some points only. The largest
-    drift in the scenes of 2000 seeds was √n/2 times tolerance and scale.
+    The exact motion conserves the energy balance, from any state. So the drift is the sum of the changes by
+    errors of the steps, and nothing amplifies these changes. The error of one step may be the tolerance times
+    a scale for each component of the state (docs/computation.md, error norm); ``energy_scale`` is the
+    resulting change of the balance, to first order. The errors of n steps add up like √n, because they have
+    no common sign. An output between steps is interpolated, with an error up to ten times as large. SAFETY
+    covers two facts: the solver uses an estimate of a step's error, and the scale is sampled only at some
+    points. The largest drift in the scenes of 2000 seeds was √n/2 times tolerance and scale.
 
-    Round-off comes on top: a few units in the last place of the energies, and of the positions where walls
-    are stiff, as a force F turns an error of a position into one of energy.
+    Round-off is added: a few units in the last place of the energies and, at stiff walls, of the positions,
+    because a force F turns an error of a position into an error of energy.
     """
     return per_step(run, energy_scale(run))
 
 
 def per_step(run: Account, scale: float) -> float:
-    """What errors of the tolerance times a scale [J], and round-off, make in all steps of a run [J]."""
+    """Return the energy change [J] that round-off and allowed errors cause in all steps of a run.
+
+    An allowed error is the tolerance times a scale [J].
+    """
     steps = max(1.0, float(run.statistics["steps"]))
     errors = SAFETY * max(INTERPOLATED, steps**0.5) * run.scene.solver.tolerance * scale
     return float(errors + steps * round_off(run))
 
 
 def energy_scale(run: Account) -> float:
-    """What an error of one, in the units of the error norm, changes in the ledger [J], at the most.
+    """Return a bound [J] on the change of the energy balance by an error of one, in units of the error norm.
 
     Kinetic: with |δv₀| ≤ s/1s + |v₀| and |δω| ≤ 1 rad/s + |ω|, Σ m |v_C| |δv_C| + I |ω| |δω|. Potential: with
     |δx₀| ≤ s and |δθ| ≤ 1 rad, Σ m |g| |δx_C|. Dissipated: its scale in the norm. Elastic: F |δg| with the
-    scale of the penetration, and k |φ| |δφ| with |δφ| ≤ 1 rad. Supplied energy is not controlled, but
-    follows: its size counts.
+    scale of the penetration, and k |φ| |δφ| with |δφ| ≤ 1 rad. The supplied energy is not controlled: its
+    absolute value counts.
 
-    Motion that has more energy than there is counts as if it had just that: an explosion is no excuse of
-    itself.
+    A motion with more energy than is available counts with the available energy, so that an explosion does
+    not increase its own bound.
     """
     chain, outputs, there = run.chain, run.outputs, available(run)
     share = np.sqrt(np.minimum(1.0, there / np.maximum(outputs["kinetic"], 1e-300)))[:, None]
@@ -292,7 +295,7 @@ def energy_scale(run: Account) -> float:
 
 
 def spring_moments(run: Account) -> np.ndarray:
-    """The largest moment of each joint's spring [N·m]: the energy that an error of 1 rad makes [J]."""
+    """Return the largest moment of each joint's spring [N·m], which is the energy for an error of 1 rad."""
     links = run.scene.chain.links
     stiffness = np.array([link.joint_stiffness for link in links])
     if run.scene.chain.base == "free":
@@ -303,32 +306,35 @@ def spring_moments(run: Account) -> np.ndarray:
 
 
 def dissipated_scale(run: Account) -> float:
-    """That of the dissipated energy [J], the energy itself and the kinetic one that contacts begin with."""
+    """Return the scale of the dissipated energy [J]: this energy plus the kinetic energy at onsets."""
     sizes = np.abs(run.outputs["dissipated"]).max() + brought(run)
     return run.chain.energy + min(float(sizes), 2.0 * float(available(run).max()))
 
 
 def available(run: Account) -> np.ndarray:
-    """The energy that motion, walls and heat can have in each row [J]: that of the start and the supplied."""
+    """Return the energy [J] that motion, walls and heat can have in each row: at the start plus supplied."""
     outputs = run.outputs
     return np.maximum(0.0, outputs["total"][0] + outputs["supplied"] - outputs["potential"])
 
 
 def elastic_scale(run: Account) -> float:
-    """The largest K δⁿ of the contacts times the scale of the penetration of each [J]."""
+    """Return the sum of the contacts' largest K δⁿ times the scale of their penetrations [J]."""
     impacts, law = run.impacts, run.laws_of_impacts
     if not len(impacts):
         return 0.0
     depth, (v0, foreseen) = impacts["max_penetration"], expected(run)
     chain = run.chain
     leeway = np.maximum(1.0, np.minimum(chain.size / law.unit / v0, 0.01 / run.scene.solver.tolerance))
-    # but a clearance errs no more than the coordinates do
+    # the error of a clearance is at most the error of the coordinates
     error = np.minimum(np.maximum(depth, foreseen) * leeway, (chain.size + chain.length.sum()) / law.unit)
     return float((law.stiffness * np.maximum(depth, 0.0) ** law.exponent * error).max())
 
 
 def expected(run: Account) -> tuple[np.ndarray, np.ndarray]:
-    """v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀²; rigid ones have none."""
+    """Return v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀².
+
+    0 for rigid ones.
+    """
     law = run.laws_of_impacts
     v0, n = np.maximum(run.impacts["impact_speed"], law.slowest), law.exponent
     with np.errstate(divide="ignore"):
@@ -337,18 +343,18 @@ def expected(run: Account) -> tuple[np.ndarray, np.ndarray]:
 
 
 def brought(run: Account) -> float:
-    """The kinetic energy that the most violent contact began with, ½ m v₀² [J]."""
+    """Return the largest kinetic energy with which a contact began, ½ m v₀² [J]."""
     v0 = np.maximum(run.impacts["impact_speed"], run.laws_of_impacts.slowest)
     return float((0.5 * run.impacts["effective_mass"] * v0**2).max(initial=0.0))
 
 
 def round_off(run: Account) -> float:
-    """What round-off changes in the ledger in a step [J]."""
+    """Return the change of the energy balance by round-off in a step [J]."""
     outputs = run.outputs
     terms = sum(
         np.abs(outputs[name]).max() for name in ("kinetic", "potential", "elastic", "dissipated", "supplied")
     )
-    # sums of what may cancel
+    # sums of terms that may cancel
     far = np.abs(outputs["point_position"]).max()
     terms += run.chain.mass.sum() * np.linalg.norm(run.scene.gravity) * far
     if len(run.impacts):
@@ -360,7 +366,7 @@ def round_off(run: Account) -> float:
 
 
 def dissipation_bound(run: Account) -> float:
-    """How far the dissipated energy may fall [J]: its true rate is ≥ 0, and its scale is in the norm."""
+    """Return the largest allowed decrease of the dissipated energy [J]: the true rate is ≥ 0."""
     return per_step(run, dissipated_scale(run))
 
 
@@ -368,12 +374,12 @@ def dissipation_bound(run: Account) -> float:
 
 
 def containment(run: Account) -> Iterator[Row]:
-    """Who is beyond a wall is in contact, and no deeper than the energy there is can push it."""
+    """Check that every point beyond a wall is in contact. The energy of the chain bounds its penetration."""
     every = run.laws
     if not every:
         return
     reach = run.chain.size + run.chain.length.sum()
-    # a held point is put back to its wall after each step; in between it errs as its position does
+    # a held point is moved to its wall after each step; in between it has the error of its position
     held = INTERPOLATED * run.scene.solver.tolerance * reach
     slack = np.array([(OUTSIDE + held * (law.stiffness == 0.0)) / law.unit for law in every])
     force, depth = by_candidate(run, "force"), by_candidate(run, "penetration")
@@ -383,16 +389,16 @@ def containment(run: Account) -> Iterator[Row]:
     energy = float(available(run).max()) + energy_bound(run)
     for c, law in enumerate(every):
         deepest = float(depth[:, c].max())
-        if run.status == OK:  # else the contacts go on beyond the last row
+        if run.status == OK:  # otherwise contacts continue after the last row
             own = (run.impacts["point"] == law.point) & (run.impacts["wall"] == law.wall)
             deepest = max(deepest, float(run.impacts["max_penetration"][own].max(initial=0.0)))
         yield "too deep", deepest, depth_bound(run, law, energy), f"penetration of candidate {c} [m, rad]"
 
 
 def left_inside(run: Account) -> np.ndarray:
-    """How deep each candidate, in each row, may be after the end of its contact [m].
+    """Return how deep each candidate, in each row, may be after the end of its contact [m].
 
-    A contact ends when its point will be out after LEFT of its time scale δ*/v₀.
+    A contact ends when its point will leave the wall within LEFT of the time scale δ*/v₀.
     """
     depth = np.zeros_like(run.outputs["penetration"])
     column = {candidate: c for c, candidate in enumerate(candidates(run.scene))}
@@ -405,7 +411,7 @@ def left_inside(run: Account) -> np.ndarray:
 
 
 def clearances(run: Account) -> np.ndarray:
-    """Clearance of each candidate in each row [m]; of a stop [rad]."""
+    """Return the clearance of each candidate in each row [m]; for a stop [rad]."""
     scene, places = run.scene, run.outputs["point_position"]
     joints = np.diff(run.outputs["angle"], axis=1, prepend=0.0)
     columns = []
@@ -421,12 +427,15 @@ def clearances(run: Account) -> np.ndarray:
 
 
 def by_candidate(run: Account, name: str) -> np.ndarray:
-    """The forces or penetrations of candidates in each row; those of joints belong to the nearer stop."""
+    """Return the forces or penetrations of candidates in each row.
+
+    Those of joints belong to the nearer stop.
+    """
     values, every = run.outputs[name].copy(), run.laws
     gaps = clearances(run)
     for c, law in enumerate(every):
         if law.stop and c > 0 and every[c - 1].stop and every[c - 1].point == law.point:
-            # the first stop of a joint, joint_min, has what there is of both
+            # the first stop of a joint, joint_min, has the values of both stops
             upper = gaps[:, c] < gaps[:, c - 1]
             values[:, c] = np.where(upper, values[:, c - 1], 0.0)
             values[:, c - 1] = np.where(upper, 0.0, values[:, c - 1])
@@ -436,11 +445,11 @@ def by_candidate(run: Account, name: str) -> np.ndarray:
 
 
 def depth_bound(run: Account, law: Law, energy: float) -> float:
-    """DEEPER times the depth δ with K δⁿ⁺¹/(n+1) = all the energy that there was, plus a depth at rest.
+    """Return DEEPER times the depth δ with K δⁿ⁺¹/(n+1) = all energy so far, plus the depth at rest.
 
-    Energy: the total at the start, and what the inputs supplied, over the potential at the time. Rest: K δⁿ =
-    weight + tip force, of a stop times the length of the chain, with the torques of the inputs and what the
-    other joints' springs bear. Zero for a rigid wall.
+    The energy is the total at the start plus the supplied energy, minus the present potential energy. At
+    rest, K δⁿ = weight + tip force; for a stop, this force times the length of the chain, plus the torques of
+    the inputs and of the other joints' springs. The result is 0 for a rigid wall.
     """
     if law.stiffness == 0.0:
         return 0.0
@@ -452,7 +461,7 @@ def depth_bound(run: Account, law: Law, energy: float) -> float:
 
 
 def speeds(run: Account) -> Iterator[Row]:
-    """No contact begins with a point on its way from the wall, or ends with one on its way into it."""
+    """Check that points move into the wall when contacts begin, and away from it when they end."""
     fastest = run.chain.size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
     for name in ("impact_speed", "separation_speed"):
         known = run.impacts[name][~np.isnan(run.impacts[name])]
@@ -461,7 +470,7 @@ def speeds(run: Account) -> Iterator[Row]:
 
 
 def moments(run: Account) -> Iterator[Row]:
-    """No contact begins before the start, ends before it begins, or after all."""
+    """Check that contacts begin after the start, end after they begin, and not after the end of the run."""
     onset, end = run.impacts["onset"], run.impacts["end"]
     last = run.scene.simulation.stop_time if run.status == OK else np.inf
     over = ~np.isnan(end)
@@ -476,13 +485,13 @@ def moments(run: Account) -> Iterator[Row]:
 
 
 def falls(scene: Scene, outputs: Any) -> Iterator[Row]:
-    """That no impulse of a wall falls from one row to the next: kind, value, the most it may be, and what.
+    """Check that no impulse of a wall falls between rows; return kind, value, bound and words.
 
-    It falls by no more than ten times the tolerance of its largest value, or round-off of a momentum.
+    An impulse may fall by ten times the tolerance of its largest value, or by round-off of a momentum.
     """
     mass, size = sum(link.mass for link in scene.chain.links), max(link.length for link in scene.chain.links)
     for c, (point, wall) in enumerate(candidates(scene)):
-        if not scene.wall_names[wall].startswith("joint_"):  # those of a joint's two stops have signs
+        if not scene.wall_names[wall].startswith("joint_"):  # impulses of a joint's two stops have signs
             impulse = outputs["impulse"][:, c]
             least = 10.0 * scene.solver.tolerance * float(np.abs(impulse).max()) + ROUND_OFF * mass * size
             fall = float((np.maximum.accumulate(impulse) - impulse).max())
@@ -495,7 +504,7 @@ def falls(scene: Scene, outputs: Any) -> Iterator[Row]:
 
 
 def friction_checks(scene: Scene, outputs: Any) -> Iterator[Row]:
-    """What holds for friction at each row: kind, value, the most that it may be, and what that is."""
+    """Return checks of friction at each row: kind, value, bound and words."""
     if not scene.has_friction:
         return
     friction = outputs["friction"]
@@ -521,10 +530,10 @@ def friction_checks(scene: Scene, outputs: Any) -> Iterator[Row]:
 
 
 def state_errors(scene: Scene, outputs: Any, size: float) -> float:
-    """By how much forces at a row may be wrong [N], as the state that is interpolated there has errors.
+    """Return the possible errors of forces at a row [N], because the interpolated state has errors.
 
-    Those of positions, relative to a link length, of angles and of their rates are at most the tolerance:
-    times the stiffness n F/δ of contacts, and that of springs and dampers in joints.
+    The errors of positions, over a link length, of angles and of their rates are at most the tolerance. These
+    errors are multiplied by the stiffness n F/δ of contacts, and by that of springs and dampers in joints.
     """
     forces, depths = outputs["force"], outputs["penetration"]
     touching = depths > 0.0
@@ -534,7 +543,7 @@ def state_errors(scene: Scene, outputs: Any, size: float) -> float:
 
 
 def _static(scene: Scene, name: str) -> float:
-    """µ_s at a wall."""
+    """Return µ_s at a wall."""
     contact, own = scene.contact, scene.contact.wall.get(name)
     sliding, static = contact.friction, contact.static_friction
     if own is not None and own.friction is not None:

@@ -1,4 +1,4 @@
-"""The kernel's functions, as plain Python: they take a record whose fields are attributes."""
+"""The kernel's functions as plain Python: they take a record whose fields are attributes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from chain_impact.variables.model import Model
 
 
 class Plain:
-    """A record of NumPy with its fields as attributes; they can also be had by name, as in NumPy's own."""
+    """A record of NumPy with its fields as attributes and, as in NumPy, by name."""
 
     def __init__(self, record: np.void) -> None:
         object.__setattr__(self, "_record", record)
@@ -33,7 +33,7 @@ class Plain:
                 object.__setattr__(self, name, record[name])
 
     def __getattr__(self, name: str) -> Any:
-        """A number, as it is now."""
+        """Return the present value of a number, or a part of the record."""
         try:
             return self._record[name]
         except ValueError:
@@ -49,12 +49,12 @@ class Plain:
         self._record[name] = value
 
     def clear(self) -> None:
-        """As ``clear`` in kernel/functions.py."""
+        """Set all numbers to zero, as ``clear`` in kernel/functions.py does."""
         for name in self._record.dtype.names:
             self._record[name] = np.zeros((), self._record.dtype[name])
 
     def copy_values(self, source: Plain) -> None:
-        """As ``copy_values`` in kernel/tangent/duals.py, without derivatives."""
+        """Copy all values, as ``copy_values`` in kernel/tangent/duals.py does, without derivatives."""
         for name in self._record.dtype.names:
             self._record[name] = source._record[name]
 
@@ -74,26 +74,26 @@ def as_plain_python() -> Iterator[None]:
 
 
 def record_of(scene: Scene) -> Plain:
-    """A new instance of a scene."""
+    """Return a new instance of a scene."""
     return Plain(Model(scene).new_instance()[0])
 
 
 def begun(scene: Scene) -> Plain:
-    """An instance of a scene at the start of its run, at 0 s."""
+    """Return an instance of a scene at the start of its run, at 0 s."""
     d = record_of(scene)
     assert initialize(d, 0.0) == OK
     return d
 
 
 def make_rigid(d: Plain, rigid: Any = 1) -> None:
-    """Let the contacts of all candidates be rigid, 1, or have a force, 0; or say so of each of them."""
+    """Set whether contacts are rigid (1) or have a force (0), with one value for all or one for each."""
     d.law.impulsive[:] = rigid
     d.contact.any_rigid, d.contact.any_force = int(d.law.impulsive.any()), int(not d.law.impulsive.all())
     pack(d)
 
 
 def pack(d: Plain) -> None:
-    """Pack the active contacts as the solver does: those with a force first."""
+    """Pack the active contacts as the solver does: contacts with a force come first."""
     packed = sorted(np.flatnonzero(d.touch.active), key=lambda c: d.law.impulsive[c])
     d.touch.active_index[: len(packed)] = packed
     d.touch.active_count = len(packed)

@@ -1,10 +1,10 @@
-"""Scenes with exact answers: shared by tests, benchmarks and docs.
+"""Scenes with exact answers, for tests, benchmarks and docs.
 
-Each builder returns the scene and what must come of it, from closed forms or from
-``tests.helpers.reference``, which share nothing with the kernel. Units are SI throughout.
+Each builder returns the scene and the exact result, from closed forms or from ``tests.helpers.reference``,
+which share no code with the kernel. Units are SI throughout.
 
-Scenes keep to few pairs of (links N, candidates C), as each is one compilation: (1, 1), (1, 4), (4, 0),
-(4, 20), and one long chain, (100, 303).
+The scenes use only a few pairs of (links N, candidates C), because each pair needs a compilation: (1, 1), (1,
+4), (4, 0), (4, 20), and one long chain, (100, 303).
 """
 
 from __future__ import annotations
@@ -22,10 +22,11 @@ from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_va
 from tests.helpers.reference import PointImpact, point_impact
 
 GRAVITY = 9.81  # m/s²
-FAR = 1e3  # m, a wall that is never reached
-FLOOR = {"x_min": -FAR, "x_max": FAR, "y_min": 0.0, "y_max": FAR}  # in as many walls as the default scene
+FAR = 1e3  # [m] position of a wall that is never reached
+# a floor with as many walls as the default scene
+FLOOR = {"x_min": -FAR, "x_max": FAR, "y_min": 0.0, "y_max": FAR}
 RIGID = "newton_impact"
-GHOST = 1e-12  # N/m^(3/2), a wall that is felt by nobody: a crossing changes nothing
+GHOST = 1e-12  # [N/m^(3/2)] stiffness of a wall without any effect on the motion
 
 
 def scene_table(
@@ -41,9 +42,9 @@ def scene_table(
     tolerance: float = 1e-10,
     **more: Any,
 ) -> dict[str, Any]:
-    """A scene as its file has it.
+    """Return the table of a scene, in the form of its file.
 
-    ``contact`` and ``initial`` hold the keys of these tables, ``more`` other tables.
+    ``contact`` and ``initial`` contain keys of these tables, ``more`` other tables.
     """
     return {
         "name": name,
@@ -65,17 +66,17 @@ def build(
     contact: Mapping[str, Any],
     **more: Any,
 ) -> Scene:
-    """A validated scene, of what ``scene_table`` takes."""
+    """Return a validated scene, from the arguments of ``scene_table``."""
     return scene_from_dict(scene_table(name, links, initial, box, contact, **more), name)
 
 
 def contact_table(**changes: Any) -> dict[str, Any]:
-    """The [contact] table of these scenes: Zhang–Sharf with e = 0.7 and K = 1e8, unless changed."""
+    """Return the [contact] table of these scenes: Zhang–Sharf with e = 0.7 and K = 1e8, with changes."""
     return {"model": "zhang_sharf", "stiffness": 1e8, "restitution": 0.7} | changes
 
 
 def of_law(law: str, otherwise: float = 1.5) -> dict[str, Any]:
-    """The keys of the [contact] table that choose a law, with the exponent that it needs, if any."""
+    """Return the keys of the [contact] table that choose a law, with the exponent that it needs, if any."""
     return {"model": law, "exponent": CONTACT_LAWS[law].exponent or otherwise}
 
 
@@ -89,7 +90,7 @@ def ball(
     tolerance: float = 1e-10,
     **contact: Any,
 ) -> Scene:
-    """A point mass above the floor: a link with its centre of mass at the base, which is what may touch."""
+    """Return a point mass above the floor: a link with its centre of mass at the base, which may touch."""
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
     initial = {"position": [0.0, height], "angles": [0.0], "velocity": [0.0, -speed]}
     table = contact_table(points=[0], **contact)
@@ -108,30 +109,30 @@ def ball(
 def struck_ball(
     mass: float = 1.0, speed: float = 1.0, damping_factor: float = 0.0, **contact: Any
 ) -> tuple[Scene, PointImpact]:
-    """A ball that flies 1 mm to the floor without gravity, and its exact impact for the law's λ."""
+    """Return a ball that flies 1 mm to the floor without gravity, and its exact impact for the law's λ."""
     scene = ball(height=1e-3, speed=speed, mass=mass, **contact)
     k, n = scene.contact.stiffness, scene.contact.exponent
     exact = point_impact(mass, speed, k, n, damping_factor)
-    # long enough to come, to touch and to leave
+    # enough time to arrive, to touch and to leave
     return with_values(scene, {("simulation", "stop_time"): 2e-3 / speed + 2 * exact.duration}), exact
 
 
 @dataclass(frozen=True)
 class Drop:
-    """When and how fast something dropped arrives: onset [s], speed [m/s]."""
+    """The arrival of a body that is dropped: onset [s], speed [m/s]."""
 
     onset: float
     speed: float
 
 
 def dropped_ball(height: float = 1.0, stop_time: float = 0.5, **contact: Any) -> tuple[Scene, Drop]:
-    """A ball dropped from rest: t = √(2h/g), v = √(2gh)."""
+    """Return a ball that is dropped from rest, and its arrival: t = √(2h/g), v = √(2gh)."""
     scene = ball(height, 0.0, gravity=GRAVITY, stop_time=stop_time, **contact)
     return scene, Drop(math.sqrt(2 * height / GRAVITY), math.sqrt(2 * GRAVITY * height))
 
 
 def rest_depth(scene: Scene, points: int = 1) -> float:
-    """Penetration (m g/(k K))^(1/n) [m] at which a chain rests on k equally loaded points."""
+    """Return the penetration (m g/(k K))^(1/n) [m] of a chain that rests on k equally loaded points."""
     weight = -scene.gravity[1] * sum(link.mass for link in scene.chain.links)
     return (weight / (points * scene.contact.stiffness)) ** (1 / scene.contact.exponent)
 
@@ -148,12 +149,12 @@ def rod(
     length: float = 1.0,
     **contact: Any,
 ) -> Scene:
-    """A uniform rod of 1 kg above the floor, whose lower end starts at the height ``lowest`` [m].
+    """Return a uniform rod of 1 kg above the floor, whose lower end starts at the height ``lowest`` [m].
 
     Args:
         tilt: angle from the floor [rad]; the base is the lower end for a tilt > 0.
         lowest: height of the lower end [m].
-        speed: of the centre towards the floor [m/s].
+        speed: speed of the centre towards the floor [m/s].
         spin: angular velocity [rad/s].
         gravity: [m/s²].
         stop_time: [s].
@@ -180,7 +181,7 @@ def rod(
 class RodImpact:
     """The rigid impact of a rod's end: effective mass [kg], spin after it [rad/s], speed of the centre.
 
-    The speed [m/s] is upwards, away from the floor.
+    The speed of the centre [m/s] is positive upwards, away from the floor.
     """
 
     effective_mass: float
@@ -189,36 +190,36 @@ class RodImpact:
 
 
 def struck_rod(tilt: float, restitution: float, stiffness: float) -> tuple[Scene, RodImpact]:
-    """A rod at an angle whose end hits the floor at 1 m/s, and Newton's impact: m_eff = m/(1 + 3cos²θ).
+    """Return a rod at an angle whose end hits the floor at 1 m/s with m_eff = m/(1 + 3cos²θ).
 
     The impulse p = m_eff (1+e) v at the distance (L/2)cosθ from the centre, with I = mL²/12 and m = L = 1.
     """
     scene = rod(tilt, 1e-3, restitution=restitution, stiffness=stiffness, stop_time=0.02)
     effective = 1.0 / (1.0 + 3.0 * math.cos(tilt) ** 2)
     impulse = effective * (1.0 + restitution)
-    # on the base, to the left of the centre for cos θ > 0: it turns the rod clockwise
+    # the impulse acts on the base, to the left of the centre for cos θ > 0: it turns the rod clockwise
     return scene, RodImpact(effective, -6.0 * impulse * math.cos(tilt), impulse - 1.0)
 
 
 def flat_rod(tilt: float = 0.0, **contact: Any) -> Scene:
-    """A rod that hits the floor flat, both ends at once, at 1 m/s: e_out = e and no spin."""
+    """Return a rod that hits the floor flat, with both ends at once, at 1 m/s: e_out = e and no spin."""
     return rod(tilt, 1e-3, **contact)
 
 
 def clattering_rod(restitution: float, stiffness: float = 1e10) -> tuple[Scene, float]:
-    """A rod that is all but flat: one end hits first, and the other arrives at v(3+e)/2 [m/s].
+    """Return a nearly flat rod: one end hits first, and the other end arrives at v(3+e)/2 [m/s].
 
-    By Newton's impact of one end, in the limit of a short contact and a small angle. The tilt leaves the
-    second end so far behind (1 mm) that the first contact is over when it arrives.
+    The speed follows from Newton's impact of one end, in the limit of a short contact and a small angle. The
+    second end arrives so late (1 mm behind) that the first contact has ended then.
     """
     return rod(1e-3, 1e-3, restitution=restitution, stiffness=stiffness), (3.0 + restitution) / 2.0
 
 
 def cornered_rod(restitution: float, stiffness: float = 1e8) -> Scene:
-    """A rod at 45° that flies at 1 m/s along itself into a corner: it returns at e m/s without spin.
+    """Return a rod at 45° that flies at 1 m/s along itself into a corner: it returns at e m/s without spin.
 
-    Both walls are hit at once by the same point; by symmetry each stops its own component of the
-    velocity, as a point mass m would be.
+    The same point hits both walls at once; by symmetry each wall reverses its own component of the velocity,
+    as for a point mass m.
     """
     s = math.sqrt(0.5)
     initial = {"position": [1e-3, 1e-3], "angles": [math.pi / 4], "velocity": [-s, -s]}
@@ -229,7 +230,7 @@ def cornered_rod(restitution: float, stiffness: float = 1e8) -> Scene:
 
 @dataclass(frozen=True)
 class Crossings:
-    """Contacts with walls that nobody feels, in order of onset: point, onset [s], end [s]."""
+    """Contacts with walls without effect, in order of onset: point, onset [s], end [s]."""
 
     point: np.ndarray
     onset: np.ndarray
@@ -239,7 +240,7 @@ class Crossings:
 def ghost_spinner(
     clearance: float, spin: float = 10.0, turns: int = 6, tolerance: float = 1e-10
 ) -> tuple[Scene, Crossings]:
-    """A rod of 1 m that spins about its centre above a floor it does not feel.
+    """Return a rod of 1 m that spins about its centre above a floor without effect.
 
     The centre stays at the height ½ + ``clearance`` [m]: the ends dip through the floor once a turn if that
     is < ½, where sin φ = −2h for the angle φ of the centre → end vector, and only there.
@@ -261,7 +262,7 @@ def ghost_spinner(
 
 @dataclass(frozen=True)
 class Swing:
-    """A rod that bounces to and fro between two walls: first onset, period and duration of contacts [s]."""
+    """The motion of a rod between two walls: first onset, period and duration of contacts [s]."""
 
     first: float
     period: float
@@ -271,11 +272,11 @@ class Swing:
 def swinging_rod(
     half_width: float = 0.4, spin: float = 10.0, stiffness: float = 1e8, tolerance: float = 1e-10
 ) -> tuple[Scene, Swing]:
-    """A rod of 1 m turning about its centre in a corridor that is too narrow for a whole turn, elastic.
+    """Return a rod of 1 m that turns about its centre in a corridor too narrow for a whole turn, elastic.
 
     Both ends hit at once, one the floor and one the ceiling, so the centre stays and the one coordinate φ
-    obeys I φ̈ = −L cosφ K δ^{3/2} with δ = ½ sin φ − w; it swings between ±a, sin a = 2w, at the same rate
-    there and back. A contact lasts 2∫dφ/√(ω² − 4E(φ)/I), with E = (2/5)Kδ^{5/2} in each of the two.
+    obeys I φ̈ = −L cosφ K δ^{3/2} with δ = ½ sin φ − w; the rod swings between ±a, sin a = 2w, at the same
+    rate in both directions. A contact lasts 2∫dφ/√(ω² − 4E(φ)/I), with E = (2/5)Kδ^{5/2} in each of the two.
     """
     box = {"y_min": -half_width, "y_max": half_width}
     scene = rod(0.0, 0.0, 0.0, spin, stop_time=1.0, box=box, model="hertz", stiffness=stiffness)
@@ -284,7 +285,7 @@ def swinging_rod(
     with mpmath.workdps(30):
         w, k = mpmath.mpf(half_width), mpmath.mpf(stiffness)
 
-        def square(phi: Any) -> Any:  # φ̇²
+        def square(phi: Any) -> Any:  # returns φ̇²
             depth = max(mpmath.sin(phi) / 2 - w, mpmath.mpf(0))
             return spin**2 - 4 * (mpmath.mpf(2) / 5) * k * depth**2.5 / inertia
 
@@ -297,7 +298,7 @@ def swinging_rod(
 
 
 def tumbling_chain(stop_time: float = 10.0, tolerance: float = 1e-10) -> Scene:
-    """Four unlike links, spinning fast, falling free, with nothing to hit."""
+    """Return four unequal links that spin fast and fall freely, with nothing to hit."""
     links = [
         {"length": 0.5, "mass": 1.0},
         {"length": 0.4, "mass": 1.5, "center_of_mass": 0.1},
@@ -319,7 +320,10 @@ def tumbling_chain(stop_time: float = 10.0, tolerance: float = 1e-10) -> Scene:
 def flat_chain(
     height: float, tilts: Sequence[float] = (0.0,) * 4, stop_time: float = 0.1, **contact: Any
 ) -> Scene:
-    """Four equal rods in a row above the floor, five points to touch it; mirror-symmetric about x = 1."""
+    """Return four equal rods in a row above the floor, with five points to touch it.
+
+    Symmetric about x = 1.
+    """
     initial = {"position": [0.0, height], "angles": tilts}
     rods = [{"length": 0.5, "mass": 1.0}] * 4
     return build(
@@ -330,7 +334,7 @@ def flat_chain(
 def stiff_joint(
     damping: float, count: int = 2, stop_time: float = 1.0, base: str = "free", **contact: Any
 ) -> Scene:
-    """Links of 50 g and 0.5 m whose joints are so damped [N·m·s/rad] that they turn as one."""
+    """Return links of 50 g and 0.5 m whose joints have so much damping [N·m·s/rad] that they turn as one."""
     rods = [{"length": 0.5, "mass": 0.05, "joint_damping": damping} for _ in range(count)]
     if base == "free":
         rods[0]["joint_damping"] = 0.0
@@ -355,7 +359,7 @@ def stiff_joint(
 
 
 def heap(stop_time: float, **contact: Any) -> Scene:
-    """A hundred short links above a floor, on which they come to lie in a heap."""
+    """Return a hundred short links above a floor, on which they form a heap."""
     links = [{"length": 0.1, "mass": 0.1}] * 100
     initial = {"position": [0.0, 0.5], "angles": [0.8 * math.sin(i) for i in range(100)]}
     box, table = {"x_min": -1.0, "x_max": 12.0, "y_min": 0.0}, contact_table(**contact)
@@ -363,14 +367,14 @@ def heap(stop_time: float, **contact: Any) -> Scene:
 
 
 def default_scene(**changes: Any) -> Scene:
-    """The scene of models/four_link_box with some keys of its [contact] table changed."""
+    """Return the scene of models/four_link_box with some keys of its [contact] table changed."""
     return with_values(
         load_scene("four_link_box"), {("contact", key): value for key, value in changes.items()}
     )
 
 
 def driven(stop_time: float = 0.076) -> Scene:
-    """An arm whose servos swing it into a wall, and pull on its tip while that touches the wall."""
+    """Return an arm whose servos swing it into a wall, with a force on its tip during the contact."""
     servos = [(0.4, 2.0, 300.0, 12.0), (0.35, 1.5, 200.0, 8.0), (0.25, 0.8, 80.0, 3.0)]
     keys = ("length", "mass", "joint_stiffness", "joint_damping")
     table = {
@@ -387,18 +391,18 @@ def driven(stop_time: float = 0.076) -> Scene:
 
 
 def rigid(scene: Scene, **contact: Any) -> Scene:
-    """The scene with rigid walls, and with some keys of its [contact] table changed."""
+    """Return the scene with rigid walls, and with some keys of its [contact] table changed."""
     changes = {("contact", key): value for key, value in contact.items()}
     return with_values(scene, {("contact", "model"): RIGID} | changes)
 
 
 def own_law() -> Callable[..., float]:
-    """A user's law, as a function that is defined within another."""
+    """Return a user's law, as a function that is defined inside another function."""
 
     def mine(
         penetration: float, rate: float, impact_speed: float, stiffness: float, exponent: float
     ) -> float:
-        """Hunt and Crossley with λ = 0.2."""
+        """Return the force of Hunt and Crossley with λ = 0.2."""
         return stiffness * math.pow(penetration, exponent) * (1.0 + 0.2 * rate / impact_speed)
 
     return mine

@@ -1,4 +1,4 @@
-"""Processes that have imported a module already, and a clean Python for them, made without a download."""
+"""Processes that have already imported a module, and a clean Python for them, made without a download."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from typing import Any
 from packaging.requirements import Requirement
 
 FORKS = Path(__file__).with_name("forks.py")
-PATIENCE = 600.0  # s, for a function to end, however slow the machine is
+PATIENCE = 600.0  # [s] time for a function to end, even on a slow machine
 
 
 def make_environment(folder: Path, *names: str) -> None:
-    """A virtual environment that holds some distributions of this one and what they need, and no more."""
+    """Make a virtual environment with only some distributions of this one, and those that they need."""
     venv.create(folder, symlinks=True)
     (packages,) = folder.glob("lib/python*/site-packages")
     wanted, known = [*names], set()
@@ -39,26 +39,26 @@ def make_environment(folder: Path, *names: str) -> None:
 
 
 class Processes:
-    """Runs functions, each in a process of its own.
+    """Runs functions, each in a separate process.
 
-    The processes are forked from one that has imported a module and done nothing else, since the import takes
-    longer than most of the functions.
+    The processes are forked from a process that has only imported a module, because the import takes longer
+    than most of the functions.
     """
 
     def __init__(
         self, folder: Path, modules: Path, python: str | Path, *options: str, **settings: Any
     ) -> None:
-        """Those of a Python with some options and settings of ``Popen``.
+        """Prepare processes of a Python, with some options and settings of ``Popen``.
 
-        ``folder`` is for what they print, ``modules`` has the modules that they import.
+        ``folder`` is for the printed output, ``modules`` contains the modules that the processes import.
         """
         self.folder, self.command, self.settings = folder, [python, *options, FORKS, modules], settings
         self.parents: dict[str, subprocess.Popen[str]] = {}
 
     def run(self, function: Callable[..., Any], *arguments: Any, module: str) -> Any:
-        """``function(*arguments)``; all that it uses is what it imports and the module.
+        """Return ``function(*arguments)``; the function may only use its own imports and the module.
 
-        Arguments and result pass as JSON, which keeps doubles to the last bit.
+        Arguments and result are sent as JSON, which keeps all bits of doubles.
         """
         source = re.sub(r"\A.*?^(?=def )", "", getsource(function), flags=re.MULTILINE | re.DOTALL)
         code, printed, errors = self.call([source, function.__name__, arguments], module)
@@ -66,10 +66,10 @@ class Processes:
         return json.loads(printed.splitlines()[-1])
 
     def call(self, call: list[Any], module: str) -> tuple[int, str, str]:
-        """The exit code, or minus the number of a signal, and what was printed to both streams."""
+        """Return the exit code, or minus the number of a signal, and the printed texts of both streams."""
         parent = self.parents.get(module) or self.start(module)
         files = [self.folder / name for name in ("printed", "errors")]
-        with suppress(BrokenPipeError):  # it has died, which is said below
+        with suppress(BrokenPipeError):  # the process has died, which is reported below
             print(json.dumps([*call, *map(str, files)]), file=parent.stdin, flush=True)
         ready, _, _ = select.select([parent.stdout], [], [], PATIENCE)
         answer = parent.stdout.readline() if ready else ""
@@ -77,7 +77,10 @@ class Processes:
         return int(answer), *(file.read_text(encoding="utf-8", errors="replace") for file in files)
 
     def failure(self, module: str, what: str) -> str:
-        """What is wrong with the process that imports a module; it is ended, the next call starts anew."""
+        """Return the fault of the process that imports a module.
+
+        End the process, so that the next call starts another.
+        """
         parent = self.parents.pop(module)
         parent.kill()
         with suppress(BrokenPipeError):
@@ -85,11 +88,11 @@ class Processes:
         return f"the process that imports {module} {what}:\n{self.errors(module).read_text(errors='replace')}"
 
     def errors(self, module: str) -> Path:
-        """What the process that has imported a module writes on standard error."""
+        """Return the text that the process with an imported module has written to standard error."""
         return self.folder / f"{module}.errors"
 
     def start(self, module: str) -> subprocess.Popen[str]:
-        """The process that has imported a module."""
+        """Return the process that has imported a module; start it if necessary."""
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
         with self.errors(module).open("w") as errors:
             self.parents[module] = subprocess.Popen(
@@ -98,6 +101,6 @@ class Processes:
         return self.parents[module]
 
     def end(self) -> None:
-        """End the processes that have imported something."""
+        """End the processes that have imported a module."""
         for parent in self.parents.values():
             parent.communicate()

@@ -1,8 +1,9 @@
-"""Random chains of bodies: offsets of centres of mass, points and boxes, sliders; what all of them must keep.
+"""Random chains of bodies (offsets of centres of mass, points, boxes, sliders), and checks that hold for all.
 
-``python -m tests.helpers.random_bodies FIRST COUNT`` runs so many scenes and prints what is wrong: that
-accelerations are not those of Lagrange's equations with the forces of contact that are told, that energy is
-not balanced, that a penetration is not that of the place of its point, or that the output step changes a bit.
+``python -m tests.helpers.random_bodies FIRST COUNT`` runs so many scenes and prints faults: accelerations
+that differ from Lagrange's equations with the contact forces in the outputs, an energy balance that is not
+constant, a penetration that does not belong to the position of its point, or results whose bits depend on the
+output step.
 """
 
 from __future__ import annotations
@@ -32,19 +33,19 @@ from chain_impact.simulation.instance import SimulationError
 from tests.helpers.body_model import BodyModel
 from tests.helpers.random_scenes import Draw
 
-ROWS = 40  # at which a run is looked at
-BALANCE = 1000.0  # times the tolerance, of all energy: an imbalance beyond it is a finding
-FALL = 10.0  # likewise, by which dissipation may fall between rows
-RESIDUAL = 1e-9  # of the largest generalized force
-DEEP = 1e-9  # m or rad, between a penetration and the place of its point
+ROWS = 40  # number of rows at which a run is checked
+BALANCE = 1000.0  # largest change of the energy balance, over the tolerance times all energy
+FALL = 10.0  # largest decrease of the dissipated energy between rows, over the tolerance times all energy
+RESIDUAL = 1e-9  # largest error of the equations of motion, over the largest generalized force
+DEEP = 1e-9  # [m or rad] largest difference between a penetration and the position of its point
 CLOSED = (BASE_BEYOND_WALL, NO_ROOM, EVENT_STORM, STEP_TOO_SMALL, TOO_MUCH_WORK)
-"""How a run ends in which walls or a base that move leave the chain no room."""
-DRIVEN = 10000  # the first seed of scenes with drives, and with bases and walls that move
-WORK = 5e6  # evaluations a second, beyond which a run ends early
+"""The fault of a run in which moving walls, or a moving base, leave the chain no room."""
+DRIVEN = 10000  # the first seed of scenes with drives, and with moving bases and walls
+WORK = 5e6  # [1/s] evaluations per second at which a run ends early
 
 
 def bodies(seed: int) -> Scene:
-    """One to four links, most of them bodies, on any base, beside walls or stops that they touch."""
+    """Return one to four links, most of them bodies, on any base, beside walls or stops that touch them."""
     draw = Draw(seed, 66)
     base = draw.one(("free", "pinned", "slider"))
     chain: dict[str, Any] = {"base": base}
@@ -87,7 +88,7 @@ def bodies(seed: int) -> Scene:
 
 
 def link(draw: Draw, grounded: bool) -> dict[str, Any]:
-    """A link; ``grounded`` tells whether it has a joint."""
+    """Return the table of a link; ``grounded``: whether the link has a joint."""
     length = draw.real(0.1, 0.6)
     found: dict[str, Any] = {"length": length, "mass": draw.power(0.1, 3.0)}
     if draw.chance(0.7):
@@ -113,7 +114,7 @@ def link(draw: Draw, grounded: bool) -> dict[str, Any]:
 
 
 def slider_of(draw: Draw) -> dict[str, Any]:
-    """A line with any of what a slider has."""
+    """Return the table of a slider with some of its possible features."""
     found = {
         "angle": draw.one((0.0, math.pi / 2, draw.real(-math.pi, math.pi))),
         "mass": draw.one((0.0, draw.power(0.1, 5.0)), (0.2, 0.8)),
@@ -129,7 +130,7 @@ def slider_of(draw: Draw) -> dict[str, Any]:
 
 
 def driven(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
-    """The scene with drives, which have targets or forces, limits, or both; bases and walls may move."""
+    """Return the scene with drives that have targets, forces or limits; bases and walls may move."""
     chain, count = data["chain"], len(data["chain"]["links"])
     joints, slides = range(1 + (chain["base"] == "free"), count + 1), chain["base"] == "slider"
     follow, pushed, stop = draw.chance(0.5), draw.chance(0.5), data["simulation"]["stop_time"]
@@ -145,7 +146,7 @@ def driven(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
     if slides and draw.chance(0.4):
         chain["slider"]["force_limit"] = draw.power(0.1, 30.0)
     still = chain["base"] == "pinned" and draw.chance(0.4)
-    # walls that no point may touch are left out, and do not move
+    # walls that no point may touch are left out of the names, and do not move
     there = scene_from_dict(data, "bodies").wall_names
     moving = [wall["name"] for wall in data["walls"] if draw.chance(0.5) and wall["name"] in there]
     data["inputs"] = {
@@ -163,7 +164,7 @@ def driven(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
     data["signals"] = {f"drive_{k}": {"input": name, **signal(draw, stop)} for k, name in enumerate(names)}
     for k, name in enumerate(swings):
         size = draw.power(1e-3, 0.1)
-        # 1 − cos: it starts from rest where it is
+        # 1 − cos: the motion begins at rest, at the present position
         swing = {"mean": size, "amplitude": size, "phase": -math.pi / 2}
         data["signals"][f"swing_{k}"] = {
             "input": name,
@@ -175,7 +176,7 @@ def driven(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
 
 
 def signal(draw: Draw, stop: float) -> dict[str, Any]:
-    """What a drive or a belt gets: any form, over a time of ``stop`` [s]."""
+    """Return a signal of any form for a drive or a belt, over a time of ``stop`` [s]."""
     size, start = draw.power(0.05, 5.0) * draw.one((-1.0, 1.0)), stop * draw.real(0.0, 0.6)
     return draw.one(
         (
@@ -188,7 +189,10 @@ def signal(draw: Draw, stop: float) -> dict[str, Any]:
 
 
 def contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
-    """Any law; points of the joints' own only sometimes, as bodies have others."""
+    """Return the table of any contact law.
+
+    Joints are points only sometimes, because bodies have other points.
+    """
     law = CONTACT_LAWS[draw.one([*CONTACT_LAWS])]
     movable = range(base == "pinned", count + 1)
     found: dict[str, Any] = {
@@ -206,7 +210,7 @@ def contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
 
 
 def walls(draw: Draw, scene: Scene, driven: bool) -> list[dict[str, Any]]:
-    """One to three walls near what may touch them."""
+    """Return one to three walls near the points that may touch."""
     links, found = len(scene.chain.links), []
     may = {point for point in scene.start if point > links} | {*scene.contact.points}
     if driven and scene.chain.base == "pinned":
@@ -215,7 +219,7 @@ def walls(draw: Draw, scene: Scene, driven: bool) -> list[dict[str, Any]]:
     for number in range(draw.whole(1, 3)):
         angle = draw.one((0.0, draw.real(-math.pi, math.pi)))
         if scene.chain.slider and scene.chain.slider.angle == angle:
-            angle += 0.1  # what is parallel to all that points can do is refused
+            angle += 0.1  # a wall that is parallel to the motion of all points is refused
         nx, ny = -math.sin(angle), math.cos(angle)
         least = min((nx * x + ny * y - radius for x, y, radius in places), default=0.0)
         at = least - draw.one((0.0, draw.power(1e-6, 1e-2), draw.real(0.01, 0.5)), (0.1, 0.1, 0.8))
@@ -224,7 +228,7 @@ def walls(draw: Draw, scene: Scene, driven: bool) -> list[dict[str, Any]]:
 
 
 def faults(seed: int) -> list[str]:
-    """What is wrong with the scene of a seed, each in words that begin with the kind."""
+    """Return the faults in the scene of a seed, each in words that begin with the kind."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         scene = bodies(seed)
@@ -245,7 +249,7 @@ def faults(seed: int) -> list[str]:
 
 
 def same(run: Result, other: Result) -> bool:
-    """Whether two runs have the same impacts and the same end, to the last bit."""
+    """Return whether two runs have the same impacts and the same end, bit by bit."""
     names = ("point[0].x", "point[0].vy", *(f"link[{i + 1}].angle" for i in range(run.link_count)))
     return run.impacts.tobytes() == other.impacts.tobytes() and all(run[n][-1] == other[n][-1] for n in names)
 
@@ -265,7 +269,7 @@ def wrong_energy(run: Result) -> list[str]:
 
 
 def wrong_motion(run: Result) -> list[str]:
-    """What is wrong with accelerations and penetrations, beside the independent model."""
+    """Return faults of accelerations and penetrations, compared with the independent model."""
     scene, found, model = run.scene, [], BodyModel(without_stops(run.scene))
     inputs = {*inputs_of(scene)} & {*run.names}
     for row in range(len(run.time)):
@@ -273,7 +277,7 @@ def wrong_motion(run: Result) -> list[str]:
         model.set_inputs(run.time[row])
         y = state_of(run, model, row)
         place, look = model.locate(y), model.look(y, ())
-        # all forces but those of contacts and friction, P^T (M q̈ − f) = 0 of what is left
+        # all forces except those of contacts and friction: P^T (M q̈ − f) = 0 must hold for the rest
         q = accelerations_of(run, row)
         force = (place.mass @ look.acceleration[..., None])[0, :, 0]
         sizes = [np.abs(force).max(), np.abs(place.mass[0] @ q).max(), 1e-3]
@@ -304,13 +308,13 @@ def wrong_motion(run: Result) -> list[str]:
 
 
 def without_stops(scene: Scene) -> Scene:
-    """The scene without stops in joints."""
+    """Return the scene without stops in joints."""
     links = tuple(replace(link, joint_min=None, joint_max=None) for link in scene.chain.links)
     return replace(scene, chain=replace(scene.chain, links=links))
 
 
 def state_of(run: Result, model: BodyModel, row: int) -> np.ndarray:
-    """The state of the model in a row of a run."""
+    """Return the state of the model for a row of a run."""
     y, n = np.zeros((1, model.size), complex), model.links
     for j, axis in enumerate("xy"):
         y[:, j], y[:, model.v.start + j] = run[f"point[0].{axis}"][row], run[f"point[0].v{axis}"][row]
@@ -321,13 +325,13 @@ def state_of(run: Result, model: BodyModel, row: int) -> np.ndarray:
 
 
 def accelerations_of(run: Result, row: int) -> np.ndarray:
-    """The accelerations of the coordinates in a row of a run."""
+    """Return the accelerations of the coordinates in a row of a run."""
     links = (f"link[{i + 1}].angular_acceleration" for i in range(run.link_count))
     return np.array([run[name][row] for name in ("point[0].ax", "point[0].ay", *links)])
 
 
 def friction_name(model: BodyModel, e: int) -> str:
-    """The output with the force of an element of dry friction."""
+    """Return the name of the output with the force of an element of dry friction."""
     if e < model.friction.first_joint:
         return f"contact[{model.points[e]}].{model.scene.wall_names[model.walls[e]]}.friction_force"
     joint = e - model.friction.first_joint

@@ -1,9 +1,10 @@
-"""Random scenes for derivatives in all rows and impacts, against central differences of two sizes.
+"""Random scenes whose derivatives, in all rows and impacts, are compared with central differences.
 
-Each kind of scene ends its steps in other ways: explicit steps are cut where a contact begins, and repeated
-where one ends or a force has a kink; implicit ones are repeated at every event; a lone contact has a variable
-of its own; rigid walls release what they hold; drives reach their limits; friction sticks and slides; inputs
-bend. ``python -m tests.helpers.random_derivatives KIND FIRST COUNT`` checks more of a kind than the tests do.
+In each kind of scene, steps end in other ways: explicit steps are truncated where a contact begins, and
+repeated where a contact ends or a force has a kink; implicit steps are repeated at every event; a single
+contact has its own integration variable; rigid walls release points; drives reach their limits; friction
+sticks and slides; inputs have kinks. ``python -m tests.helpers.random_derivatives KIND FIRST COUNT`` checks
+more of a kind than the tests do.
 """
 
 from __future__ import annotations
@@ -28,12 +29,14 @@ from tests.helpers.problems import of_law
 from tests.helpers.random_scenes import Draw
 from tests.helpers.resting_chains import shares_left_open
 
-SIZES = (1e-6, 5e-6)  # of the differences, relative to the parameter
-AGREE = 3e-3  # of a derivative: differences of both sizes that are nearer to each other have one limit
-WRONG = 1e-2  # of a derivative: more is not the error of a run
-# of all in a column, and of value over parameter: what is less is not told from the errors of the runs
+SIZES = (1e-6, 5e-6)  # sizes of the differences, relative to the parameter
+AGREE = 3e-3  # largest difference of the two differences that count as having one limit, over the derivative
+WRONG = 1e-2  # largest error of a derivative that errors of a run explain, over the derivative
+# smallest derivative that is compared, over the largest one of a column, and over value over parameter;
+# smaller ones are errors of the runs
 LEAST = 1e-3
-# what a run leaves open is told as a part of the largest derivative of a place: that of rates may be larger
+# factor on the error that a run reports: it is relative to the largest derivative of a position, and the
+# error of rates may be larger
 OPEN = 10.0
 PARAMETERS = (
     "link[1].mass",
@@ -54,7 +57,7 @@ Given = tuple[dict[str, Any], dict[str, Any]]  # a scene as a table, and inputs
 
 @dataclass
 class Checked:
-    """How many derivatives were compared, in how many rows, and those that are wrong."""
+    """The numbers of compared derivatives and of rows, and the wrong derivatives."""
 
     rows: int = 0
     compared: int = 0
@@ -62,7 +65,7 @@ class Checked:
 
 
 def thrown(draw: Draw, stiffest: float = 1e6, rigid: bool = False, **asked: Any) -> Given:
-    """One to three links that fall on a floor, or swing on a pinned base against a floor or a wall."""
+    """Return one to three links that fall on a floor, or swing on a pinned base against a floor or a wall."""
     pinned, friction = asked.get("pinned", draw.chance(0.4)), asked.get("friction", 0.0)
     links = []
     for i in range(draw.whole(1, 3)):
@@ -110,7 +113,7 @@ def thrown(draw: Draw, stiffest: float = 1e6, rigid: bool = False, **asked: Any)
 
 
 def driven(draw: Draw) -> Given:
-    """A chain that a force at its tip pulls, which is linear in time between a few times."""
+    """Return a chain with a force at its tip that is piecewise linear in time."""
     scene, _ = thrown(draw, friction=0.3)
     times = [0.0, draw.real(0.1, 0.4), draw.real(0.5, 0.7), 1.0]
     scene["inputs"] = {"tip_force": True}
@@ -118,7 +121,7 @@ def driven(draw: Draw) -> Given:
 
 
 def servos(draw: Draw) -> Given:
-    """An arm with stiff servos, which reach the limits of their torques as it falls on a floor."""
+    """Return an arm with stiff servos, which reach the limits of their torques as it falls on a floor."""
     links = [
         {
             "length": draw.real(0.2, 0.5),
@@ -159,7 +162,7 @@ KINDS: dict[str, Callable[[Draw], Given]] = {
 
 
 def given(kind: str, seed: int) -> tuple[Scene, dict[str, Any], list[str]] | None:
-    """A scene of a kind with all its values given, inputs, and parameters; None if it starts in a wall."""
+    """Return a scene of a kind with all values given, inputs, and parameters; None if it starts in a wall."""
     draw = Draw([*KINDS].index(kind), seed)
     table, inputs = KINDS[kind](draw)
     try:
@@ -176,7 +179,10 @@ def given(kind: str, seed: int) -> tuple[Scene, dict[str, Any], list[str]] | Non
 
 
 def check(kind: str, seed: int) -> Checked:
-    """Compare the derivatives of a scene; what is wrong is so also beside runs of a smaller tolerance."""
+    """Compare the derivatives of a scene.
+
+    Count as wrong only those that are also wrong at a smaller tolerance.
+    """
     case = given(kind, seed)
     if case is None:
         return Checked()
@@ -204,7 +210,7 @@ def compare(scene: Scene, inputs: dict[str, Any], parameters: list[str], scale: 
 
 
 def moved(scene: Scene, inputs: dict[str, Any], parameter: str, size: float) -> tuple[Result, Result, float]:
-    """Runs with more and with less of a parameter, and the difference between the two."""
+    """Return runs with a larger and a smaller parameter, and the difference between the two values."""
     value = scene.values[parameter]
     more, less = (
         simulate(scene.with_values({parameter: value * (1.0 + sign * size)}), inputs=inputs)
@@ -214,7 +220,7 @@ def moved(scene: Scene, inputs: dict[str, Any], parameter: str, size: float) -> 
 
 
 def compare_one(result: Result, parameter: str, value: float, near: Any, found: Checked) -> None:
-    """Compare the derivatives by a parameter, of all outputs and of the impacts that all runs have."""
+    """Compare the derivatives by a parameter of all outputs, and of the impacts that all runs have."""
     by = result.sensitivities
     columns = [name for name in by.columns if name in result.columns and name != "time"]
     values = np.stack([result[name] for name in columns], 1)
@@ -246,18 +252,18 @@ def compare_one(result: Result, parameter: str, value: float, near: Any, found: 
 
 
 def left_open(result: Result) -> float:
-    """The share of the largest derivative by which a run says that its derivatives may be off.
+    """Return the error of derivatives that a run reports, over the largest derivative.
 
-    With friction it is at least APART: what is less is not told.
+    With friction the result is at least APART, because a run does not report smaller errors.
     """
     untold = APART if any(name.endswith("friction_impulse") for name in result.columns) else 0.0
     return max(shares_left_open(result), default=untold)
 
 
 def differ(slopes: Any, one: Any, other: Any, floor: Any, told: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Which derivatives are wrong, and which are compared: given ones, where both differences agree.
+    """Return which derivatives are wrong, and which are compared: those for which both differences agree.
 
-    Less than ``floor`` is not compared; the run says that it may be off by ``told``.
+    Derivatives below ``floor`` are not compared; ``told`` is the error that the run reports.
     """
     size, apart = np.maximum(np.abs(other), floor + 1e-9), np.abs(one - other)
     compared = (apart <= AGREE * size) & ~np.isnan(slopes)

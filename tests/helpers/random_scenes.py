@@ -1,10 +1,10 @@
-"""Random scenes for the search for faults: anything that a user may ask for, made from one integer.
+"""Random scenes for the search for faults: scenes with any feature, each made from one integer.
 
-``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. Each special
-kind of scenes has seeds and draws of its own. A scene is meant to cost milliseconds, whatever it is made of:
-the stop time is cut to what the links' turning, the tolerance and the method call for. Where a scene asks for
-much work, and nobody could spare the solver that, ``solver.work_limit`` ends it early (``hard``); everywhere
-else it keeps its default, so that slowness shows.
+``scene(seed)`` always gives the same scene, as long as nobody changes the order of the random numbers below.
+Each special kind of scenes has its own seeds and random numbers. Every scene should take milliseconds: the
+stop time depends on how fast the links turn, on the tolerance and on the method. If a scene necessarily needs
+much work, ``solver.work_limit`` ends it early (``hard``); in all other scenes this limit keeps its default,
+so that a slow run is noticed.
 """
 
 from __future__ import annotations
@@ -25,25 +25,28 @@ from chain_impact.simulation.instance import Instance
 from tests.helpers.problems import GRAVITY, build
 from tests.helpers.turned import turned
 
-# The first seeds of scenes with
-SLANTED = 10**6  # walls at any angle,
-SPRUNG = 2 * 10**6  # springs or point masses,
-FOLDED = 3 * 10**6  # folds of equal links,
-TAUT = 4 * 10**6  # stiff springs at loose tolerances,
-UNEVEN = 5 * 10**6  # rigid walls and masses over six decades,
-LONG = 6 * 10**6  # more links than others,
-HARSH = 7 * 10**6  # all that is hard, and the default limit of work (tests/helpers/search.py only),
-STOPPED = 8 * 10**6  # stops in joints, walls of different materials, and often springs,
-RUBBED = 9 * 10**6  # dry friction at walls and in joints, and often stops,
-DRIVEN = 10 * 10**6  # drives in joints: armatures, servos, limits of torque; and dry friction or stops,
-SIGNALLED = 11 * 10**6  # and signals that drive torques and targets.
+# The first seeds of special kinds of scenes.
+SLANTED = 10**6  # scenes with walls at any angle
+SPRUNG = 2 * 10**6  # scenes with springs or point masses
+FOLDED = 3 * 10**6  # scenes with folds of equal links
+TAUT = 4 * 10**6  # scenes with stiff springs at loose tolerances
+UNEVEN = 5 * 10**6  # scenes with rigid walls, and masses over six decades
+LONG = 6 * 10**6  # scenes with more links than others
+# scenes with all hard features, and the default limit of work (only in tests/helpers/search.py)
+HARSH = 7 * 10**6
+STOPPED = 8 * 10**6  # scenes with stops in joints, walls of different materials, and often springs
+RUBBED = 9 * 10**6  # scenes with dry friction at walls and in joints, and often stops
+# scenes with drives in joints (armatures, servos, limits of torque), and dry friction or stops
+DRIVEN = 10 * 10**6
+SIGNALLED = 11 * 10**6  # scenes with drives, and with signals that drive torques and targets
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
-HARD_WORK = 2e4  # evaluations, for a scene that asks for much, …
-DRY_WORK = 2e5  # … and for one with dry friction that does not
-TURNS = 300.0  # rad, at most, that a link turns by, as it starts
-IMPLICIT_STEPS = 1e4  # for which stop times are drawn, estimated for a method of order 3
+HARD_WORK = 2e4  # work limit, in evaluations, of a scene that necessarily needs much work
+DRY_WORK = 2e5  # work limit, in evaluations, of a scene with dry friction that does not need much work
+TURNS = 300.0  # [rad] the largest angle that a link turns, at its start velocity
+IMPLICIT_STEPS = 1e4  # number of steps for which stop times are drawn, estimated for a method of order 3
 
-LENGTH, FOLD_TOLERANCE = 0.5, 1e-8  # m, of 1 kg: the links of folds, and their tolerance
+# length [m] of the links of folds, which have 1 kg, and tolerance of folds
+LENGTH, FOLD_TOLERANCE = 0.5, 1e-8
 
 STARTS = ("thrown", "dropped", "spinning", "resting", "gliding", "leaving")
 SHARES = (0.25, 0.12, 0.13, 0.2, 0.2, 0.1)
@@ -51,7 +54,7 @@ FLUSH = STARTS[3:]
 
 
 class Draw:
-    """A stream of them, which follows from its seed."""
+    """A stream of random numbers from a seed."""
 
     def __init__(self, *seed: int) -> None:
         self.generator = np.random.default_rng(seed)
@@ -63,11 +66,11 @@ class Draw:
         return float(self.generator.uniform(low, high))
 
     def power(self, low: float, high: float) -> float:
-        """Log-uniform."""
+        """Return a number with a uniformly distributed logarithm."""
         return float(np.exp(self.generator.uniform(math.log(low), math.log(high))))
 
     def whole(self, low: int, high: int) -> int:
-        """Both ends included."""
+        """Return a whole number between low and high, both included."""
         return int(self.generator.integers(low, high + 1))
 
     def one(self, choices: Any, shares: Any = None) -> Any:
@@ -79,19 +82,19 @@ class Draw:
 
 
 def scene(seed: int) -> Scene:
-    """The scene of a seed, of the kind that the last of the first seeds up to it stands for.
+    """Return the scene of a seed, of the kind with the last first seed up to this seed.
 
-    Every third one asks for loads, which changes nothing of the motion.
+    Every third scene asks for loads, which does not change the motion.
     """
     found = _KINDS[max(first for first in _KINDS if first <= seed)](seed)
     return found if seed % 3 else with_values(found, {("outputs", "loads"): True})
 
 
 def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e6) -> Scene:
-    """The scene with springs in some joints, a few of them strained, and some links without inertia.
+    """Return the scene with springs in some joints, a few of them stretched, and some links without inertia.
 
-    The springs of a scene are within a tenth and ten times of a stiffness that is drawn [N·m/rad]. Without
-    damping they may swing for ever, however stiff they are, so the work is limited.
+    The springs of a scene have 0.1 to 10 times a random stiffness [N·m/rad]. Without damping stiff springs
+    may oscillate without end, so the work is limited.
     """
     angles, before, size = scene.initial.angles, (0.0, *scene.initial.angles), draw.power(weakest, stiffest)
     links = [asdict(link) for link in scene.chain.links]
@@ -119,7 +122,7 @@ def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e
 
 
 class _Shapes:
-    """What ``loose_links`` looks at."""
+    """The data of a chain that ``loose_links`` uses."""
 
     def __init__(self, links: list[dict[str, Any]], pinned: bool) -> None:
         self.length, self.center_of_mass, self.center_of_mass_offset, self.inertia = (
@@ -130,13 +133,13 @@ class _Shapes:
 
 
 def taut(scene: Scene, draw: Draw) -> Scene:
-    """The scene with springs of 1e3 to 1e6 N·m/rad, at a loose tolerance."""
+    """Return the scene with springs of 1e3 to 1e6 N·m/rad, at a loose tolerance."""
     tolerance = draw.power(1e-4, 1e-2)
     return with_values(sprung(scene, draw, 1e4, 1e5), {("solver", "tolerance"): tolerance})
 
 
 def folded(scene: Scene, draw: Draw) -> Scene:
-    """A fold, most often under a law of force in place of rigid walls, at any tolerance."""
+    """Return a fold, in most cases with a force law in place of rigid walls, at any tolerance."""
     contact, solver = asdict(scene.contact), {**asdict(scene.solver), "tolerance": draw.power(1e-12, 1e-2)}
     if draw.chance(0.7):
         kept = {"points": contact["points"], "radius": 0.0}
@@ -147,7 +150,7 @@ def folded(scene: Scene, draw: Draw) -> Scene:
 
 
 def uneven(scene: Scene, draw: Draw) -> Scene:
-    """The scene with rigid walls, and the masses of its links over six decades."""
+    """Return the scene with rigid walls, and the masses of its links over six decades."""
     links = [asdict(link) for link in scene.chain.links]
     for link in links:
         times = draw.power(1e-3, 1e3) / link["mass"]
@@ -158,18 +161,18 @@ def uneven(scene: Scene, draw: Draw) -> Scene:
 
 
 def long(seed: int) -> Scene:
-    """A long chain under a law of force. It may take much work."""
+    """Return a long chain with a force law, which may need much work."""
     return with_values(upright(seed, LONG_LINKS, rigid=0.0), {("solver", "work_limit"): HARD_WORK})
 
 
 def harsh(seed: int) -> Scene:
-    """A chain of any length with springs, a solver that may choose its method, and no limit of its own."""
+    """Return a chain of any length with springs, method ``auto``, and no work limit of its own."""
     scene = sprung(upright(seed, (1, LONG_LINKS[1])), Draw(seed, 3), 1e-2, 1e4)
     return with_values(scene, {("solver", "work_limit"): None, ("solver", "method"): None})
 
 
 def slanted(scene: Scene, draw: Draw) -> Scene:
-    """The scene with some walls at any angle around its points, turned as a whole, or both."""
+    """Return the scene with some walls at any angle around its points, or rotated as a whole, or both."""
     turns, cuts = draw.one(((True, False), (False, True), (True, True)))
     angle = draw.real(-math.pi, math.pi)
     walls = [_slope(draw, scene, w) for w in range(draw.whole(1, 3))] if cuts else []
@@ -178,7 +181,7 @@ def slanted(scene: Scene, draw: Draw) -> Scene:
 
 
 def _slope(draw: Draw, scene: Scene, number: int) -> dict[str, Any]:
-    """A wall beside the points that may touch it, as far off as those of ``_box``."""
+    """Return a wall near the points that may touch it, as far away as the walls of ``_box``."""
     angle, size = draw.real(-math.pi, math.pi), max(link.length for link in scene.chain.links)
     margin = draw.one((size * draw.real(0.05, 2.0), draw.power(1e-13, 1e-3), 0.0), (0.85, 0.1, 0.05))
     along, normal = (
@@ -195,7 +198,10 @@ def _slope(draw: Draw, scene: Scene, number: int) -> dict[str, Any]:
 
 
 def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float = 0.25) -> Scene:
-    """The scene of a seed with a box alone: links, at least and at most, and the share of rigid walls."""
+    """Return the scene of a seed with only a box.
+
+    ``counts``: numbers of links, ``rigid``: share of rigid walls.
+    """
     draw = Draw(seed, 0)
     start = draw.one(STARTS, SHARES)
     base = draw.one(("free", "pinned"), (0.7, 0.3))
@@ -212,7 +218,7 @@ def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float =
     if solver["method"] == "implicit":
         stop = min(stop, IMPLICIT_STEPS * solver["tolerance"] ** (1 / 3) / fastest)
     if hard(solver, contact):
-        stop = min(stop, 1.0)  # which is the window of the limit
+        stop = min(stop, 1.0)  # 1.0 is the window of the work limit
         solver["work_limit"] = HARD_WORK / stop
     table = {
         "name": f"Random{seed}",
@@ -229,10 +235,10 @@ def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float =
 
 
 def hard(solver: dict[str, Any], contact: dict[str, Any]) -> bool:
-    """Whether a scene may take any amount of work, with whatever solver there is.
+    """Return whether a scene may need any amount of work with every solver.
 
-    The explicit method where a contact or a joint is stiff; one of order 3 with a tolerance far below what it
-    is for; and a stiff wall that takes no energy, on which a point trembles as long as the simulation lasts.
+    Such scenes are: the explicit method with a stiff contact or joint; a method of order 3 with a very tight
+    tolerance; and a stiff wall without dissipation, on which a point oscillates during the whole simulation.
     """
     if solver["method"] == "explicit":
         return True
@@ -243,9 +249,10 @@ def hard(solver: dict[str, Any], contact: dict[str, Any]) -> bool:
 
 
 def drive(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """The constant torques at the joints [N·m] and the force on the tip [N] of the scene of a seed.
+    """Return the constant torques at the joints [N·m] and the force on the tip [N] for a scene and a seed.
 
-    They would turn the lighter of the two links, or move the last one, by 1 to 100 rad/s² or m/s².
+    The torques would turn the lighter of the two links, and the force would move the last link, with 1 to 100
+    rad/s² or m/s².
     """
     draw, links = Draw(seed, 1), scene.chain.links
     torque, force = np.zeros(len(links)), np.zeros(2)
@@ -261,7 +268,7 @@ def drive(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def targets(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """The constant target angles [rad] and velocities [rad/s] of the joints of the scene of a seed."""
+    """Return the constant target angles [rad] and velocities [rad/s] of the joints for a scene and a seed."""
     draw, count = Draw(seed, 10), len(scene.chain.links)
     moves = np.array([draw.real(-1.0, 1.0) * draw.chance(0.6) for _ in range(count)])
     speeds = np.array([draw.real(-5.0, 5.0) * draw.chance(0.3) for _ in range(count)])
@@ -269,7 +276,7 @@ def targets(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def started(scene: Scene, seed: int) -> Instance:
-    """An instance of a scene at its start, with the inputs of a seed.
+    """Return an instance of a scene at its start, with the inputs for a seed.
 
     Raises:
         SimulationError: when it cannot start.
@@ -306,12 +313,12 @@ def _links(draw: Draw, fewest: int, most: int) -> list[dict[str, float]]:
 
 
 def _angles(draw: Draw, count: int, start: str) -> tuple[list[float], int]:
-    """Angles of the links, and the wall at which a flush start has its points."""
+    """Return angles of the links, and the wall at which a flush start has its points."""
     wall = draw.one((0, 1, 2, 2, 2, 2, 3))
     along = 0.0 if wall >= 2 else math.pi / 2
     angles = [draw.real(-math.pi, math.pi) for _ in range(count)]
     if start in FLUSH:
-        flat = draw.one((0.0, 0.5, 1.0))  # share of the links that lie along the wall
+        flat = draw.one((0.0, 0.5, 1.0))  # share of the links that lie parallel to the wall
         angles = [along + math.pi * draw.chance(0.2) if draw.chance(flat) else angle for angle in angles]
     elif draw.chance(0.15):
         angles = [along] * count  # parallel to a wall, which all points hit at once
@@ -356,7 +363,7 @@ def _contact(draw: Draw, count: int, base: str, rigid: float) -> dict[str, Any]:
 def _box(
     draw: Draw, links: list[dict[str, float]], angles: list[float], contact: dict[str, Any], flush: int | None
 ) -> dict[str, float]:
-    """One to four walls around the points that may touch them; the ``flush`` one without a gap."""
+    """Return one to four walls around the points that may touch; the ``flush`` wall touches them."""
     x, y = _ORIGIN
     points = [(x, y)]
     for link, angle in zip(links, angles, strict=True):
@@ -368,7 +375,7 @@ def _box(
     tight = draw.chance(0.3)
     box: dict[str, float] = {}
     for number, name in enumerate(WALLS):
-        # drawn for each wall, whether it is there or not
+        # the values are drawn for each wall, also for missing walls
         usual, near, zero = (
             draw.real(0.01, 0.3) if tight else draw.real(0.05, 2.0),
             draw.power(1e-13, 1e-3),
@@ -384,7 +391,7 @@ def _box(
             box[name] = float(places[:, axis].max()) + radius + margin
             low = box.get(WALLS[number - 1])
             if low is not None and not box[name] - low > 2.0 * radius + 1e-3 * size:
-                # who touches one wall of such a corridor always touches the other
+                # a point that touches one wall of such a corridor always touches the other wall
                 if number == flush:
                     box[WALLS[number - 1]] -= size * usual
                 else:
@@ -395,7 +402,7 @@ def _box(
 
 
 def _motion(draw: Draw, start: str, base: str, count: int, wall: int) -> dict[str, list[float]]:
-    """Velocity of the base and angular velocities."""
+    """Return the velocity of the base and the angular velocities."""
     velocity, spins = [0.0, 0.0], [0.0] * count
     if start in ("thrown", "leaving"):
         velocity = draw.direction(draw.power(1e-3, 20.0))
@@ -411,13 +418,13 @@ def _motion(draw: Draw, start: str, base: str, count: int, wall: int) -> dict[st
 
 
 def stopped(scene: Scene, draw: Draw, law: dict[str, Any], most_work: float) -> Scene:
-    """The scene with stops in some joints around their start, and materials of their own for some walls.
+    """Return the scene with stops in some joints around their start, and own materials for some walls.
 
     Args:
         scene: the scene.
         draw: random numbers.
-        law: a table [contact], whose law the stops have, if not that of the walls.
-        most_work: evaluations that the run may take, if that is less than its own limit.
+        law: a table [contact] with the law of the stops; None for the law of the walls.
+        most_work: number of evaluations that the run may take, if this is less than the scene's limit.
     """
     angles, before = scene.initial.angles, (0.0, *scene.initial.angles)
     links, pinned = [asdict(link) for link in scene.chain.links], scene.chain.base == "pinned"
@@ -442,7 +449,7 @@ def stopped(scene: Scene, draw: Draw, law: dict[str, Any], most_work: float) -> 
 
 
 def _stops(draw: Draw, link: dict[str, Any], angle: float) -> None:
-    """Give a joint one stop or two, at or around the angle at which it starts."""
+    """Give a joint one stop or two, at or near the angle at which the joint starts."""
     margin = draw.power(1e-3, 3.0) if draw.chance(0.8) else 0.0
     kind = draw.one(("joint_min", "joint_max", "both"), (0.25, 0.25, 0.5))
     if kind != "joint_max":
@@ -452,12 +459,12 @@ def _stops(draw: Draw, link: dict[str, Any], angle: float) -> None:
 
 
 def rubbed(scene: Scene, draw: Draw, most_work: float) -> Scene:
-    """The scene with friction at its walls, if they are not rigid, and in some joints.
+    """Return the scene with friction at its walls, if they are not rigid, and in some joints.
 
     Args:
         scene: the scene.
         draw: random numbers.
-        most_work: evaluations that the run may take, if that is less than its own limit.
+        most_work: number of evaluations that the run may take, if this is less than the scene's limit.
     """
     contact, links = asdict(scene.contact), [asdict(link) for link in scene.chain.links]
     if contact["model"] != "newton_impact":
@@ -478,7 +485,7 @@ def rubbed(scene: Scene, draw: Draw, most_work: float) -> Scene:
 
 
 def fold(seed: int) -> Scene:
-    """Equal links on a rigid floor, to and fro at angles that differ from a fold by 1e-12 to 1e-1 rad."""
+    """Return equal links that fall on a rigid floor and differ from a folded chain by 1e-12 to 1e-1 rad."""
     draw = Draw(seed, 4)
     count = draw.whole(2, 4)
     first = draw.whole(0, count - 2)
@@ -516,7 +523,7 @@ def fold(seed: int) -> Scene:
 
 
 def stopped_of(seed: int) -> Scene:
-    """The scene of a seed with stops, half of them also with springs or point masses."""
+    """Return the scene of a seed with stops, half of these scenes also with springs or point masses."""
     plain, draw = upright(seed), Draw(seed, 7)
     scene = sprung(plain, Draw(seed, 3), 1e-3, 1e4) if draw.chance(0.5) else plain
     law = _contact(draw, len(scene.chain.links), "free", rigid=0.25)
@@ -524,7 +531,7 @@ def stopped_of(seed: int) -> Scene:
 
 
 def rubbed_of(seed: int) -> Scene:
-    """A chain with dry friction, upright or with all that chains with stops have."""
+    """Return a chain with dry friction, with only a box or with the features of chains with stops."""
     draw = Draw(seed, 8)
     scene = draw.one((upright, stopped_of), (0.7, 0.3))(seed)
     demanding = hard(asdict(scene.solver), asdict(scene.contact))
@@ -532,9 +539,9 @@ def rubbed_of(seed: int) -> Scene:
 
 
 def driven(scene: Scene, draw: Draw) -> Scene:
-    """The scene with armatures, limits of torque and servos, each in some joints of a share of scenes.
+    """Return the scene with armatures, limits of torque and servos, each in some joints of some scenes.
 
-    The rates of servos are within 1 and 1e4 1/s, most of them with a damping that is not far from critical.
+    The rates of servos are between 1 and 1e4 1/s, in most cases with nearly critical damping.
     """
     links, follow = [asdict(link) for link in scene.chain.links], draw.chance(0.6)
     geared, limited, pace = draw.chance(0.6), draw.chance(0.6), draw.power(1.0, 1e4)
@@ -555,18 +562,18 @@ def driven(scene: Scene, draw: Draw) -> Scene:
 
 
 def driven_of(seed: int) -> Scene:
-    """A chain with drives in its joints: upright, or with all that chains with stops or dry friction have."""
+    """Return a chain with drives in its joints: an upright chain, or a chain with stops or dry friction."""
     draw = Draw(seed, 9)
     return driven(draw.one((upright, stopped_of, rubbed_of), (0.5, 0.2, 0.3))(seed), draw)
 
 
 def signalled(scene: Scene, draw: Draw) -> Scene:
-    """The scene with signals of all forms for some torques, of the sizes of ``drive``, and targets."""
+    """Return the scene with signals of all forms for some torques, of the sizes of ``drive``, and targets."""
     scene = with_values(scene, {"inputs.joint_torques": True})
     torques, _ = drive(scene, 0)
     stop, signals = scene.simulation.stop_time, {}
     for name in inputs_of(scene):
-        # who checks loads takes the force at the tip as it is given
+        # the checks of loads need the given force at the tip
         if not draw.chance(0.4) or name.startswith("tip"):
             continue
         joint = int(name[6 : name.index("]")]) - 1
@@ -589,7 +596,7 @@ def signalled(scene: Scene, draw: Draw) -> Scene:
 
 
 def signalled_of(seed: int) -> Scene:
-    """A chain whose inputs signals drive, with all that chains with drives have."""
+    """Return a chain whose inputs signals drive, with the features of chains with drives."""
     return signalled(driven_of(seed), Draw(seed, 11))
 
 

@@ -1,4 +1,4 @@
-"""What a reader's programs import, and how they are run in a process that has imported it already."""
+"""The imports that programs of the docs need, and their run in a process that has already imported these."""
 
 import os
 import runpy
@@ -11,7 +11,7 @@ for name in ("matplotlib.pyplot", "scipy.optimize", "chain_impact.cli", "chain_i
 
 
 def program(folder: str, *arguments: str) -> None:
-    """Do what ``python *arguments`` does in a folder: a module after -m, or a file, which may not warn."""
+    """Run ``python *arguments`` in a folder (a module after -m, or a file). Warnings are errors."""
     os.chdir(folder)
     sys.path[0] = folder
     if arguments[0] == "-m":

@@ -1,4 +1,4 @@
-"""Independent answers: closed forms, quadrature and plain algebra that share nothing with the kernel.
+"""Independent answers: closed forms, quadrature and plain algebra that share no code with the kernel.
 
 Units are SI throughout. The chain's coordinates are q = (x₀, y₀, θ_1…θ_N): the base point and the absolute
 link angles.
@@ -42,7 +42,7 @@ class PointImpact:
 
 
 def realised_restitution(damping_factor: float) -> float:
-    """The restitution e′ that F = K δⁿ (1 + λ δ̇/v₀) has, whatever n, K, mass and v₀.
+    """Return the restitution e′ of F = K δⁿ (1 + λ δ̇/v₀), which depends on λ only.
 
     λ(1 + e′) = ln[(1+λ)/(1−λe′)], hence e′ = [1 + W₀(−(1+λ) e^{−(1+λ)})]/λ with Lambert's W.
     """
@@ -52,7 +52,7 @@ def realised_restitution(damping_factor: float) -> float:
 
 @cache
 def exact_damping_factor(restitution: float) -> float:
-    """The λ whose realised restitution, by Lambert's W in 50 digits, is the given one."""
+    """Return the λ whose realised restitution, by Lambert's W in 50 digits, is the given restitution."""
     if restitution == 1.0:
         return 0.0
     with mpmath.workdps(50):
@@ -69,7 +69,7 @@ def _restitution(lam: Any) -> Any:
 
 
 def point_impact(mass: float, speed: float, stiffness: float, exponent: float, damping: float) -> PointImpact:
-    """The exact impact of a mass m [kg] at a speed v [m/s] under F = K δⁿ (1 + λ δ̇/v).
+    """Return the exact impact of a mass m [kg] at a speed v [m/s] under F = K δⁿ (1 + λ δ̇/v).
 
     With u = δ̇/v from 1 down to −e′ as the variable, m v u du = −K δⁿ (1 + λu) dδ/v gives
       K δⁿ⁺¹/((n+1) m v²) = G(u) = ∫_u¹ s/(1+λs) ds = [λ(1−u) − ln((1+λ)/(1+λu))]/λ²,
@@ -93,7 +93,7 @@ def point_impact(mass: float, speed: float, stiffness: float, exponent: float, d
 
 @cache
 def _unit_impact(exponent: float, damping: float) -> tuple[Any, ...]:
-    """Largest depth and force, duration, separation speed and loss of an impact with m = v = K = 1."""
+    """Return depth, force, duration, separation speed and loss of an impact with m = v = K = 1."""
     with mpmath.workdps(50):
         n, lam = mpmath.mpf(exponent), mpmath.mpf(damping)
         p = 1 / (n + 1)
@@ -103,7 +103,7 @@ def _unit_impact(exponent: float, damping: float) -> tuple[Any, ...]:
             return deepest, deepest**n, duration, 1, 0
         e = _restitution(lam)
 
-        # G from either end, u = 1 − t and u = −e′ + r, so that nothing cancels there
+        # G from either end, u = 1 − t and u = −e′ + r, so that no digits cancel at the ends
         def falling(t: Any) -> tuple[Any, Any]:
             return 1 - t, (lam * t + mpmath.log1p(-lam * t / (1 + lam))) / lam**2
 
@@ -118,7 +118,7 @@ def _unit_impact(exponent: float, damping: float) -> tuple[Any, ...]:
 
         duration = mpmath.quad(lambda t: 1 / force(*falling(t)), [0, 1])
         duration += mpmath.quad(lambda r: 1 / force(*rising(r)), [0, e])
-        # dF/du = 0: n G′(1+λu) + (n+1) λ G = 0 with G′ = −u/(1+λu); the peak comes before the turn
+        # dF/du = 0: n G′(1+λu) + (n+1) λ G = 0 with G′ = −u/(1+λu); the peak is before the largest depth
         top = mpmath.findroot(
             lambda t: (n + 1) * lam * falling(t)[1] - n * falling(t)[0], (1e-9, 1), solver="anderson"
         )
@@ -127,7 +127,7 @@ def _unit_impact(exponent: float, damping: float) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class Rebound:
-    """An impact with the unit 1 of mass, stiffness and speed: restitution, largest depth and force."""
+    """An impact with mass, stiffness and speed 1: restitution, largest depth and force."""
 
     restitution: float
     depth: float
@@ -135,9 +135,10 @@ class Rebound:
 
 
 def rebound(n: float, p: float, damping: float, approach_only: bool = False) -> Rebound:
-    """The impact δ̈ = −F, F = max(0, δⁿ + f δᵖ δ̇), for 4n and 4p whole, integrated to 1e-13.
+    """Return the impact δ̈ = −F, F = max(0, δⁿ + f δᵖ δ̇), for whole 4n and 4p, integrated at 1e-13.
 
-    In z = δ^¼ and s with dt = 4z³ ds it is smooth: dz/ds = δ̇, dδ̇/ds = −4z³F. It ends when F/δᵖ does.
+    In z = δ^¼ and s with dt = 4z³ ds the impact is smooth: dz/ds = δ̇, dδ̇/ds = −4z³F. The impact ends where
+    F/δᵖ is zero.
     """
 
     def force(z: Any, w: Any) -> Any:
@@ -162,16 +163,17 @@ def rebound(n: float, p: float, damping: float, approach_only: bool = False) -> 
     return Rebound(-back.y_events[0][0, 1], turn[0] ** 4, peak)
 
 
-# --- textbook dynamics: assemble M(q) and h(q, q̇), with no recursion ------------------------------------
+# --- textbook dynamics: assembled M(q) and h(q, q̇), without a recursion
+# ------------------------------------------
 
 
 def point_jacobian(scene: Scene, angles: Sequence[float], point: int) -> np.ndarray:
-    """J with ṗ_k = J q̇ for the point k, shape (2, N+2)."""
+    """Return J with ṗ_k = J q̇ for the point k, shape (2, N+2)."""
     return Textbook(scene).jacobian(np.asarray(angles), point)
 
 
 def centre_jacobian(scene: Scene, angles: Sequence[float], i: int) -> np.ndarray:
-    """J with ṗ_C = J q̇ for the centre of mass of link i (from 0), shape (2, N+2)."""
+    """Return J with ṗ_C = J q̇ for the centre of mass of link i (from 0), shape (2, N+2)."""
     jacobian = point_jacobian(scene, angles, i)
     arm = scene.chain.links[i].center_of_mass
     jacobian[:, 2 + i] = arm * np.array([-np.sin(angles[i]), np.cos(angles[i])])
@@ -179,14 +181,14 @@ def centre_jacobian(scene: Scene, angles: Sequence[float], i: int) -> np.ndarray
 
 
 def mass_matrix(scene: Scene, angles: Sequence[float]) -> np.ndarray:
-    """M(q), shape (N+2, N+2)."""
+    """Return M(q), shape (N+2, N+2)."""
     return Textbook(scene).assemble(np.asarray(angles), np.zeros(len(angles)))[0]
 
 
 def generalized_force(
     scene: Scene, angles: np.ndarray, omega: np.ndarray, loads: np.ndarray, moments: np.ndarray
 ) -> np.ndarray:
-    """Q − c(q, q̇), the right side of M q̈ = Q − c, shape (N+2,).
+    """Return Q − c(q, q̇), the right side of M q̈ = Q − c, shape (N+2,).
 
     Args:
         scene: the chain and gravity.
@@ -202,13 +204,13 @@ def generalized_force(
 
 
 def random_impedances(rng: np.random.Generator, count: int, largest: float) -> np.ndarray:
-    """Impedances of points [kg], symmetric and positive, half of them zero, shape (count, 2, 2)."""
+    """Return symmetric positive impedances of points [kg], half of them zero, shape (count, 2, 2)."""
     parts = rng.uniform(-1.0, 1.0, (count, 2, 2)) * (rng.random((count, 1, 1)) < 0.5)
     return largest * parts @ parts.transpose(0, 2, 1)
 
 
 def set_impedances(record: Any, impedances: np.ndarray) -> None:
-    """Put impedances, shape (N+1, 2, 2), into a record with ``xx, xy, yy``; joints have none."""
+    """Put impedances, shape (N+1, 2, 2), into a record with ``xx, xy, yy``; joints get none."""
     points = len(impedances)
     record["xx"][:points], record["yy"][:points] = impedances[:, 0, 0], impedances[:, 1, 1]
     record["xy"][:points] = impedances[:, 0, 1]
@@ -220,14 +222,14 @@ def set_vectors(record: Any, vectors: Any) -> None:
 
 
 def clearance_gradient(scene: Scene, angles: Sequence[float], point: int, wall: str) -> np.ndarray:
-    """∇g of a point's clearance to a wall, shape (N+2,)."""
+    """Return ∇g of a point's clearance to a wall, shape (N+2,)."""
     return np.array(scene.half_planes[wall].normal) @ point_jacobian(scene, angles, point)
 
 
 def newton_impact(
     scene: Scene, angles: Sequence[float], velocity: np.ndarray, contact: tuple[int, str], restitution: float
 ) -> tuple[np.ndarray, float]:
-    """Velocities q̇⁺ after Newton's impact of a (point, wall), and its effective mass [kg].
+    """Return velocities q̇⁺ after Newton's impact of a (point, wall), and the effective mass [kg].
 
     q̇⁺ = q̇⁻ − M⁻¹ Jᵀ m_eff (1+e) J q̇⁻,  m_eff = 1/(J M⁻¹ Jᵀ): the rigid limit of all the force laws.
     """
@@ -238,7 +240,7 @@ def newton_impact(
 
 
 def complementary_impulses(w: np.ndarray, start: np.ndarray, aim: np.ndarray) -> np.ndarray:
-    """p ≥ 0 with u = start + W p ≥ aim and p·(u − aim) = 0, by trying every set of pressed contacts."""
+    """Return p ≥ 0 with u = start + W p ≥ aim and p·(u − aim) = 0, by trying every set of contacts."""
     count = len(start)
     for pressed in itertools.product([False, True], repeat=count):
         rows, p = np.flatnonzero(pressed), np.zeros(count)
@@ -256,7 +258,7 @@ def moreau_impact(
     contacts: Sequence[tuple[int, str]],
     restitution: float,
 ) -> np.ndarray:
-    """Velocities q̇⁺ after (points, walls) are hit at once: u⁺ = u⁻ + W p, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0."""
+    """Return velocities q̇⁺ after (points, walls) are hit at once: u⁺ = u⁻ + W p, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0."""
     gradient = np.array([clearance_gradient(scene, angles, *contact) for contact in contacts])
     response = np.linalg.solve(mass_matrix(scene, angles), gradient.T)
     before = gradient @ velocity
@@ -264,11 +266,12 @@ def moreau_impact(
     return velocity + response @ impulses
 
 
-# --- what outputs tell --------------------------------------------------------------------------------
+# --- quantities from outputs
+# --------------------------------------------------------------------------------------
 
 
 def momenta(result):
-    """Momentum, shape (T, 2), and angular momentum about the centre of mass, shape (T,), from the outputs."""
+    """Compute momentum, (T, 2), and angular momentum about the centre of mass, (T,), from the outputs."""
     links = result.scene.chain.links
     place, velocity, spin = 0.0, 0.0, 0.0
     mass = np.array([link.mass for link in links])
@@ -288,7 +291,7 @@ def momenta(result):
 
 
 def balance(result):
-    """Largest deviation of the energy ledger, over the largest energy that moved."""
+    """Return the largest change of the energy balance, over the largest energy of the motion."""
     energy = result.energy
     ledger = energy["total"] + energy["dissipated"] - energy["supplied"]
     return np.ptp(ledger) / max(energy["kinetic"].max(), np.ptp(energy["potential"]))

@@ -1,4 +1,4 @@
-"""The message with which something is refused."""
+"""The message of an error that refuses arguments."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from chain_impact.scene.reading import SceneError
 
 
 def refusal(make, *arguments) -> str:
-    """Return the message with which `make(*arguments)` refuses, after checking its form."""
+    """Return the message with which `make(*arguments)` refuses, after a check of its form."""
     with pytest.raises(SceneError) as caught:
         make(*arguments)
     message = str(caught.value)

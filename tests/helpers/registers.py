@@ -1,4 +1,4 @@
-"""The processor's floating-point registers, set from Python as a host may have set them: for x86-64."""
+"""The floating-point registers of x86-64, set from Python as a host program may have set them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.fmu.zig import zig
 USUAL, FLUSH, ROUNDING = 0x1F80, 0x8040, 0x2000
 ROUNDINGS = [USUAL + way * ROUNDING for way in range(4)]
 WITHOUT_TRAPS = [*ROUNDINGS, *(one | FLUSH for one in ROUNDINGS)]
-# Fortran's -ffpe-trap=invalid,zero,overflow; an inexact result would end Python itself
+# as by Fortran's -ffpe-trap=invalid,zero,overflow; a trap for inexact results would end Python itself
 TRAPS = USUAL & ~(0x80 | 0x200 | 0x400)
 ON_X86 = pytest.mark.skipif(
     platform.machine() not in {"x86_64", "AMD64"}, reason="these are the registers of x86-64"
@@ -26,7 +26,7 @@ void set_registers(unsigned value) { __builtin_ia32_ldmxcsr(value); }
 
 
 def make_library(folder: Path) -> Path:
-    """A library with the functions ``registers`` and ``set_registers``, in a folder."""
+    """Make a library with the functions ``registers`` and ``set_registers`` in a folder, and load it."""
     source, library = folder / "registers.c", folder / "registers.so"
     source.write_text(_SOURCE)
     zig(folder, "-shared", "-fPIC", "-Wno-missing-prototypes", source, "-o", library)
@@ -35,7 +35,7 @@ def make_library(folder: Path) -> Path:
 
 @contextmanager
 def registers(library: ctypes.CDLL, value: int) -> Iterator[None]:
-    """Within it they have this value, and in the end they must still have it, but for the flags."""
+    """Set the registers to a value within the context, and check at its end that only flags changed."""
     library.set_registers(value)
     try:
         yield

@@ -1,8 +1,9 @@
-"""Random scenes that come to rest by dry friction, dampers and walls: a campaign that others can run.
+"""Random scenes that come to rest by dry friction, dampers and walls: a campaign that anyone can run.
 
-``python -m tests.helpers.resting`` runs them for ten seconds of simulated time, or ``--lasting`` an hour. It
-prints for each kind how many runs end early, by what status, and by how much the energy balance changes at
-rest. A kind is a function of random numbers that returns a scene's table; ``KINDS`` lists them.
+``python -m tests.helpers.resting`` runs them for ten seconds of simulated time, or ``--lasting`` an hour. For
+each kind the command prints how many runs end early, with which status, and how much the energy balance
+changes at rest. A kind is a function of random numbers that returns a scene's table; ``KINDS`` lists the
+kinds.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from chain_impact.simulation.instance import Instance, SimulationError
 from tests.helpers.problems import RIGID
 from tests.helpers.random_scenes import Draw
 
-SHORT, LONG = 10.0, 3600.0  # s
-ROWS = 200  # communication points
+SHORT, LONG = 10.0, 3600.0  # [s] duration of the usual and of the long campaign
+ROWS = 200  # number of communication points
 COMPLIANT = [name for name in CONTACT_LAWS if name not in (RIGID, "hertz")]
 Table = dict[str, Any]
 
@@ -36,7 +37,7 @@ Table = dict[str, Any]
 
 
 def held_pendulum(draw: Draw, count: int) -> Table:
-    """A pinned chain whose joints have dry friction, and some of them dampers, springs and limits."""
+    """Return a pinned chain whose joints have dry friction, and some of them dampers, springs and limits."""
     links = [dry(draw, link(draw)) for _ in range(count)]
     for one in links:
         resist(draw, one)
@@ -44,7 +45,7 @@ def held_pendulum(draw: Draw, count: int) -> Table:
 
 
 def thrown_rod(draw: Draw, slope: float) -> Table:
-    """A rod, or two with a dry joint, that falls on a rough floor or a slope that holds it."""
+    """Return a rod, or two rods with a dry joint, that fall on a rough floor or a slope that holds them."""
     links = [dry(draw, link(draw)) for _ in range(draw.whole(1, 2))]
     table = scene_table(draw, "free", links, spin=3.0)
     drop(draw, table, links, draw.real(-slope, slope))
@@ -55,7 +56,7 @@ def thrown_rod(draw: Draw, slope: float) -> Table:
 
 
 def rigid_drop(draw: Draw) -> Table:
-    """A chain with dry joints that falls on a rigid floor."""
+    """Return a chain with dry joints that falls on a rigid floor."""
     links = [dry(draw, link(draw)) for _ in range(draw.whole(2, 3))]
     for one in links:
         resist(draw, one, share=0.2)
@@ -66,7 +67,7 @@ def rigid_drop(draw: Draw) -> Table:
 
 
 def rigid_pendulum(draw: Draw) -> Table:
-    """A pinned chain with dry joints that falls on a rigid wall."""
+    """Return a pinned chain with dry joints that falls on a rigid wall."""
     links = [dry(draw, link(draw)) for _ in range(draw.whole(1, 2))]
     for one in links:
         resist(draw, one, share=0.2)
@@ -80,7 +81,7 @@ def rigid_pendulum(draw: Draw) -> Table:
 
 
 def stopped(draw: Draw, damped: bool) -> Table:
-    """A pinned or free chain with stops, and in its joints dampers, or springs with dry friction."""
+    """Return a pinned or free chain with stops, and dampers or springs with dry friction in its joints."""
     links = [link(draw) for _ in range(draw.whole(1, 4))]
     base = draw.one(("pinned", "free"), (0.8, 0.2))
     if base == "free" and len(links) == 1:
@@ -105,7 +106,7 @@ def stopped(draw: Draw, damped: bool) -> Table:
 
 
 def sprung(draw: Draw) -> Table:
-    """A pinned chain with springs and dry friction in its joints."""
+    """Return a pinned chain with springs and dry friction in its joints."""
     links = [dry(draw, link(draw)) for _ in range(draw.whole(1, 4))]
     for one in links:
         one["joint_stiffness"] = moment(one) * draw.power(0.01, 1000.0)
@@ -124,14 +125,14 @@ KINDS: dict[str, Callable[[Draw], Table]] = {
     "sprung_stops": lambda draw: stopped(draw, False),
     "sprung": sprung,
 }
-"""Each kind of scenes, by its name: a function of random numbers. A new kind comes last."""
+"""The kinds of scenes, by name: functions of random numbers. A new kind must come last."""
 
 
 # ---- parts of scenes ----------------------------------------------------------------------------------
 
 
 def link(draw: Draw) -> Table:
-    """A uniform link, or one with a centre of mass and an inertia of its own."""
+    """Return a uniform link, or a link with its own centre of mass and inertia."""
     length, mass = draw.power(0.1, 1.0), draw.power(0.2, 5.0)
     one = {"length": length, "mass": mass}
     if draw.chance(0.3):
@@ -141,18 +142,18 @@ def link(draw: Draw) -> Table:
 
 
 def moment(one: Table) -> float:
-    """The moment [N·m] of the weight of a link that is level."""
+    """Return the moment [N·m] of the weight of a horizontal link."""
     return 0.5 * 9.81 * float(one["mass"] * one["length"])
 
 
 def dry(draw: Draw, one: Table) -> Table:
-    """Give a link's joint dry friction; from some the link hangs, and others hold it level."""
+    """Give a link's joint dry friction; some joints let the link hang, others hold it horizontal."""
     one["joint_friction"] = moment(one) * draw.power(0.03, 30.0)
     return one
 
 
 def resist(draw: Draw, one: Table, share: float = 0.3) -> None:
-    """Give some joints dampers, springs, or a rotor."""
+    """Give some joints dampers, springs or a rotor."""
     if draw.chance(share):
         one["joint_damping"] = moment(one) * draw.power(0.001, 10.0)
     if draw.chance(share):
@@ -162,13 +163,13 @@ def resist(draw: Draw, one: Table, share: float = 0.3) -> None:
 
 
 def rigid(draw: Draw) -> Table:
-    """Rigid walls."""
+    """Return the table of rigid walls."""
     e = draw.one((0.0, draw.real(0.0, 0.9)))
     return {"model": RIGID, "restitution": e, "minimum_impact_speed": draw.power(1e-4, 1e-2)}
 
 
 def law(draw: Draw) -> Table:
-    """Walls with a force law that loses energy."""
+    """Return the table of walls with a force law that dissipates."""
     e, stiffness = draw.real(0.1, 0.8), draw.power(1e4, 1e9)
     model = draw.one(COMPLIANT)
     linear = model == "kelvin_voigt"
@@ -185,7 +186,7 @@ def drop(draw: Draw, table: Table, links: list[Table], slope: float) -> None:
 
 
 def scene_table(draw: Draw, base: str, links: list[Table], spin: float) -> Table:
-    """A scene in gravity, with random angles and velocities, a method and a tolerance."""
+    """Return a scene with gravity, random angles and velocities, a method and a tolerance."""
     method, tolerance = draw.one(SOLVER_METHODS, (0.6, 0.2, 0.2)), draw.power(1e-12, 1e-4)
     return {
         "gravity": [0.0, -9.81],
@@ -199,7 +200,7 @@ def scene_table(draw: Draw, base: str, links: list[Table], spin: float) -> Table
 
 
 def scene(kind: str, seed: int) -> Scene:
-    """The scene of a kind with a seed."""
+    """Return the scene of a kind with a seed."""
     table = KINDS[kind](Draw(seed, list(KINDS).index(kind)))
     table |= {"name": "Rest", "simulation": {"stop_time": SHORT, "step_size": SHORT / ROWS}}
     return scene_from_dict(table, f"{kind} {seed}")
@@ -210,16 +211,16 @@ def scene(kind: str, seed: int) -> Scene:
 
 @dataclass
 class Run:
-    """What is said of one run."""
+    """The results of one run."""
 
     kind: str
     seed: int
     status: int
     reached: float  # s
-    rests: bool  # whether the last half of the run is at rest
-    drift: float  # change of the energy balance in it, over its size
+    rests: bool  # whether the chain is at rest during the last half of the run
+    drift: float  # change of the energy balance in the last half, over its size
     steps: int
-    seconds: float  # that it took
+    seconds: float  # time that the run took
 
     def __str__(self) -> str:
         name = "ok" if self.status == OK else STATUS_NAME[self.status]
@@ -227,11 +228,11 @@ class Run:
         return f"{self.kind} {self.seed}: {end}"
 
 
-AT_REST = 1e-9  # of a link length per second
+AT_REST = 1e-9  # [1/s] the largest speed at rest, over a link length
 
 
 def run(kind: str, seed: int, lasting: float) -> Run:
-    """Run a scene for a time [s]."""
+    """Run a scene for a time [s], and return its results."""
     one, began = scene(kind, seed), time.perf_counter()
     try:
         instance = Instance(one)
@@ -245,7 +246,7 @@ def run(kind: str, seed: int, lasting: float) -> Run:
     late = rows[: max(reached, 1)][reached // 2 :]
     size = max(each.length for each in one.chain.links)
     speeds = max(np.abs(late["angular_velocity"]).max() * size, np.abs(late["point_velocity"]).max())
-    settled = late[len(late) // 2 :]  # the step in which it comes to rest may be a long one
+    settled = late[len(late) // 2 :]  # the step in which the chain comes to rest may be long
     balance = settled["total"] + settled["dissipated"] - settled["supplied"]
     terms = [settled[name] for name in ("potential", "dissipated", "elastic", "supplied")]
     scale = max(float(np.abs(term).max()) for term in terms)
@@ -262,13 +263,13 @@ def run(kind: str, seed: int, lasting: float) -> Run:
 
 
 def runs(kind: str, seeds: Iterable[int], lasting: float, threads: int) -> Iterator[Run]:
-    """The runs of many seeds; the kernel runs in threads."""
+    """Return the results of many seeds; the kernel runs in threads."""
     with ThreadPoolExecutor(threads) as pool:
         yield from pool.map(lambda seed: run(kind, seed, lasting), seeds)
 
 
 def main() -> None:
-    """Run the campaign, and print what ended early and what changed at rest."""
+    """Run the campaign, and print the runs that end early and the changes at rest."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("kinds", nargs="*", default=[], help=f"of {', '.join(KINDS)}; all of them")
     parser.add_argument("--count", type=int, default=3000, help="scenes of each kind")

@@ -1,7 +1,7 @@
-"""Random chains that are thrown on a rough floor or slope and come to rest: derivatives of where they rest.
+"""Random chains that fall on a rough floor or slope and come to rest: derivatives of their final positions.
 
-``python -m tests.helpers.resting_chains FIRST COUNT`` counts how many have derivatives, and how many are
-right.
+``python -m tests.helpers.resting_chains FIRST COUNT`` counts how many chains have derivatives, and how many
+derivatives are right.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from tests.helpers.random_scenes import Draw
 
 LAWS = ("zhang_sharf", "hunt_crossley", "flores", "tsuji", "lankarani_nikravesh", "kelvin_voigt")
 PARAMETERS = ("contact.friction", "initial.vx")
-RESTS = 1e-6  # m/s or rad/s: less is rest
-SIZES = (1e-6, 1e-5)  # of the differences: the rest of a chain is known to some 1e-10 rad
-CONVERGED = 1e-2  # of the largest derivative of a place: differences that are nearer to each other converge
-RIGHT = 2e-2  # likewise
+RESTS = 1e-6  # [m/s or rad/s] the largest speed at rest
+SIZES = (1e-6, 1e-5)  # sizes of the differences: the rest position of a chain is known to about 1e-10 rad
+# largest distance of two differences that count as converged, over the largest derivative of a position
+CONVERGED = 1e-2
+RIGHT = 2e-2  # largest error of a derivative, over the largest derivative of a position
 NAN, WRONG, FOUND, OPEN, MOVES = (
     "no derivative",
     "wrong",
@@ -34,7 +35,7 @@ NAN, WRONG, FOUND, OPEN, MOVES = (
 
 
 def thrown(seed: int) -> Scene:
-    """One to three links, some with dry joints."""
+    """Return one to three links, some with dry joints."""
     draw, links = Draw(seed), []
     for i in range(draw.whole(1, 3)):
         link = {"length": draw.real(0.15, 0.4), "mass": draw.real(0.2, 1.0)}
@@ -79,13 +80,13 @@ def rests(scene: Scene, result: Result) -> bool:
 
 
 def shares_left_open(result: Result) -> list[float]:
-    """The shares of the largest derivative by which a run says that its derivatives may be off."""
+    """Return the errors of derivatives that a run reports, over the largest derivative."""
     told = [limit for limit in result.sensitivity_limits if "off by " in limit]
     return [float(limit.split("off by ")[1].split()[0]) for limit in told]
 
 
 def check(seed: int) -> list[str]:
-    """What the derivatives at rest are with respect to each of the parameters."""
+    """Return the verdict on the derivatives at rest for each of the parameters."""
     scene = thrown(seed)
     try:
         result = simulate(scene, sensitivities=PARAMETERS)
@@ -97,7 +98,7 @@ def check(seed: int) -> list[str]:
 
 
 def verdict(scene: Scene, result: Result, parameter: str) -> str:
-    """The verdict on the derivatives at rest by a parameter, beside differences of finer runs."""
+    """Compare the derivatives at rest by a parameter with central differences of finer runs."""
     names, near = names_of(scene), []
     for size in SIZES:
         width = size * max(1.0, abs(scene.values[parameter]))

@@ -1,13 +1,12 @@
-"""The random search: scenes run in processes of their own, which a timer ends when they take too long.
+"""The random search: scenes run in separate processes, which a timer ends if they take too long.
 
-``verdict(scene, seed)`` for one; ``verdicts(seeds)`` for many, on as many cores as wanted. A run that exceeds
-its CPU time is killed by the timer of its process (SIGPROF, whose default ends it: no code of Python has to
-run, nor of the kernel); the parent sees the pipe close, says how far the run came, and starts another
-process.
+``verdict(scene, seed)`` judges one scene, ``verdicts(seeds)`` many scenes on several cores. The timer of its
+process kills a run that exceeds its CPU time (SIGPROF, whose default action needs no code of Python or of the
+kernel). The parent then sees the pipe close, reports how far the run came, and starts another process.
 
-``python -m tests.helpers.search --count 20000`` searches further than the tests, and prints what it finds by
-kind, with its seeds. Special kinds of scenes begin at whole millions (``--first``), which random_scenes.py
-lists.
+``python -m tests.helpers.search --count 20000`` searches more scenes than the tests, and prints the findings
+by kind, with their seeds. Special kinds of scenes begin at whole millions (``--first``), which
+random_scenes.py lists.
 """
 
 from __future__ import annotations
@@ -34,23 +33,24 @@ from tests.helpers import oracle
 from tests.helpers.oracle import CPU, Finding
 from tests.helpers.random_scenes import scene as scene_of
 
-MEMORY = 200_000  # numbers, room for the record of any scene
-SLOWEST = 1e4  # evaluations in a second of CPU time; fewer tell of a loop that makes none
+MEMORY = 200_000  # number of numbers for the record of any scene
+# [1/s] the least evaluations per second of CPU time; fewer are a sign of a loop without evaluations
+SLOWEST = 1e4
 CONTEXT = get_context("forkserver")
 CONTEXT.set_forkserver_preload([__name__])
 
 
 @dataclass
 class Verdict:
-    """What is said of one run."""
+    """The result of one run."""
 
     seed: int
     law: str
     method: str
     findings: list[Finding]
-    status: int | None = OK  # None: it did not end
+    status: int | None = OK  # None: the run did not end
     cpu: float = 0.0  # s
-    closeness: dict[str, float] = field(default_factory=dict)  # kind of check → value over bound
+    closeness: dict[str, float] = field(default_factory=dict)  # kind of check → largest value over its bound
 
     @property
     def kinds(self) -> list[str]:
@@ -61,7 +61,7 @@ class Verdict:
 
 
 def verdict(scene: Scene, seed: int, cpu: float = CPU) -> Verdict:
-    """Run a scene, with the inputs of a seed, and judge it."""
+    """Run a scene, with the inputs of a seed, and judge the run."""
     worker = Worker()
     try:
         return worker.ask(scene, seed, cpu)
@@ -70,7 +70,7 @@ def verdict(scene: Scene, seed: int, cpu: float = CPU) -> Verdict:
 
 
 def verdicts(seeds: Iterable[int], cpu: float = CPU, cores: int = 1) -> Iterator[Verdict]:
-    """The verdicts on the scenes of many seeds, in their order."""
+    """Return the verdicts on the scenes of many seeds, in the order of the seeds."""
     idle: SimpleQueue[Worker] = SimpleQueue()
     workers = [Worker() for _ in range(cores)]
     for worker in workers:
@@ -92,7 +92,7 @@ def verdicts(seeds: Iterable[int], cpu: float = CPU, cores: int = 1) -> Iterator
 
 
 class Worker:
-    """A process that runs scenes one after the other; another takes its place when it was ended."""
+    """A process that runs scenes one after the other; if the process is ended, another replaces it."""
 
     def __init__(self) -> None:
         self.process: Any = None
@@ -128,7 +128,7 @@ class Worker:
 
 
 def _ended(scene: Scene, seed: int, cpu: float, memory: Any, code: int) -> Verdict:
-    """On a run that was ended, by the record that it left."""
+    """Return the verdict on a run that was ended, from the record that it left."""
     record = np.frombuffer(memory, model_of(scene).start.dtype, count=1)[0]
     statistics = record["statistics"]
     counts = {name: int(statistics[name]) for name in statistics.dtype.names}
@@ -154,12 +154,12 @@ def _serve(pipe: Any, memory: Any) -> None:
             return
         try:
             pipe.send(_judged(scene or scene_of(seed), seed, cpu, memory))
-        except Exception as error:  # of the search itself: the parent raises it
+        except Exception as error:  # an error of the search itself, which the parent raises
             pipe.send(RuntimeError(f"scene({seed}): {error!r}"))
 
 
 def _judged(scene: Scene, seed: int, cpu: float, memory: Any) -> Verdict:
-    # a kernel that has to be compiled takes seconds, which are not the run's
+    # the compilation of a kernel takes seconds, which do not belong to the run
     load_kernel(kernel_library(len(scene.chain.links)))
     signal.setitimer(signal.ITIMER_PROF, cpu)
     run = oracle.account(scene, seed, memory)
@@ -171,7 +171,7 @@ def _judged(scene: Scene, seed: int, cpu: float, memory: Any) -> Verdict:
 
 
 def main() -> None:
-    """Search, and print what was found."""
+    """Search, and print the findings."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--count", type=int, default=20000, help="scenes")
     parser.add_argument("--first", type=int, default=0, help="first seed")

@@ -1,4 +1,4 @@
-"""What all workers of a test session share: it is made by the first that needs it, and once."""
+"""Files that all workers of a test session share; the first worker that needs a file makes it."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from filelock import FileLock
 
 
 def shared_folder(factory: pytest.TempPathFactory, name: str) -> Path:
-    """A folder of that name which is the same for all workers of this session."""
+    """Return a folder with a name that is the same for all workers of this session."""
     own = factory.getbasetemp()
-    # pytest-xdist puts the folders of its workers in one of the session
+    # pytest-xdist puts the folders of its workers into a folder of the session
     session = own.parent if own.name.startswith("popen-") else own
     folder = session / "shared" / name
     folder.mkdir(parents=True, exist_ok=True)
@@ -20,7 +20,7 @@ def shared_folder(factory: pytest.TempPathFactory, name: str) -> Path:
 
 
 def once(path: Path, make: Callable[[Path], object]) -> Path:
-    """The file or folder at a path; ``make`` writes it if no worker has done so, and others wait."""
+    """Return the file or folder at a path; ``make`` writes it if no worker has done so, while others wait."""
     with FileLock(f"{path}.lock"):
         if not path.exists():
             unfinished = path.with_name(f"{path.name}.unfinished")

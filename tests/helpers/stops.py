@@ -1,4 +1,4 @@
-"""Scenes with stops, shared by tests: a knee with a wall of another material, a rod, and two links."""
+"""Scenes with stops for tests: a knee with a wall of another material, a rod, and two links."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LENGTH, MASS, SPEED, STIFFNESS = 0.4, 1.3, 2.0, 2e4
 
 
 def knee(**values: object) -> Scene:
-    """A pinned arm that swings down, its knee first into its lower stop; values by their names."""
+    """Return a pinned arm that swings down, first with its knee into its lower stop; changes are by name."""
     link = {"length": 0.5, "mass": 1.0}
     scene = scene_from_dict(
         {
@@ -29,11 +29,11 @@ def knee(**values: object) -> Scene:
 
 
 UP = {"link[2].joint_max": 1.25, "initial.angular_velocity[2]": 8.0}
-"""What makes the knee hit its upper stop first."""
+"""The changes with which the knee hits its upper stop first."""
 
 
 def arm(links: list[dict[str, float]], angles: list[float], stop_time: float, **more: Any) -> Scene:
-    """A pinned chain in no box."""
+    """Return a pinned chain without a box."""
     scene = {
         "name": "Arm",
         "chain": {"base": "pinned", "links": links},
@@ -44,7 +44,7 @@ def arm(links: list[dict[str, float]], angles: list[float], stop_time: float, **
 
 
 def struck_rod(model: str, e: float, **stops: Any) -> Scene:
-    """A rod without gravity that turns into its stop at .9 rad, with 2 rad/s."""
+    """Return a rod without gravity that turns into its stop at .9 rad, with 2 rad/s."""
     link = {"length": LENGTH, "mass": MASS, "joint_max": 0.9}
     motion = {"angles": [0.0], "angular_velocities": [SPEED]}
     law = {"model": model, "stiffness": STIFFNESS, "restitution": e, **stops}
@@ -52,7 +52,7 @@ def struck_rod(model: str, e: float, **stops: Any) -> Scene:
 
 
 def together(walls: str, stops: str, omegas: list[float]) -> Scene:
-    """Two links that at time 0 arrive at a floor with their tip and at the stop of their knee."""
+    """Return two links that at time 0 hit a floor with their tip and the stop of their knee."""
     angles = [0.0, -0.5]
     law = {"restitution": 0.5, "stiffness": 1e5, "exponent": 1.0}
     motion = {"angles": angles, "angular_velocities": omegas}

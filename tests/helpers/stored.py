@@ -1,4 +1,4 @@
-"""More problems with values that other programs store for their tests: scenes, second solutions and ours.
+"""Further problems with values that other programs store for their tests: scenes, second solutions and ours.
 
 Three balls of Siconos (siconos-tutorials, commit b6c9bfd) and a block of Solfec (solfec-1.0, commit 287fba1).
 Units are SI throughout.
@@ -18,11 +18,11 @@ from chain_impact.scene.scene import Scene
 from tests.helpers.figures import Figure, Problem, problem, run
 from tests.helpers.problems import RIGID, build, contact_table, rest_depth
 
-WEIGHT = 9.81  # N, of 1 kg
+WEIGHT = 9.81  # [N] the weight of 1 kg
 
 
 def ball(height: float, speed: float, gravity: float, stop: float, box: Any, **contact: Any) -> Scene:
-    """A point mass of 1 kg that moves up at a speed."""
+    """Return a point mass of 1 kg that moves up at a speed."""
     link = {"length": 1.0, "mass": 1.0, "center_of_mass": 0.0, "inertia": 1.0}
     initial = {"position": [0.0, height], "angles": [0.0], "velocity": [0.0, speed]}
     table = contact_table(points=[0], **contact)
@@ -41,7 +41,10 @@ BETWEEN = {
 
 
 def ball_between_walls(tolerance: float) -> Problem:
-    """Thrown up at 10 m/s from 1 m under a ceiling at 1.5 m; e = 0.8, g = 10 m/s²."""
+    """Return figures for a ball thrown up at 10 m/s from 1 m under a ceiling at 1.5 m.
+
+    E = 0.8, g = 10 m/s².
+    """
     box = {"y_min": 0.0, "y_max": 1.5}
     scene = ball(1.0, 10.0, 10.0, 6.0, box, model=RIGID, restitution=0.8, minimum_impact_speed=1e-9)
     result = run("SiconosBall", tolerance, scene, output_step=0.5)
@@ -63,12 +66,13 @@ def ball_between_walls(tolerance: float) -> Problem:
 def between(
     height: float, speed: float, gravity: float, ceiling: float, restitution: float
 ) -> Callable[[float], float]:
-    """Height over time of a ball between two rigid walls: flights of parabolas."""
+    """Return the height over time of a ball between two rigid walls: flights of parabolas."""
 
     def at(time: float) -> float:
         y, v, now = height, speed, 0.0
         while True:
-            down = (v + math.sqrt(v * v + 2 * gravity * y)) / gravity  # when it is on the floor
+            # the time at which the ball is on the floor
+            down = (v + math.sqrt(v * v + 2 * gravity * y)) / gravity
             root = v * v - 2 * gravity * (ceiling - y)
             up = (v - math.sqrt(root)) / gravity if v > 0 and root > 0 else math.inf
             step = min(up, down)
@@ -84,7 +88,7 @@ def between(
 
 
 def ball_stays(tolerance: float) -> Problem:
-    """Dropped from 1 m with e = 0: when it lands, how fast, and the force of the floor afterwards."""
+    """Return figures for a ball dropped from 1 m with e = 0: landing time and speed, and the later force."""
     scene = ball(1.0, 0.0, WEIGHT, 8.5, {"y_min": 0.0}, model=RIGID, restitution=0.0)
     result = run("SiconosBall", tolerance, scene, output_step=0.5)
     (impact,) = result.impacts
@@ -98,8 +102,8 @@ def ball_stays(tolerance: float) -> Problem:
 
 # --- an elastic floor and a rigid ceiling, BouncingBallTS-CompliantContact ----------------------------------
 
-FLOOR, CEILING, SPRING = 0.1, 0.7, 100.0  # m, m, N/m
-SOFT, STIFF = 1e12, 1e14  # N/m, of the ceiling
+FLOOR, CEILING, SPRING = 0.1, 0.7, 100.0  # positions of floor and ceiling [m], stiffness of the floor [N/m]
+SOFT, STIFF = 1e12, 1e14  # [N/m] two stiffnesses of the ceiling
 # time [s] → height [m], by time stepping of 0.5 ms
 COMPLIANT = {
     0.5: "-0.199951654",
@@ -108,10 +112,10 @@ COMPLIANT = {
 
 
 def ball_on_a_spring(tolerance: float) -> Problem:
-    """Dropped from 1 m on a linear elastic floor, under a rigid ceiling, e = 1, that begins beneath it.
+    """Return figures for a ball dropped from 1 m onto a linear elastic floor, under a rigid ceiling, e = 1.
 
-    The time stepping lets the ball through the ceiling from above. So ours begins there, at the time at which
-    the ball is below it, with the speed that it has then.
+    The ball starts above the ceiling. The time stepping of the source lets it through the ceiling, so our
+    simulation begins when the ball is below the ceiling, with its speed at that time.
     """
     passed, speed = math.sqrt(2 * (1.0 - CEILING) / WEIGHT), math.sqrt(2 * WEIGHT * (1.0 - CEILING))
     times = [time - passed for time in COMPLIANT]
@@ -124,7 +128,7 @@ def ball_on_a_spring(tolerance: float) -> Problem:
         return np.array([result["point[0].y"][-1] for result in found]), found[-1]
 
     (soft, _), (stiff, result) = heights(SOFT), heights(STIFF)
-    ratio = math.sqrt(STIFF / SOFT)  # of the durations of an impact
+    ratio = math.sqrt(STIFF / SOFT)  # ratio of the durations of an impact
     limit = (ratio * stiff - soft) / (ratio - 1.0)
     figures = [
         Figure(f"height at {time:g} s [m]", stored, on_a_spring(elapsed, speed), ours, 1e-8, 0.14, True)
@@ -134,12 +138,15 @@ def ball_on_a_spring(tolerance: float) -> Problem:
 
 
 def on_a_spring(time: float, speed: float) -> float:
-    """Height [m] of the ball that leaves the ceiling downwards: a periodic motion, as nothing is lost."""
+    """Return the height [m] of a ball that leaves the ceiling downwards.
+
+    The motion is periodic without losses.
+    """
     drop = CEILING - FLOOR
     lands = math.sqrt(speed**2 + 2 * WEIGHT * drop)
     fall = (lands - speed) / WEIGHT
     omega, sag = math.sqrt(SPRING), WEIGHT / SPRING
-    # on the spring: y − FLOOR + sag = sag cos ωt − (lands/ω) sin ωt, until it is back at FLOOR
+    # on the spring: y − FLOOR + sag = sag cos ωt − (lands/ω) sin ωt, until the ball is back at FLOOR
     contact = 2 * (math.pi - math.atan2(lands / omega, sag)) / omega
     t = time % (2 * fall + contact)
     if t < fall:
@@ -153,8 +160,8 @@ def on_a_spring(time: float, speed: float) -> float:
 
 # --- a block that sticks and slides, block-sliding of Solfec, after Potra et al. 2006 ----------------------
 
-PUSH, GRIP = 8.0, 0.8 * WEIGHT  # N
-# time [s], whether it is the velocity [m/s], else x − 3 m → value, by time stepping of 1 ms
+PUSH, GRIP = 8.0, 0.8 * WEIGHT  # [N] amplitude of the push, and limit of friction
+# time [s], whether the value is the velocity [m/s] or x − 3 m → value, by time stepping of 1 ms
 BLOCK = {
     (2.001, False): "0.00435080898",
     (5.001, False): "-0.00870878769",
@@ -166,10 +173,10 @@ BLOCK = {
 
 
 def sliding_block(tolerance: float) -> Problem:
-    """A block of 1 kg on a table, pushed by 8 cos t; µ = 0.8. Here it is a rod, pushed along itself.
+    """Return figures for a block of 1 kg on a table, pushed by 8 cos t; µ = 0.8. Here the block is a rod.
 
-    At first it sinks into its floor while it slides. What the normal impulse lacks is the speed of sinking,
-    so this moves it on by µ times the depth, which is taken off.
+    At first the rod sinks into its floor while it slides. The missing normal impulse equals the momentum of
+    sinking, so the rod moves µ times the depth too far; this distance is subtracted.
     """
     link = {"length": 0.3, "mass": 1.0}
     contact = contact_table(stiffness=1e8, restitution=0.2, friction=0.8)
@@ -189,7 +196,9 @@ def sliding_block(tolerance: float) -> Problem:
 
 
 def slid(time: float) -> tuple[float, float]:
-    """Displacement [m] and velocity [m/s] of the rigid block: it slides from where the push exceeds the grip.
+    """Return displacement [m] and velocity [m/s] of the rigid block.
+
+    The block slides from the time t₀ at which the push exceeds the static friction.
 
     From t₀ on, with the sign s of the push there: v = 8 (sin t − sin t₀) − s 7.848 (t − t₀), until v = 0.
     """

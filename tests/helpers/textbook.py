@@ -1,6 +1,6 @@
-"""The chain once more, as a textbook has it: an assembled mass matrix and no recursion.
+"""An independent model of the chain in the form of a textbook: an assembled mass matrix and no recursion.
 
-It shares nothing with the kernel: tests and the benchmarks compare with it. q = (x₀, y₀, θ).
+It shares no code with the kernel: tests and benchmarks compare the kernel with it. q = (x₀, y₀, θ).
 With u_i the unit vector along link i, s_ji = ℓ_i for i < j and the centre-of-mass distance for i = j, the
 centre of link j is at p₀ + Σ_i s_ji u_i. Hence, with B = Sᵀ diag(m) S and β = Sᵀ m, M q̈ = Q − h has
     M = [m_total 1, β_i u⊥_i; ·, B_ij cos(θ_i − θ_j) + I_i δ_ij],
@@ -57,11 +57,14 @@ class Textbook:
         return np.array([*first.position, *first.angles, *first.velocity, *first.angular_velocities])
 
     def assemble(self, angle: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """M, shape (N+2, N+2), and Q − h of gravity alone, shape (N+2,), until the next call."""
+        """Return M, shape (N+2, N+2), and Q − h of gravity alone, (N+2,).
+
+        Both are valid until the next call.
+        """
         matrix, right = self.matrix, self.right
         cos, sin = np.cos(angle), np.sin(angle)
         normals = np.stack([-sin, cos])
-        # cos(θ_i − θ_j) and sin(θ_i − θ_j) by the addition theorems
+        # cos(θ_i − θ_j) and sin(θ_i − θ_j), by the addition theorems
         matrix[2:, 2:] = self.coupling * (np.outer(cos, cos) + np.outer(sin, sin)) + self.inertia
         matrix[:2, 2:] = self.first_moment * normals
         matrix[2:, :2] = matrix[:2, 2:].T
@@ -82,7 +85,7 @@ class Textbook:
         return matrix, right
 
     def jacobian(self, angle: np.ndarray, point: int) -> np.ndarray:
-        """J with ṗ = J q̇ for a point 0…N, shape (2, N+2)."""
+        """Return J with ṗ = J q̇ for a point 0…N, shape (2, N+2)."""
         jacobian = np.zeros((2, self.n + 2), self.length.dtype)
         jacobian[0, 0] = jacobian[1, 1] = 1
         before = np.asarray(angle)[:point]
@@ -92,14 +95,14 @@ class Textbook:
     def rate(
         self, y: np.ndarray, loads: Iterable[tuple[int, int, Any]] = (), torques: Any = None
     ) -> np.ndarray:
-        """(q̇, q̈) for loads (point, axis, force), and torques on the links from those before them."""
+        """Return (q̇, q̈) for loads (point, axis, force) and torques on links from the preceding links."""
         matrix, right = self.balance(y, torques)
         for point, axis, force in loads:
             right += self.jacobian(y[2 : self.n + 2], point)[axis] * force
         return np.concatenate([y[self.n + 2 :], self.answer(matrix, right)])
 
     def balance(self, y: np.ndarray, torques: Any = None) -> tuple[np.ndarray, np.ndarray]:
-        """M and Q − h of gravity, joints and torques, until the next call."""
+        """Return M and Q − h of gravity, joints and torques, valid until the next call."""
         angle, omega = y[2 : self.n + 2], y[self.n + 4 :]
         matrix, right = self.assemble(angle, omega)
         if self.resisting or torques is not None:
@@ -111,7 +114,7 @@ class Textbook:
         return matrix, right
 
     def answer(self, matrix: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """M⁻¹ f, of a pinned base zero."""
+        """Return M⁻¹ f; zero for a pinned base."""
         if not self.free.start:
             return self.solve(matrix, forces)
         free, answer = self.free, np.zeros_like(forces)
@@ -119,11 +122,11 @@ class Textbook:
         return answer
 
     def loss(self, y: np.ndarray) -> Any:
-        """The power that dampers of joints take [W]."""
+        """Return the power [W] that dampers of joints dissipate."""
         return self.damping @ np.diff(y[self.n + 4 :], prepend=0) ** 2
 
     def points(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions and velocities of the points 0…N, shape (N+1, 2)."""
+        """Return positions and velocities of the points 0…N, shape (N+1, 2)."""
         n = self.n
         angle, omega = y[2 : n + 2], y[n + 4 :]
         links = self.length[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -1,4 +1,4 @@
-"""Scenes in a mirror, and turned: the same motion, seen otherwise."""
+"""Mirrored and rotated scenes, whose motions are mirrored and rotated in the same way."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from chain_impact.scene.scene import Scene, with_values
 
 
 def mirrored(scene: Scene) -> Scene:
-    """The scene seen in a mirror that swaps left and right."""
+    """Return the scene mirrored left to right."""
     initial, box = scene.initial, scene.box
     changes: dict[tuple[str | int, ...], Any] = {
         ("initial", "position"): (-initial.position[0], initial.position[1]),
@@ -27,7 +27,7 @@ def mirrored(scene: Scene) -> Scene:
 
 
 def turned(scene: Scene, angle: float) -> Scene:
-    """The scene turned as a whole about the origin by an angle [rad], its box replaced by walls."""
+    """Return the scene rotated about the origin by an angle [rad], with four walls in place of its box."""
     c, s = math.cos(angle), math.sin(angle)
 
     def turn(x: float, y: float) -> list[float]:

@@ -1,9 +1,9 @@
-"""Problems from the literature: published figures, a second solution independent of the kernel, and ours.
+"""Problems from the literature: published figures, an independent second solution, and our simulation.
 
-Each function of ``PROBLEMS`` runs one model and returns its ``Figure``s. Those with measured data are in
-``tests.helpers.measured``, those with dry friction in ``tests.helpers.friction_figures``. Published figures
-are facts of the sources that docs/validation.md names. The second solutions are closed forms, root searches
-in closed forms, and the chain of ``tests.helpers.chain_model`` at 1e-13. Units are SI throughout.
+Each function of ``PROBLEMS`` runs one model and returns its ``Figure``s. Problems with measured data are in
+``tests.helpers.measured``, problems with dry friction in ``tests.helpers.friction_figures``. Published
+figures are facts of the sources that docs/validation.md names. The second solutions are closed forms, root
+searches in closed forms, and the chain of ``tests.helpers.chain_model`` at 1e-13. Units are SI throughout.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ SOLFEC = {0.0: "11.6766522245", 0.6: "9.02830180065", 1.0: "0.892467558418", 1.5
 
 
 def double_pendulum_wall(tolerance: float) -> Problem:
-    """Energies after impacts: stored by a first-order scheme, and of the independent chain."""
+    """Return energies after impacts: stored by a first-order scheme, and of the independent chain."""
     model = "double_pendulum_wall"
     result = run(model, tolerance)
     exact = differentiate(load_scene(model), (), [*SOLFEC, 2.5]).values
@@ -67,7 +67,7 @@ A01 = {10.0: ("-2.75087E-01", "-9.61419E-01"), 2000.0: ("8.14603E-01", "-5.80019
 
 
 def simple_pendulum(tolerance: float) -> Problem:
-    """Position early and after 2000 s: the library's reference solution, and elliptic functions."""
+    """Return positions early and after 2000 s: the library's reference solution, and elliptic functions."""
     model = "simple_pendulum"
     result = run(model, tolerance, stop_time=2000.0, output_step=0.5)
     figures = [
@@ -86,7 +86,7 @@ def simple_pendulum(tolerance: float) -> Problem:
 
 
 def pendulum(time: float) -> tuple[float, float]:
-    """Position [m] of a pendulum of 1 m that is released at (-1, 0) m, by Jacobi's elliptic functions.
+    """Return the position [m] of a pendulum of 1 m released at (-1, 0) m, by Jacobi's elliptic functions.
 
     sin(φ/2) = k sn(K(k) − √(g/l) t, k) with k = sin(φ₀/2), φ from the vertical, φ₀ = π/2.
     """
@@ -98,7 +98,7 @@ def pendulum(time: float) -> tuple[float, float]:
 
 # --- balls on a rigid floor ----------------------------------------------------------------------------
 
-# time [s] → height [m], stored in the tests of Siconos: time stepping of 5 ms, and event-driven
+# time [s] → height [m], stored in the tests of Siconos: by time stepping of 5 ms, and event-driven
 SICONOS = {
     2.0: ("1.05996e-03", "1.368436228507e-02"),
     4.0: ("2.64892e-01", "2.805174716218e-01"),
@@ -107,7 +107,7 @@ SICONOS = {
 
 
 def bouncing_ball(tolerance: float) -> Problem:
-    """Heights over time, and when the ball rests: two stored references, and the closed form."""
+    """Return heights over time, and the time of rest of the ball: two stored references, and closed forms."""
     model = "bouncing_ball"
     result = run(model, tolerance)
     exact, heights = bounces(1.0, 0.9), result["point[0].y"]
@@ -117,7 +117,7 @@ def bouncing_ball(tolerance: float) -> Problem:
         quantity = f"height at {time:g} s [m]"
         figures.append(Figure(f"{quantity}, time stepping", stepped, exact(time), ours, 1e-10, 0.02, True))
         figures.append(Figure(f"{quantity}, event-driven", driven, exact(time), ours, 1e-10, 1e-12))
-    # the sum of all flights: √(2h/g) (1 + e)/(1 − e)
+    # the sum of the durations of all flights: √(2h/g) (1 + e)/(1 − e)
     rest = math.sqrt(2 / 9.81) * (1 + 0.9) / (1 - 0.9)
     scene = with_values(load_scene(model), {("contact", "minimum_impact_speed"): 1e-9})
     last = run(model, tolerance, scene).impacts["onset"][-1]
@@ -126,7 +126,7 @@ def bouncing_ball(tolerance: float) -> Problem:
 
 
 def bounces(height: float, restitution: float, gravity: float = 9.81) -> Callable[[float], float]:
-    """Height over time of a ball on a rigid floor: flights from t_k with e v_k, t_{k+1} = t_k + 2 e v_k/g."""
+    """Return the height over time of a ball on a rigid floor: flights from t_k with e v_k."""
 
     def at(time: float) -> float:
         onset, speed = math.sqrt(2 * height / gravity), math.sqrt(2 * gravity * height)
@@ -148,7 +148,7 @@ ENGINES = {"RaiSim": "1.86446e-10", "ODE": "0.0185021", "DART": "7.38571", "Bull
 
 
 def elastic_ball(tolerance: float) -> Problem:
-    """The error of the energy of 49 balls in 20 s: of engines at steps of 10 µs, and ours."""
+    """Return the energy error of 49 balls in 20 s: of engines at steps of 10 µs, and of our simulation."""
     model, balls = "elastic_ball", 49
     result = run(model, tolerance, output_step=1e-3)
     energy = balls * (result["energy.kinetic"] + result["energy.potential"])
@@ -169,7 +169,7 @@ OXIDE = {"length": 0.0025, "young": 3.8e11, "poisson": 0.23, "density": 4000.0, 
 
 
 def sphere_on_wall(tolerance: float) -> Problem:
-    """Test 2 of Chung & Ooi by Hertz's closed forms, and their test 3: the restitution that comes out."""
+    """Return figures for tests 2 and 3 of Chung & Ooi: Hertz's closed forms, and the restitution."""
     model = "sphere_on_wall"
     result = run(model, tolerance)
     scene, (impact,) = load_scene(model), result.impacts
@@ -192,7 +192,7 @@ def sphere_on_wall(tolerance: float) -> Problem:
 
 
 def oxide_sphere(scene: Scene, restitution: float) -> Scene:
-    """Test 3 of Chung & Ooi: a sphere of aluminium oxide with a restitution."""
+    """Return the scene of test 3 of Chung & Ooi: a sphere of aluminium oxide with a restitution."""
     radius, speed = OXIDE["length"], OXIDE["speed"]
     mass = 4 / 3 * math.pi * radius**3 * OXIDE["density"]
     changes = {
@@ -212,7 +212,7 @@ def oxide_sphere(scene: Scene, restitution: float) -> Scene:
 
 
 def elastic_floor(tolerance: float) -> Problem:
-    """SDND108 A of code_aster: a fall, half an oscillation on a spring, and again."""
+    """Return figures for SDND108 A of code_aster: a fall, half an oscillation on a spring, and a flight."""
     model = "elastic_floor"
     result = run(model, tolerance)
     first, second = result.impacts[:2]
@@ -221,7 +221,7 @@ def elastic_floor(tolerance: float) -> Problem:
     onset = (speed - start) / gravity
     # on the spring, δ = (g/ω²)(1 − cos ωτ) + (v/ω) sin ωτ
     depth = gravity / rate**2 + math.hypot(gravity / rate**2, speed / rate)
-    # δ = 0 again: tan(ωτ/2) = −v ω/g, in the second quadrant
+    # δ = 0 again at tan(ωτ/2) = −v ω/g, in the second quadrant
     duration = 2 / rate * (math.pi - math.atan(speed * rate / gravity))
     figures = [
         Figure("first contact [s]", None, onset, first["onset"], 1e-11),
@@ -237,7 +237,7 @@ def elastic_floor(tolerance: float) -> Problem:
 
 
 def clattering_rod(tolerance: float) -> Problem:
-    """The sequence of impacts of both ends: closed forms of the flights, and searches for their roots."""
+    """Return figures for the impacts of a rod's two ends: closed forms of flights, and searches for roots."""
     model, shown = "clattering_rod", (1, 2, 3, 10, 20, 30)
     result = run(model, tolerance)
     exact = clatter(load_scene(model), max(shown))
@@ -252,7 +252,7 @@ def clattering_rod(tolerance: float) -> Problem:
 
 
 def clatter(scene: Scene, impacts: int) -> list[tuple[int, float, float]]:
-    """(end, time [s], speed [m/s]) of each impact of a uniform rod's ends on a rigid floor.
+    """Return (end, time [s], speed [m/s]) of each impact of a uniform rod's ends on a rigid floor.
 
     In flight y = y₀ + v t − g t²/2 and θ = θ₀ + ω t, so end s = ∓1 is at y + s (l/2) sin θ. An impact of
     speed u on it gives the impulse p = (1 + e) u m/(1 + 3 cos²θ): v += p/m, ω += s (l/2) cos θ p/I.
@@ -269,7 +269,7 @@ def clatter(scene: Scene, impacts: int) -> list[tuple[int, float, float]]:
             y, v, theta, omega = state
             return y + v * t - gravity * t**2 / 2 + side * half * math.sin(theta + omega * t)
 
-        # both ends are followed in steps that no flight of these impacts is as short as
+        # the steps are shorter than any flight between these impacts
         step, time, hits = 1e-5, 1e-9, []
         while not hits:
             hits = [
@@ -296,7 +296,7 @@ def clatter(scene: Scene, impacts: int) -> list[tuple[int, float, float]]:
 
 
 def falling_arm(tolerance: float) -> Problem:
-    """When the elbow and then the tip of an arm rest on the floor, after infinitely many impacts each."""
+    """Return the times at which elbow and tip of an arm come to rest, each after infinitely many impacts."""
     model = "falling_arm"
     result = run(model, tolerance)
     arm = Arm(load_scene(model))
@@ -308,7 +308,7 @@ def falling_arm(tolerance: float) -> Problem:
     rate = there.angular_velocities[-1, 1]
     tip = second_accumulation(arm, elbow, state)
     figures = [
-        # an accumulation is cut short where bounces are too low to be told from rest
+        # the simulation ends an accumulation where bounces are too low to distinguish from rest
         Figure("time of rest of the elbow [s]", None, elbow, rests[0], 2e-7),
         Figure("angle of link 2 then [rad]", None, state[1], there.angles[-1, 1], 1e-10),
         Figure("angular velocity of link 2 then [rad/s]", None, state[3], rate, 1e-8),
@@ -321,7 +321,7 @@ def falling_arm(tolerance: float) -> Problem:
 
 
 def steel_bar(tolerance: float) -> Problem:
-    """What is left of the restitution of a bar that vibrates: 20 links, and an Euler–Bernoulli beam."""
+    """Return figures for the effective restitution of a vibrating bar, against an Euler–Bernoulli beam."""
     model, shown = "steel_bar", (0.2, 0.3, 0.4)
     result, scene = run(model, tolerance), load_scene(model)
     times = np.linspace(0.0, scene.simulation.stop_time, 2)
@@ -331,7 +331,7 @@ def steel_bar(tolerance: float) -> Problem:
         _, exact = bar.impact(times)
         ours = impulse(bar.chain(scene, 20, tolerance))
         quantity = f"restitution of a bar of {length} m without its vibration"
-        # a chain of 20 links is not quite a beam
+        # a chain of 20 links differs slightly from a beam
         figures.append(Figure(quantity, None, bar.restitution(exact), bar.restitution(ours), 2e-4))
     figures.append(Figure("impulse on the bar of 0.4 m [N·s]", None, exact, impulse(result), 1e-5))
     return problem(model, result, figures)

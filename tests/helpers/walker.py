@@ -1,11 +1,11 @@
-"""One step of the point-foot walker with knees of Hsu Chen 2007, from its point masses and its own phases.
+"""One step of the point-foot walker with knees of Hsu Chen 2007, from its point masses and its phases.
 
-It shares nothing with the kernel, and the masses are those of the source, not those of the scene. The angles
-q are measured from the vertical: of the stance leg from its foot up, of thigh and shank from the hip down.
-The mass k is at Σ_j a_kj (sin q_j, −cos q_j) from the foot. Until the knee strike q has three angles. After
-it q has two, as thigh and shank are one rigid leg. The knee strike keeps two angular momenta: that of all
-masses about the foot that stands, and that of the swinging leg about the hip. So does the heel strike, with
-the other foot.
+The model shares no code with the kernel, and its masses are those of the source, not those of the scene. The
+angles q are measured from the vertical: of the stance leg from its foot up, of thigh and shank from the hip
+down. The mass k is at Σ_j a_kj (sin q_j, −cos q_j) from the foot. Before the knee strike q has three angles,
+afterwards two, because thigh and shank are one rigid leg. The knee strike conserves two angular momenta: of
+all masses about the standing foot, and of the swinging leg about the hip. The heel strike conserves the same
+two angular momenta, with the other foot.
 """
 
 from __future__ import annotations
@@ -22,32 +22,33 @@ from chain_impact.scene.scene import Scene
 from tests.helpers.figures import Figure, Problem, problem, run
 
 HIP, THIGH, SHANK = 0.5, 0.5, 0.05  # kg
-A1, B1, A2, B2 = 0.375, 0.125, 0.175, 0.325  # m: from the foot up, shank A1 + B1, thigh A2 + B2
+A1, B1, A2, B2 = 0.375, 0.125, 0.175, 0.325  # lengths [m] from the foot up: shank A1 + B1, thigh A2 + B2
 LS, LT = A1 + B1, A2 + B2
 LEG = LS + LT
 SLOPE = 0.0504  # rad
-# rad, rad/s: q₁, its rate, and that of q₂ = q₃ after each heel strike, which the step begins with
+# q₁, its rate, and the rate of q₂ = q₃ after each heel strike, at which a step begins [rad, rad/s]
 PUBLISHED = ("0.1877", "-1.1014", "-0.0399")
 
 MASSES = np.array([SHANK, THIGH, HIP, THIGH, SHANK])
-ALL, STANDING, SWINGING = [0, 1, 2, 3, 4], [0, 1], [3, 4]  # of these
+# indices of masses: all, of the standing leg, of the swinging leg
+ALL, STANDING, SWINGING = [0, 1, 2, 3, 4], [0, 1], [3, 4]
 BENT = np.array([[-A1, 0, 0], [-LS - A2, 0, 0], [-LEG, 0, 0], [-LEG, B2, 0], [-LEG, LT, B1]])
-LOCK = np.array([[1, 0], [0, 1], [0, 1]])  # three angles of two
+LOCK = np.array([[1, 0], [0, 1], [0, 1]])  # matrix: two angles → three angles
 STRAIGHT = BENT @ LOCK
-UPRIGHT = np.array([np.pi / 2, -np.pi / 2, -np.pi / 2])  # q = 0 as angles of the scene
+UPRIGHT = np.array([np.pi / 2, -np.pi / 2, -np.pi / 2])  # q = 0 in the angles of the scene
 
 
 def equations(
     arms: np.ndarray, q: np.ndarray, w: np.ndarray, gravity: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """H and the right side of H q̈ = −h − G."""
+    """Return H and the right side of H q̈ = −h − G."""
     coupling, differences = (arms.T * MASSES) @ arms, np.subtract.outer(q, q)
     right = -(coupling * np.sin(differences)) @ w**2 - gravity * (MASSES @ arms) * np.sin(q)
     return coupling * np.cos(differences), right
 
 
 def motion(arms: np.ndarray, gravity: float) -> Callable[[float, np.ndarray], np.ndarray]:
-    """(q̇, q̈) of (q, q̇)."""
+    """Return a function for (q̇, q̈) of (q, q̇)."""
 
     def rate(_time: float, y: np.ndarray) -> np.ndarray:
         q, w = np.split(y, 2)
@@ -57,7 +58,7 @@ def motion(arms: np.ndarray, gravity: float) -> Callable[[float, np.ndarray], np
 
 
 def momenta(arms: np.ndarray, q: np.ndarray, masses: list[int], about: np.ndarray) -> np.ndarray:
-    """The row that gives the angular momentum of some masses about a point, times q̇."""
+    """Return the row that, times q̇, gives the angular momentum of some masses about a point."""
     places = arms @ np.transpose([np.sin(q), -np.cos(q)]) - about
     moves = arms[:, :, None] * np.transpose([np.cos(q), np.sin(q)])
     crossed = places[:, None, 0] * moves[..., 1] - places[:, None, 1] * moves[..., 0]
@@ -65,7 +66,7 @@ def momenta(arms: np.ndarray, q: np.ndarray, masses: list[int], about: np.ndarra
 
 
 def knee_strike(q: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """The rates of stance leg and swinging leg after the knee strike, of the three rates before."""
+    """Return the rates of stance leg and swinging leg after the knee strike from the three rates before."""
     straight = q[:2]
     hip = LEG * np.array([-np.sin(q[0]), np.cos(q[0])])
     kept = [(ALL, np.zeros(2)), (SWINGING, hip)]
@@ -75,7 +76,7 @@ def knee_strike(q: np.ndarray, w: np.ndarray) -> np.ndarray:
 
 
 def heel_strike(q: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """The state (q₁, q₂, q̇₁, q̇₂) of the next step; the legs, both straight, change places."""
+    """Return the state (q₁, q₂, q̇₁, q̇₂) of the next step, in which the two straight legs change places."""
     hip = LEG * np.array([-np.sin(q[0]), np.cos(q[0])])
     foot = hip + LEG * np.array([np.sin(q[1]), -np.cos(q[1])])
     before = np.array([momenta(STRAIGHT, q, ALL, foot), momenta(STRAIGHT, q, STANDING, hip)])
@@ -87,7 +88,7 @@ def heel_strike(q: np.ndarray, w: np.ndarray) -> np.ndarray:
 
 
 def energy(arms: np.ndarray, q: np.ndarray, w: np.ndarray) -> float:
-    """The kinetic energy [J]."""
+    """Return the kinetic energy [J]."""
     matrix, _ = equations(arms, q, w, 0.0)
     return float(0.5 * w @ matrix @ w)
 
@@ -99,7 +100,7 @@ def followed(
     start: np.ndarray,
     event: Callable[..., float] | None = None,
 ) -> Any:
-    """A phase, for 1 s or until a terminal event."""
+    """Return the solution of a phase, for 1 s or until a terminal event."""
     return solve_ivp(
         motion(arms, gravity),
         (begin, begin + 1.0),
@@ -114,7 +115,7 @@ def followed(
 
 
 def straightens() -> Callable[..., float]:
-    """The event that ends a phase when the knee comes straight."""
+    """Return the event that ends a phase when the knee becomes straight."""
 
     def bend(_time: float, y: np.ndarray) -> float:
         return float(y[1] - y[2])
@@ -124,7 +125,7 @@ def straightens() -> Callable[..., float]:
 
 
 class Walker:
-    """The walker from the start of a scene."""
+    """The motion of the walker from the start of a scene."""
 
     def __init__(self, scene: Scene) -> None:
         self.g = -scene.gravity[1]
@@ -136,7 +137,7 @@ class Walker:
         self.locked = followed(STRAIGHT, self.g, self.onset, begin)
 
     def angles(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Those of the three links of the scene [rad] at each of the times, and their rates."""
+        """Return the angles [rad] of the scene's three links at each of the times, and their rates."""
         late = (times > self.onset)[:, None]
         bent, straight = (self.swing.sol(times).T, self.locked.sol(times).T)
         angles, rates = (
@@ -146,12 +147,12 @@ class Walker:
         return angles + UPRIGHT, rates
 
     def lost(self) -> float:
-        """The energy that the knee strike takes [J]."""
+        """Return the energy [J] that the knee strike dissipates."""
         left = energy(STRAIGHT, self.before[:2], self.after)
         return energy(BENT, self.before[:3], self.before[3:]) - left
 
     def lands(self) -> float:
-        """When the swinging foot comes down on the slope [s]."""
+        """Return the time [s] at which the swinging foot lands on the slope."""
 
         def height(time: float) -> float:
             q = self.locked.sol(time)[:2]
@@ -162,7 +163,7 @@ class Walker:
 
 
 def kneed_leg(tolerance: float) -> Problem:
-    """The knee strike, and the state after the whole step, which the published gait repeats."""
+    """Return figures for the knee strike, and for the state after the whole step, which the gait repeats."""
     model = "kneed_leg"
     result, walker = run(model, tolerance), Walker(load_scene(model))
     onset = result.impacts["onset"][0]

@@ -1,4 +1,4 @@
-"""The stiff problems with which methods were compared, and their exact solutions by another integrator.
+"""The stiff problems on which integration methods were compared, and their reference solutions.
 
 Links of 1 kg lie on a floor while one of them swings; two links of 50 g with a stiff damper turn over on a
 point; five links hang from a pin, with springs and dampers between them.
@@ -24,7 +24,7 @@ LAMBDA = (1.0 - RESTITUTION**2) / RESTITUTION  # after Gonthier
 
 
 def on_floor(links: list[dict[str, float]], points: list[int], stiffness: float, **initial: Any) -> Scene:
-    """Links some of whose points start at the floor, at rest."""
+    """Return links, some of whose points start at rest on the floor."""
     contact = {
         "model": "gonthier",
         "stiffness": stiffness,
@@ -44,20 +44,20 @@ def on_floor(links: list[dict[str, float]], points: list[int], stiffness: float,
 
 
 def swinging(stiffness: float = 1e6) -> Scene:
-    """Four links on the floor, of which the last swings down."""
+    """Return four links on the floor, the last of which swings down."""
     links = [{"length": 0.25, "mass": 1.0}] * 4
     angles, omega = [0.0, 0.0, 0.0, np.pi / 2 - 0.3], [0.0, 0.0, 0.0, -1.0]
     return on_floor(links, [0, 1, 2, 3], stiffness, angles=angles, angular_velocities=omega)
 
 
 def tipping(damping: float = 1e4) -> Scene:
-    """Two light links that turn over on one end."""
+    """Return two light links that turn over on one end."""
     links = [{"length": 0.25, "mass": 0.05}, {"length": 0.25, "mass": 0.05, "joint_damping": damping}]
     return on_floor(links, [0], 1e8, angles=[1.0, 1.4], angular_velocities=[-2.0, -2.0], velocity=[0.2, 0.0])
 
 
 def hanging() -> Scene:
-    """Five links on stiff springs, a little bent, that swing as one."""
+    """Return five slightly bent links on stiff springs that swing like a single body."""
     link = {"length": 0.2, "mass": 1.0, "joint_damping": 10.0, "joint_stiffness": 1e4}
     angles = -np.pi / 2 + 0.8 + np.cumsum(0.01 * np.linspace(1.0, 0.0, 5) ** 2)
     initial = {"position": [0.0, 0.0], "angles": list(angles)}
@@ -70,14 +70,14 @@ def hanging() -> Scene:
 
 @cache
 def exact(name: str) -> np.ndarray:
-    """Base, angles and their rates at the end."""
+    """Return base position, angles and their rates at the end, from the stored reference solution."""
     scene = PROBLEMS[name]()
     stop = scene.simulation.stop_time
     return kept(lambda: {"end": integrated(scene, stop)}, __name__, scene, stop)["end"]
 
 
 def integrated(scene: Scene, stop: float) -> np.ndarray:
-    """The same by Radau's method of order 5 on the assembled equations."""
+    """Return the final state by SciPy's Radau method (order 5) on the assembled equations."""
     model, contact = Textbook(scene), scene.contact
 
     def rate(_: float, y: np.ndarray) -> np.ndarray:

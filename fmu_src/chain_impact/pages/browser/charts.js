@@ -6,7 +6,7 @@ const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // shown time before and after a contact, over the duration of the contact
 /** The time [s] that is shown before and after an impact without a duration. */
 export const MOMENT = 1e-3;
-const NO_FORCE = 1e-9; // [N] the least force at the end of the axis
+const NO_FORCE = 1e-9; // [N] force below which a contact counts as having no force
 const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
 const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label
 
@@ -37,7 +37,7 @@ function labelledWidth(plot, labels, index, cycle) {
   return Math.ceil(Math.max(NARROWEST, LABEL_MARGIN + Math.max(...widths) + gap + ticks.size));
 }
 
-/** Return the largest of some numbers, or of their number if it is not above zero. */
+/** Return the largest of the numbers in some arrays, but at least a tiny number above zero. */
 function highest(...all) {
   return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
 }
@@ -278,7 +278,7 @@ export class ForceChart extends Chart {
   constructor(element, what, over) {
     super(element, 120);
     Object.assign(this, { what, over });
-    this.unit = { ...unitsOf({}) }; // the chart shows the dry friction of the contact that it shows
+    this.unit = { ...unitsOf({}) }; // the units of the shown contact
     this.make(
       {
         series: [

@@ -6,7 +6,7 @@ import { pictureOf, save } from "./outside.js";
 import { colourAt, quantityOf, scaled, shownIn, ticksBetween, titleOf, VIRIDIS } from "./map_scales.js";
 import { unitText } from "./format.js";
 
-const RIM = 2; // [pixels] the size of the mark around the run that the keyboard has chosen
+const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
 const WORKERS = 8; // largest number of workers

@@ -11,7 +11,7 @@ import { Scene } from "./scene.js";
 
 // [s] longest step of the animation: after a pause of the browser, the animation continues where it was
 const LONGEST_FRAME = 0.1;
-const SLOW = 0.5; // rate over the chosen speed below which the clock says that the motion is slow
+const SLOW = 0.5; // rate, over the chosen speed, below which the clock says slow motion
 
 export class Player {
   further = []; // further functions that draw at each frame
