@@ -13,8 +13,8 @@ NEWTON, MOMENTUM = 1e-9, 1e-8  # allowed errors of Newton's law and of momentum,
 SAMPLED, ROUGH = (
     1e-6,
     1000.0,
-    # allowed error of a peak, over the largest force and over this force times the tolerance: peaks are found by
-    # samples
+    # allowed error of a peak, over the largest force and over this force times the tolerance: samples locate
+    # peaks
 )
 SMALL = 1e-12  # over the weight, or over a momentum of one link length per second
 
