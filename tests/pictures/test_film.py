@@ -95,6 +95,37 @@ def test_twice_the_speed_has_half_the_frames(recording, tmp_path):
     assert counts[1] == pytest.approx(counts[0] / 2, abs=1.5)
 
 
+@pytest.fixture
+def drawn(monkeypatch):
+    """Return a function that gives the times and the told rates of a film's frames, without drawing them."""
+
+    def drawn(recording, path, **options):
+        found = []
+
+        def keep(_, times, rates, size, __):
+            found[:] = [times, rates]
+            return iter(np.zeros((len(times), size[1], size[0], 3), np.uint8))
+
+        monkeypatch.setattr("chain_impact.pictures.film.draw_frames", keep)
+        options = {"speed": 1.0, "impact_time": 0.6, "size": SIZE, "progress": lambda _: None} | options
+        write_film(recording, path, **options)
+        return found
+
+    return drawn
+
+
+def test_a_sine_that_drives_an_input_has_eight_frames_in_a_period_and_the_film_tells_how_slow_it_is(
+    drawn, tmp_path
+):
+    shaken = record_slowly(load_scene("shaken_pendulum").with_values({"simulation.stop_time": 0.1}))
+    times, rates = drawn(shaken, tmp_path / "film.gif")
+    assert np.diff(times).max() * 40.0 <= 1 / 8 + 1e-9
+    assert rates == pytest.approx(20 / (8 * 40.0), rel=1e-6)
+    times, rates = drawn(shaken, tmp_path / "film.gif", impact_time=0.0, speed=0.5)
+    assert np.diff(times) == pytest.approx(0.5 / 20, rel=0.01), "the speed is constant"
+    assert rates == pytest.approx(0.5, rel=0.01)
+
+
 @needs_interop
 def test_an_mp4_is_a_film_that_a_decoder_reads(recording, tmp_path):
     import av

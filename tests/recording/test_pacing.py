@@ -67,6 +67,8 @@ def test_a_sine_that_drives_an_input_has_sixteen_frames_in_a_period():
     scene = load_scene("shaken_pendulum").with_values({"simulation.stop_time": 0.2})
     assert frame_rate(simulate(scene)) == 16 * 40.0
     assert frame_rate(simulate(scene.with_values({"signal.shake.frequency_rate": -600.0}))) == 16 * 80.0
+    late = {"signal.shake.start": 0.15, "signal.shake.rise": 0.01, "signal.shake.frequency_rate": 600.0}
+    assert frame_rate(simulate(scene.with_values(late))) == pytest.approx(16 * 70.0), "from its start on"
     assert frame_rate(simulate("simple_pendulum")) == FRAME_RATE
     recorded = record_slowly(scene)
     # the base goes through all of its way, not through what 60 frames in a second meet of it

@@ -33,7 +33,7 @@ from chain_impact.pictures.style import (
 from chain_impact.pictures.trace import trace_of
 from chain_impact.progress import Progress
 from chain_impact.recording.joint_stops import range_lines, touching_place
-from chain_impact.recording.pacing import frame_times, slow_spans
+from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import framed, pin_mark, places_of, radius_of, size_of
 from chain_impact.scene.bodies import placed
@@ -50,6 +50,8 @@ STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
 # [1/s] frames per second, by suffix; a gif stores the time of a frame in hundredths of a second
 RATES = {".gif": 20, ".mp4": 30}
+# least number of frames in a period of the fastest sine that drives an input; fewer may seem a slow motion
+FRAMES_OF_SINE = 8.0
 HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
 QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
 # pixels per inch: the usual number, the least number with energies, and the number on a page without energies
@@ -92,11 +94,13 @@ def write_film(
         MissingExtraError: when PyAV is not installed, for an mp4.
     """
     rate, (width, height) = RATES[path.suffix.lower()], (length // 2 * 2 for length in size)
+    if impact_time > 0.0 and (fastest := fastest_sine(recording)) > 0.0:
+        speed = min(speed, rate / (FRAMES_OF_SINE * fastest))
     start, stop = (float(recording.time[row]) for row in (0, -1))
     times, usual = frame_times(start, stop, slow_spans(recording), impact_time)
     count = 1 + int(np.ceil((len(times) - 1) / (speed * usual / rate)))
     shown = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
-    rates = np.interp(shown, times, np.gradient(times) * usual)
+    rates = np.interp(shown, times, np.gradient(times) * usual * speed)
     pictures = draw_frames(recording, shown, rates, (width, height), progress)
     if path.suffix.lower() == ".gif":
         write_gif(pictures, path, rate)

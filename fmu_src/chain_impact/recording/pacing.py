@@ -69,14 +69,21 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
     return slowest
 
 
-def frame_rate(recording: Recording) -> float:
-    """Return the frames per second of a page, enough to show the sines that drive inputs."""
+def fastest_sine(recording: Recording) -> float:
+    """Return the largest frequency of the sines that drive inputs [Hz]; 0 without a sine."""
     known, stop, fastest = recording.parameters, float(recording.time[-1]), 0.0
     for name, value in known.items():
         if name.startswith("signal.") and name.endswith(".frequency"):
-            ends = float(value), float(value) + stop * float(known.get(f"{name}_rate", 0.0))
-            fastest = max(fastest, *map(abs, ends))
-    return max(FRAME_RATE, FRAMES_OF_A_PERIOD * fastest)
+            begin = float(known.get(f"{name.removesuffix('frequency')}start", 0.0))
+            # f + ḟ s grows or falls with the time s = max(0, t − start)
+            change = float(known.get(f"{name}_rate", 0.0)) * max(0.0, stop - begin)
+            fastest = max(fastest, abs(float(value)), abs(float(value) + change))
+    return fastest
+
+
+def frame_rate(recording: Recording) -> float:
+    """Return the frames per second of a page: enough to see the sines that drive inputs."""
+    return max(FRAME_RATE, FRAMES_OF_A_PERIOD * fastest_sine(recording))
 
 
 def frame_times(

@@ -45,7 +45,8 @@ def animate(
             argument of ``load_scene``, which ``record_slowly`` simulates.
         path: the file, whose suffix determines the kind: ``.html`` is a page for a browser that needs no
             other file, ``.gif`` and ``.mp4`` are films. Without a path the page is returned, for a notebook.
-        speed: simulated seconds in a second on the screen, outside of impacts.
+        speed: simulated seconds in a second on the screen, outside of impacts. A film is slower where a sine
+            that drives an input would have fewer than 8 frames in a period.
         impact_time: duration of each impact on the screen [s] at the speed 1; the animation slows down
             shortly before the impact. With 0 the speed is constant.
         size: width and height of a film [pixels].
