@@ -1,4 +1,4 @@
-"""A film of a recording: matplotlib draws the frames, Pillow (gif) or PyAV (mp4) packs them."""
+"""A film of a recording: matplotlib draws the frames."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.patheffects import withStroke
 
-from chain_impact.extras import require
 from chain_impact.pictures.body import body_look, draw_rail
+from chain_impact.pictures.film_files import write_gif, write_mp4
 from chain_impact.pictures.over_time import ENERGY_COLOURS, mark_impacts
 from chain_impact.pictures.room import draw_pin, draw_room, moves
 from chain_impact.pictures.style import (
@@ -43,8 +43,6 @@ MUTED, CHAIN, TIP, FORCE, LOAD = "#566076", "#2b4a9f", "#c2255c", "#d9480f", "#0
 ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
 COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
 """All colours of a film, except white and the shades between the colours and white."""
-SHADES = 6  # number of shades of each colour in a gif, from the colour towards white
-WHITISH = 0.96  # the least value of red, green and blue in a shade that Pillow treats as white
 STYLE: Any = PICTURES | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
 STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
@@ -52,8 +50,6 @@ STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 RATES = {".gif": 20, ".mp4": 30}
 # least number of frames in a period of the fastest sine that drives an input; fewer may seem a slow motion
 FRAMES_OF_SINE = 8.0
-HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
-QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
 # pixels per inch: the usual number, the least number with energies, and the number on a page without energies
 DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
 ROOM = (8.0, 4.5)  # [inch] the least width and height of a page with energies
@@ -103,7 +99,7 @@ def write_film(
     rates = np.interp(shown, times, np.gradient(times) * usual * speed)
     pictures = draw_frames(recording, shown, rates, (width, height), progress)
     if path.suffix.lower() == ".gif":
-        write_gif(pictures, path, rate)
+        write_gif(pictures, path, rate, COLOURS)
     else:
         write_mp4(pictures, path, rate, (width, height))
 
@@ -131,37 +127,6 @@ def resolution(size: tuple[int, int]) -> float:
     """Return the pixels per inch of a film: fewer pixels for a small film, so that all texts have room."""
     found = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
     return min(DPI, found) if found >= LEAST_DPI else SMALL_DPI
-
-
-def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int) -> None:
-    """Write pictures as a gif with a few common colours.
-
-    Parts that do not change need no space in the file.
-    """
-    from PIL import Image
-
-    full = np.array([to_rgb(colour) for colour in COLOURS])
-    share = np.linspace(0.0, 1.0, SHADES, endpoint=False)[:, None, None]
-    shades = np.concatenate([np.ones((1, 3)), (full + share * (1.0 - full)).reshape(-1, 3)])
-    shades = shades[(shades == 1.0).all(axis=1) | (shades < WHITISH).any(axis=1)]
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
-    look: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}
-    first, *others = [Image.fromarray(picture).quantize(**look) for picture in pictures]
-    durations = [1000 // rate] * len(others) + [int(1000 * HOLD)]
-    first.save(path, "GIF", save_all=True, append_images=others, duration=durations, loop=0, optimize=False)
-
-
-def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple[int, int]) -> None:
-    """Write pictures as H.264, which all browsers and slide programs can play."""
-    av = require("av", "video")
-    with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
-        stream = container.add_stream("libx264", rate=rate, options={"crf": QUALITY})
-        stream.width, stream.height = size
-        stream.pix_fmt = "yuv420p"
-        for picture in pictures:
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
-        container.mux(stream.encode())
 
 
 class Film:

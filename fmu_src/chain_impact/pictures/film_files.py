@@ -1,0 +1,48 @@
+"""The files of films: Pillow writes a gif, PyAV an mp4."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgb
+
+from chain_impact.extras import require
+
+SHADES = 6  # number of shades of each colour in a gif, from the colour towards white
+WHITISH = 0.96  # the least value of red, green and blue in a shade that Pillow treats as white
+HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
+QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
+
+
+def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int, colours: Iterable[str]) -> None:
+    """Write pictures as a gif with a few common colours, and shades of these colours.
+
+    Parts that do not change need no space in the file.
+    """
+    from PIL import Image
+
+    full = np.array([to_rgb(colour) for colour in colours])
+    share = np.linspace(0.0, 1.0, SHADES, endpoint=False)[:, None, None]
+    shades = np.concatenate([np.ones((1, 3)), (full + share * (1.0 - full)).reshape(-1, 3)])
+    shades = shades[(shades == 1.0).all(axis=1) | (shades < WHITISH).any(axis=1)]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
+    look: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}
+    first, *others = [Image.fromarray(picture).quantize(**look) for picture in pictures]
+    durations = [1000 // rate] * len(others) + [int(1000 * HOLD)]
+    first.save(path, "GIF", save_all=True, append_images=others, duration=durations, loop=0, optimize=False)
+
+
+def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple[int, int]) -> None:
+    """Write pictures as H.264, which all browsers and slide programs can play."""
+    av = require("av", "video")
+    with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
+        stream = container.add_stream("libx264", rate=rate, options={"crf": QUALITY})
+        stream.width, stream.height = size
+        stream.pix_fmt = "yuv420p"
+        for picture in pictures:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(stream.encode())
