@@ -45,7 +45,7 @@ WITH = {
 
 
 def pytest_configure(config):
-    """One folder for all that this session leaves behind; pytest's own folders stay where they are."""
+    """Set one folder for all temporary files of this session; pytest's own folders stay in place."""
     tiers.pytest_configure(config)
     if hasattr(config, "workerinput"):
         return  # a process that has the settings of the one that started it
@@ -97,13 +97,13 @@ class ByFile(LoadFileScheduling):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """For ``--dist loadfile``, which is the rule (tests/tiers.py)."""
+    """Return the scheduler of ``--dist loadfile``, the default (tests/tiers.py)."""
     return ByFile(config, log) if config.getvalue("dist") == "loadfile" else None
 
 
 @pytest.fixture(scope="session")
 def fmu(tmp_path_factory):
-    """The FMU of the four-link box, as `build` makes it."""
+    """Return the FMU of the four-link box that `build` makes."""
 
     def build(folder):
         assert cli.main(["build", "-o", str(folder)]) == 0
@@ -113,7 +113,7 @@ def fmu(tmp_path_factory):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """An empty folder to be in."""
+    """Change to an empty folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

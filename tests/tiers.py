@@ -68,7 +68,7 @@ def pytest_cmdline_main(config):
 
 
 def pytest_configure(config):
-    """Declare the marker, refuse what cannot run, and let the quick tier take the same examples each time."""
+    """Declare the marker, refuse impossible options, and fix the random examples of the quick tier."""
     config.addinivalue_line("markers", "full(reason, but=0): only in pytest --full, but for the first cases")
     if config.option.full:
         refuse_what_is_missing()
@@ -90,23 +90,23 @@ def refuse_what_is_missing():
 
 
 def pytest_report_header(config):
-    """Say which tier runs."""
+    """Return the name of the tier for the header."""
     return "all tests" if config.option.full else "the quick tier of the tests; all of them: pytest --full"
 
 
 def pytest_ignore_collect(collection_path):
-    """Leave out files that could not be imported; ``--full`` is refused there."""
+    """Leave out files that cannot be imported; refuse ``--full`` without them."""
     return collection_path.name in not_importable() or None
 
 
 @cache
 def not_importable():
-    """Names of files of tests."""
+    """Return the names of test files that cannot be imported."""
     return {name for module, names in IMPORTING.items() if find_spec(module) is None for name in names}
 
 
 def leave_out(config, items):
-    """Leave out what is not in the tier."""
+    """Leave out the tests that are not in the tier."""
     if config.option.full:
         return
     named = [argument for argument in config.args if "::" in argument]
@@ -125,12 +125,12 @@ def leave_out(config, items):
 
 
 def is_named(item, name):
-    """Whether a node id of the command line is that of a test, or of its function."""
+    """Return whether a node id of the command line is the id of a test, or of its function."""
     return item.nodeid == name or item.nodeid.startswith(f"{name}[")
 
 
 def first_cases(mark, item):
-    """How many cases of a marked test are in the quick tier."""
+    """Return the number of cases of a marked test in the quick tier."""
     if len(mark.args) != 1 or not isinstance(mark.args[0], str) or mark.kwargs.keys() - {"but"}:
         raise pytest.UsageError(f'{item.nodeid}: the marker must be full("reason") or full("reason", but=3)')
     return mark.kwargs.get("but", 0)

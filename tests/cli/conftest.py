@@ -13,14 +13,14 @@ from chain_impact.scene.scene import model_names
 
 @pytest.fixture(scope="package", autouse=True)
 def kernels():
-    """Those of the models are compiled: what is said of compiling is no matter of most tests."""
+    """Compile the models' kernels, so that the other tests do not see messages about compiling."""
     for links in {len(load_scene(name).chain.links) for name in model_names()}:
         kernel_library(links)
 
 
 @pytest.fixture
 def terminal(monkeypatch):
-    """What is printed for the eyes of a terminal's user on standard error."""
+    """Return a function that replaces standard error by a text stream, as a terminal or not."""
 
     def terminal(is_one):
         text = io.StringIO()

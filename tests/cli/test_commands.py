@@ -47,7 +47,7 @@ def program(*arguments, **settings):
 
 @pytest.fixture(params=["scene", "FMU"])
 def source(request, fmu):
-    """The four-link box as a scene and as an FMU."""
+    """Return the four-link box as a scene and as an FMU."""
     return fmu if request.param == "FMU" else "four_link_box"
 
 
@@ -340,7 +340,10 @@ def test_compare_prints_a_row_for_each_law_and_advice_and_writes_what_was_asked_
 
 
 def info(run, source):
-    """The lines with values, and of the variables; each has its line, whole, however narrow the terminal."""
+    """Return the lines with values and the lines of the variables.
+
+    Each line is whole at any terminal width.
+    """
     code, said, errors = run("info", source)
     assert (code, errors) == (0, "")
     values, listing = said.split("\nVariables of the FMU\n")

@@ -11,7 +11,7 @@ from chain_impact.cli import completion
 
 
 def asked(line, folder):
-    """What a shell is told for a line that is being typed, as the scripts of argcomplete ask."""
+    """Return the completions that argcomplete's scripts give a shell for an incomplete line."""
     answer = folder / "answer"
     settings = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)}
     settings |= {"COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}

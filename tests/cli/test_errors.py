@@ -33,7 +33,10 @@ def refusals():
 
 
 def wrong(run, here, code, pattern, *arguments):
-    """What is wrong with a refusal, which is one line that matches and leaves no file behind."""
+    """Return a list with the failed refusal, or an empty list.
+
+    A good refusal prints one matching line and leaves no file.
+    """
     before = sorted(here.rglob("*"))
     found, _, said = run(*arguments)
     right = re.fullmatch(r"chain-impact[^\n]*: [^\n]+\n", said) and re.search(pattern, said)
@@ -53,7 +56,7 @@ def refused(run, here):
 
 @pytest.fixture
 def files(here, fmu):
-    """Files and folders that stand in the way, scenes and FMUs that are none."""
+    """Create obstructing files and folders, invalid scenes and invalid FMUs."""
     (here / "file").write_text("")
     (here / "t.csv").write_text("t,point[0].x,point[0].y,point[1].x,point[1].y\n0,0,1,0,1\n1,0,1,0,1\n")
     for name in ("folder.csv", "folder.png"):

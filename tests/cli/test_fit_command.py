@@ -13,7 +13,7 @@ START = ("--set", "contact.stiffness=5e7", "--set", "contact.restitution=0.6")
 
 @pytest.fixture
 def data(here):
-    """motion.csv and impacts.csv."""
+    """Write motion.csv and impacts.csv."""
     columns, result = motion(0.6)
     table = impacts(result, ["onset", "peak_force"], noise=1e-3)
     for name, one in (("motion.csv", columns), ("impacts.csv", table)):

@@ -21,7 +21,7 @@ STRANGE_TABLES = {
 
 @pytest.fixture
 def arm(tmp_path):
-    """A scene, and a table of its inputs."""
+    """Write a scene and a table of its inputs."""
     (tmp_path / "arm.toml").write_text(ARM)
     rows = zip(TIMES, *VALUES.values(), strict=True)
     lines = [",".join(("time", *VALUES)), *(",".join(map(repr, map(float, row))) for row in rows)]

@@ -66,7 +66,7 @@ def test_what_is_musls_is_unchanged():
 
 @pytest.fixture(scope="module")
 def mathematics(tmp_path_factory):
-    """The functions that the module has of its own, compiled for this machine."""
+    """Return the module's own mathematical functions, compiled for this machine."""
     folder = tmp_path_factory.mktemp("mathematics")
     paths = [browser.MATHEMATICS, browser.MATHEMATICS / "musl"]
     sources = [browser.MATHEMATICS / "powers.c", *(paths[1] / f"{name}_data.c" for name in ("exp", "pow"))]

@@ -173,7 +173,7 @@ def test_where_the_cache_can_only_be_read_an_error_says_what_to_set(monkeypatch)
 
 
 def not_kept(folder, reason):
-    """Nothing can be kept in a folder, and it is said why."""
+    """Check that nothing is stored in a folder, and that a message tells why."""
     with pytest.raises(BuildError) as caught:
         made("b.so", whole)
     return str(caught.value) == f"nothing can be kept in {folder} ({reason}): {places.ADVICE}"
@@ -181,7 +181,7 @@ def not_kept(folder, reason):
 
 @pytest.fixture(params=["of another user", "that others can write", "that a group can write"])
 def shared(request, monkeypatch):
-    """A cache in which another user may have put a library, which would be run."""
+    """Return a cache folder in which another user may have put a library to run."""
     base = made("a.so", lambda path: path.write_text("foreign")).parents[1]
     places.writable.cache_clear()
     user = base.stat().st_uid
@@ -199,7 +199,7 @@ def shared(request, monkeypatch):
 
 
 def _owned_by(folder, user, monkeypatch, group=0):
-    """Say that a folder has other owners: who is not root cannot give it to them."""
+    """Report a false owner for a folder, because only root can change an owner."""
     real = places.system.others_can_write
 
     def seen(found):

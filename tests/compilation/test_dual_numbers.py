@@ -49,7 +49,7 @@ FUNCTIONS = {
 
 
 def in_place(x, y):
-    """What numba has other functions for; x is a number first and a dual one then."""
+    """Compute with operations that numba implements by separate functions; x is real first, then dual."""
     total = 1.0
     for _ in range(3):
         total += x

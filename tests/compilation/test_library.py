@@ -137,7 +137,7 @@ class Compilers:
 
 @pytest.fixture
 def stand_in(tmp_path, monkeypatch):
-    """Stand-in compilers, an empty cache, and nothing ready."""
+    """Replace the compilers by stand-ins, with an empty cache and no prebuilt library."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv(ready.RELEASE, raising=False)
     monkeypatch.setattr(ready, "_usable", lambda: False)

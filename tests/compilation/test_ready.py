@@ -44,7 +44,7 @@ def link_for_browsers(compiled, module):
 
 
 def replace_compilers(monkeypatch):
-    """By some that only write files."""
+    """Replace the compilers by stand-ins that only write files."""
     stand_ins = {"prepare_zig": lambda _: None, "lower": lower, "compile_part": compile_part, "link": link}
     for name, function in stand_ins.items():
         monkeypatch.setattr(compilers, name, function)
@@ -59,7 +59,7 @@ def said():
 
 @pytest.fixture
 def made(tmp_path, monkeypatch, said):
-    """A folder as a wheel has it."""
+    """Return a folder of prebuilt libraries, as in a wheel."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     replace_compilers(monkeypatch)
     assert not ready_kernels.all_cached()

@@ -11,7 +11,7 @@ from chain_impact.compilation.sources import COMPILED, PACKAGE
 
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
-    """A copy of the package, whose fingerprint is taken."""
+    """Return a copy of the package whose fingerprint the tests compute."""
     package = tmp_path / "chain_impact"
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sources, "PACKAGE", package)

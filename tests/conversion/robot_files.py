@@ -79,28 +79,28 @@ PARTS = (
 
 
 def arm(**parts):
-    """The MJCF of an arm of two links in the x–z plane."""
+    """Return the MJCF of an arm of two links in the x–z plane."""
     return ARM.format(**{**dict.fromkeys(PARTS, ""), "name": "arm", **parts})
 
 
 def free(**parts):
-    """The MJCF of two links that fall freely."""
+    """Return the MJCF of two links that fall freely."""
     return FREE.format(**{**dict.fromkeys(PARTS, ""), **parts})
 
 
 def cart(**parts):
-    """The MJCF of an arm on a cart, which slides along a line that is not level."""
+    """Return the MJCF of an arm on a cart, which slides along an inclined line."""
     text = CART.replace('axis="1 0 0" ', "") if "axis=" in parts.get("x", "") else CART
     return text.format(**{**dict.fromkeys(PARTS, ""), **parts})
 
 
 def drives(*actuators):
-    """What drives an arm."""
+    """Return the actuators of an arm."""
     return f"<actuator>{''.join(actuators)}</actuator>"
 
 
 def key(**values):
-    """A keyframe."""
+    """Return a keyframe."""
     given = " ".join(f'{name}="{value}"' for name, value in values.items())
     return f"<keyframe><key name='k' {given}/></keyframe>"
 
@@ -116,18 +116,18 @@ JOINT = """
 
 
 def link(name, center=".15 0 0", mass=1, more=""):
-    """A link of URDF."""
+    """Return a link of URDF."""
     return LINK.format(name=name, center=center, mass=mass, more=more)
 
 
 def joint(name, parent, child, place="0 0 0", **others):
-    """A joint of URDF."""
+    """Return a joint of URDF."""
     given = {"axis": "0 1 0", "kind": "continuous", "more": "", **others}
     return JOINT.format(name=name, parent=parent, child=child, place=place, **given)
 
 
 def urdf(*parts, attributes=""):
-    """A robot on a base."""
+    """Return a robot on a base."""
     return f'<robot name="r" {attributes}><link name="base"/>{"".join(parts)}</robot>'
 
 

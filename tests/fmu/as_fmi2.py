@@ -23,13 +23,13 @@ LogMessage = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 
 
 def renamed(name: str) -> str:
-    """What a function of FMI 2.0 is called in FMI 3.0."""
+    """Return the name in FMI 3.0 of a function of FMI 2.0."""
     name = name.removeprefix("fmi2")
     return "fmi3" + RENAMED.get(name, name.replace("FMUstate", "FMUState"))
 
 
 def given_back(text: str) -> str:
-    """A message of FMI 3.0 in the words of FMI 2.0."""
+    """Return a message of FMI 3.0 with the terms of FMI 2.0."""
     words = {f"fmi2{name}:": f"fmi3{new}:" for name, new in RENAMED.items()}
     words |= {"fmi2SetupExperiment: start": "fmi3EnterInitializationMode: start"}
     words |= {"Real's": "Float64's", "Integer's": "Int64's", "FMUstate": "FMUState", "fmi2": "fmi3"}
@@ -69,7 +69,7 @@ class Functions:
         return self.library.fmi3SetDebugLogging(one, c_bool(on), count, names)
 
     def fmi2SetupExperiment(self, one: c_void_p, *arguments: Any) -> int:
-        """FMI 3.0 takes these when initialization mode is entered."""
+        """Store the arguments, which FMI 3.0 takes at the entry of initialization mode."""
         with_tolerance, tolerance, start, with_stop, stop = arguments
         self.experiments[one.value] = (c_bool(with_tolerance), tolerance, start, c_bool(with_stop), stop)
         return 0
@@ -105,7 +105,7 @@ class Functions:
 
 
 def slave(log: Callable[[str], None], **arguments: Any) -> Any:
-    """fmpy's object for an FMU of FMI 3.0 with the methods of the one for FMI 2.0."""
+    """Return fmpy's object for an FMU of FMI 3.0 with the methods of FMI 2.0."""
     from fmpy.fmi3 import FMU3Slave
 
     class Slave(FMU3Slave):

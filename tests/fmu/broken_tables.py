@@ -13,7 +13,7 @@ from interface import Library
 
 
 def guarded(fmu):
-    """An FMU whose instances have a page that nobody may touch behind all of their memory."""
+    """Return an FMU whose instances have an inaccessible memory page behind their memory."""
     system, page = ctypes.CDLL(None), mmap.PAGESIZE
     system.mmap.restype = c_void_p
     system.mmap.argtypes = [c_void_p, c_size_t, *[ctypes.c_int] * 3, ctypes.c_long]
@@ -29,7 +29,7 @@ def guarded(fmu):
             return place + whole - wanted
 
         def _free(self, address):
-            """What is allocated goes with the process."""
+            """Free nothing: the memory ends with the process."""
 
     return Guarded(fmu)
 
@@ -60,7 +60,10 @@ def used(library, count):
 
 
 def mutants_of(whole):
-    """Tables with one other number: what is changed → content; and of which numbers none else is right."""
+    """Return tables with one changed number each: description → content.
+
+    And the numbers with one valid value.
+    """
     guid_ends, head_ends, row = 64, 184, struct.calcsize("<ddqqqiiii")
     numbers = struct.unpack_from("<15q", whole, guid_ends)
     count, rows_at, record_at = numbers[0], numbers[9], numbers[13]
@@ -83,7 +86,7 @@ def mutants_of(whole):
 
 
 def fates(fmu):
-    """What became of each mutant, with its checksum made anew, in a process of its own."""
+    """Run each mutant, with a recomputed checksum, in its own process, and return the results."""
     library = guarded(fmu)
     file = library.folder / "resources" / "model.bin"
     whole, count, found = file.read_bytes(), len(library.nodes), {"none": used(library, len(library.nodes))}

@@ -7,7 +7,9 @@ from typing import Any
 
 
 def in_clean(*models: str, kinds: str, module: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """The function's first arguments are the FMUs of models, of each of some kinds; the rest are pytest's.
+    """Return a function that runs in the clean process.
+
+    Its first arguments are the FMUs of models of some kinds; the other arguments are pytest's.
 
     Without models, it is one FMU, that of pytest's parameter ``model``.
     ``kinds`` is a fixture with FMUs, or one of KINDS of conftest.py. All that the function uses is what it

@@ -70,7 +70,7 @@ SCENES = {
 
 
 def scene_of(name: str) -> Scene:
-    """The scene of an FMU."""
+    """Return the scene of an FMU."""
     return SCENES[name]() if name in SCENES else load_scene(name)
 
 
@@ -92,44 +92,44 @@ class OnDemand(dict[str, str]):
 
 @pytest.fixture(scope="session", params=KINDS)
 def target(request) -> str:
-    """The kind of FMU."""
+    """Return the kind of FMU."""
     return request.param
 
 
 @pytest.fixture(scope="session", params=["pythonfmu", "native"])
 def fmi2(request, all_fmus) -> dict[str, str]:
-    """The FMU of each model, of both kinds for FMI 2.0."""
+    """Return the FMU of each model, of both kinds for FMI 2.0."""
     return all_fmus[request.param]
 
 
 @pytest.fixture(scope="session", params=["native", "fmi3"])
 def strict(request, all_fmus) -> dict[str, str]:
-    """The FMU of each model, of both kinds that have the C interface."""
+    """Return the FMU of each model, of both kinds with the C interface."""
     return all_fmus[request.param]
 
 
 @pytest.fixture(scope="session")
 def all_fmus(tmp_path_factory) -> dict[str, dict[str, str]]:
-    """The FMUs of each model: kind → name of the model → path."""
+    """Return the FMUs of each model: kind → name of the model → path."""
     folder = shared_folder(tmp_path_factory, "fmus")
     return {kind: OnDemand(kind, folder / kind) for kind in KINDS}
 
 
 @pytest.fixture(scope="session")
 def fmus(all_fmus, target) -> dict[str, str]:
-    """The FMU of each model: name of the model → path."""
+    """Return the FMU of each model: name of the model → path."""
     return all_fmus[target]
 
 
 @pytest.fixture(scope="session")
 def native(all_fmus) -> dict[str, str]:
-    """The native FMU of each model."""
+    """Return the native FMU of each model."""
     return all_fmus["native"]
 
 
 @pytest.fixture(scope="session")
 def clean_python(tmp_path_factory) -> Path:
-    """The Python of an environment that has fmpy and pythonfmu, and not this package or numba."""
+    """Return the Python of an environment with fmpy and pythonfmu, without this package and numba."""
     environment = shared_folder(tmp_path_factory, "clean") / "environment"
     once(environment, lambda folder: make_environment(folder, "pythonfmu", "fmpy"))
     return environment / "bin" / "python"
@@ -161,13 +161,13 @@ def run3(clean) -> Clean:
 
 @pytest.fixture(scope="session")
 def fmi3(all_fmus) -> dict[str, str]:
-    """The FMU of each model."""
+    """Return the FMU of each model."""
     return all_fmus["fmi3"]
 
 
 @functools.cache
 def _parsed(rule: str, name: str) -> Any:
-    """What fmpy's parser of names says, which it takes 10 ms for."""
+    """Return the result of fmpy's parser for a name, which takes 10 ms."""
     return _PARSE(Lark(rule, start="name"), name)
 
 
@@ -176,7 +176,7 @@ _PARSE = Lark.parse
 
 @pytest.fixture
 def quick_names(monkeypatch) -> None:
-    """Fmpy parses a name once: in its grammar, names that differ in numbers only are the same."""
+    """Let fmpy parse a name once for all names that differ only in numbers."""
     monkeypatch.setattr(
         Lark, "parse", lambda rule, name: _parsed(rule.source_grammar, re.sub(r"\d+", "1", name))
     )

@@ -38,7 +38,7 @@ class Instance:
     """One instance of an FMU; ``fmu`` is fmpy's own object, ``time`` the communication point [s]."""
 
     def __init__(self, path: str, name: str = "instance", folder: str | None = None) -> None:
-        """Unzip, unless there is the folder of another instance, and instantiate, with logging on."""
+        """Unzip the FMU unless another instance's folder is given, and instantiate with logging on."""
         description = fmpy.read_model_description(path)
         # of FMI 3.0 the scalars, which are those of FMI 2.0
         self.variables = {v.name: v for v in description.modelVariables if not v.dimensions}
@@ -69,7 +69,7 @@ class Instance:
         return self
 
     def get(self, names: Iterable[str]) -> list[Any]:
-        """The values of some variables, those of a type by one call."""
+        """Return the values of some variables, with one call for each type."""
         wanted, values = [self.variables[name] for name in names], {}
         for get, of_type in ((self.fmu.getReal, True), (self.fmu.getInteger, False)):
             if chosen := [v.valueReference for v in wanted if (v.type in REALS) == of_type]:
@@ -77,7 +77,7 @@ class Instance:
         return [values[v.type in REALS, v.valueReference] for v in wanted]
 
     def __getitem__(self, name: str) -> Any:
-        """The value of one variable."""
+        """Return the value of a variable."""
         variable = self.variables[name]
         get = self.fmu.getReal if variable.type in REALS else self.fmu.getInteger
         return get([variable.valueReference])[0]
@@ -110,7 +110,7 @@ class Instance:
 
 
 def refused(path: str, *calls: Any) -> str:
-    """What the FMU logs when the last of the calls, functions of an instance, fails; "" if it does not."""
+    """Return the log message of the FMU when the last call of an instance fails; "" if the call succeeds."""
     instance = Instance(path)
     try:
         for call in calls[:-1]:

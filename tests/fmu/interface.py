@@ -39,13 +39,13 @@ class Callbacks(ctypes.Structure):
 
 
 def description(fmu: str) -> ElementTree.Element:
-    """The model description."""
+    """Return the model description."""
     with zipfile.ZipFile(fmu) as archive:
         return ElementTree.fromstring(archive.read("modelDescription.xml"))
 
 
 def unpacked(fmu: str, folder: str | None = None) -> Path:
-    """The folder of an unzipped FMU."""
+    """Return the folder of an unzipped FMU."""
     place = Path(folder or tempfile.mkdtemp())
     with zipfile.ZipFile(fmu) as archive:
         archive.extractall(place)
@@ -72,7 +72,7 @@ class Binary:
         self.refusal = FATAL if (self.folder / "resources" / "slavemodule.txt").exists() else ERROR
 
     def said(self) -> list[str]:
-        """The texts since the last look."""
+        """Return the log texts since the last call of this function."""
         texts = [text for *_, text in self.messages]
         self.messages.clear()
         return texts
@@ -174,7 +174,7 @@ class Instance:
         return state
 
     def serialized(self) -> bytes:
-        """The present state as bytes."""
+        """Return the present state as bytes."""
         state, size = self.state(), c_size_t()
         assert self.call(self.STATES.size, state, byref(size)) == OK
         data = ctypes.create_string_buffer(size.value)
@@ -183,7 +183,7 @@ class Instance:
         return data.raw
 
     def restore(self, data: bytes) -> int:
-        """Go back to a state in bytes."""
+        """Restore a state from bytes."""
         state = c_void_p()
         status = self.call(self.STATES.deserialize, data, c_size_t(len(data)), byref(state))
         if status == OK:
@@ -195,7 +195,7 @@ class Instance:
 def each_call(
     library: Any, new: Callable[[Any], Any], calls: Mapping[str, Callable[[Any], int]], phases: Iterable[str]
 ) -> list[list[Any]]:
-    """Each function in each phase: its status, what it says, and whether it has changed anything."""
+    """Call each function in each phase: yield its status, its message, and whether the state changed."""
     found = []
     for phase in phases:
         for name, call in calls.items():
@@ -210,7 +210,7 @@ def each_call(
 
 
 def state_calls(names: States) -> dict[str, Callable[[Any], int]]:
-    """The functions for states, with arguments that are right where they can be called."""
+    """Return the functions for states, with valid arguments for the phases that permit these calls."""
     size = c_size_t()
 
     def with_state(function: Callable[[Any, c_void_p], int]) -> Callable[[Any], int]:
@@ -252,7 +252,7 @@ class Component(Instance):
         return self.call("fmi2SetupExperiment", 0, c_double(0.0), *rest)
 
     def start(self, start: float = 0.0, stop: float | None = None, **values: float) -> Component:
-        """Go on to the first step."""
+        """Continue to the first step."""
         assert self.setup(start, stop) == OK
         for name, value in values.items():
             assert self.set_real(name, value) == OK
@@ -290,19 +290,19 @@ class Component(Instance):
         return self.call("fmi2SetInteger", byref(reference), c_size_t(1), byref(cell))
 
     def real(self, name: str) -> float:
-        """The value of a Real."""
+        """Return the value of a Real."""
         reference, cell = c_uint(self.library.references[name]), c_double(-99.0)
         assert self.call("fmi2GetReal", byref(reference), c_size_t(1), byref(cell)) == OK, self.library.said()
         return cell.value
 
     def integer(self, name: str) -> int:
-        """The value of an Integer."""
+        """Return the value of an Integer."""
         reference, cell = c_uint(self.library.references[name]), c_int(-99)
         assert self.call("fmi2GetInteger", byref(reference), c_size_t(1), byref(cell)) == OK
         return cell.value
 
     def outputs(self) -> list[float]:
-        """All Real outputs, in one call."""
+        """Return all Real outputs with one call."""
         names = self.library.reals
         references = (c_uint * len(names))(*(self.library.references[name] for name in names))
         values = (c_double * len(names))()

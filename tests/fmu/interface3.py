@@ -68,7 +68,7 @@ class Component(Instance):
         return self.call("EnterInitializationMode", c_bool(False), c_double(0.0), *times)
 
     def start(self, **values: float) -> Component:
-        """Go on to step mode, through event mode if it is used."""
+        """Continue to step mode, through event mode if the instance uses event mode."""
         for name, value in values.items():
             assert self.set(name, value) == OK
         assert self.enter() == OK
@@ -101,13 +101,16 @@ class Component(Instance):
         return self
 
     def step(self, time: float, size: float) -> list[Any]:
-        """fmi3DoStep: status, eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime."""
+        """Call fmi3DoStep.
+
+        Return status, eventHandlingNeeded, terminateSimulation, earlyReturn and last time.
+        """
         places = (c_bool(), c_bool(), c_bool(), c_double())
         status = self.call("DoStep", c_double(time), c_double(size), c_bool(True), *map(byref, places))
         return [status, *(place.value for place in places)]
 
     def update(self) -> list[Any]:
-        """fmi3UpdateDiscreteStates: status, and the six values."""
+        """Call fmi3UpdateDiscreteStates; return the status and the six values."""
         places = (*(c_bool(True) for _ in range(5)), c_double(-1.0))
         return [self.call("UpdateDiscreteStates", *map(byref, places)), *(place.value for place in places)]
 
@@ -118,7 +121,7 @@ class Component(Instance):
         return self.call(f"Set{kind}", byref(reference), c_size_t(1), byref(cell), c_size_t(1))
 
     def get(self, *names: str, kind: str = "Float64", length: int | None = None) -> Any:
-        """The values of variables, arrays included, as one list; the status if they are refused."""
+        """Return the values of variables, arrays included, as one list; the status of a refused call."""
         references = (c_uint32 * len(names))(*(self.library.references[name] for name in names))
         if length is None:
             length = sum(math.prod(self.library.shapes[name]) for name in names)
@@ -132,7 +135,7 @@ class Component(Instance):
 
 
 def calls() -> dict[str, Callable[[Component], int]]:
-    """Each function that an instance has, with arguments that are right where it can be called."""
+    """Return each function of an instance with valid arguments for the phases that permit the call."""
     none = c_size_t(0)
 
     def plain(name: str, *arguments: Any) -> Callable[[Component], int]:

@@ -27,13 +27,13 @@ class Fault(NamedTuple):
 
 
 def within(name, pattern, new):
-    """A change within the element of a variable of FMI 2.0 or 3.0."""
+    """Return a change within the element of a variable of FMI 2.0 or 3.0."""
     inner = r"[^\n]*(?:\n *<(?:Real|Integer|Enumeration)[^\n]*)?"
     return rf'(name="{re.escape(name)}"{inner}){pattern}', rf"\1{new}"
 
 
 def independent(without, name):
-    """A change that makes a parameter an independent variable, with or without its start."""
+    """Return a change of a parameter into an independent variable, with or without its start value."""
     head = (
         rf'(name="{re.escape(name)}"[^\n]*)causality="parameter" variability="\w+" initial="exact"(>\s*<\w+)'
     )
@@ -42,7 +42,7 @@ def independent(without, name):
 
 
 def _faults():
-    """Version of FMI → name → fault."""
+    """Return version of FMI → name → fault."""
     found = {"2": {}, "3": {}}
     for block in re.split(r"\n(?=[23])", Path(__file__).with_suffix(".txt").read_text(encoding="utf-8"))[1:]:
         head, *changes = block.splitlines()
@@ -55,7 +55,7 @@ def _faults():
 
 
 def _pair(pattern, new=""):
-    """A pattern of the whole model description, and what takes its place."""
+    """Return a pattern of the whole model description, and its replacement."""
     if whole := re.fullmatch(r" *independent( without start)?: (.*)", pattern):
         return independent(*whole.groups())
     inner, new = re.fullmatch(r"    in (\S+): (.*)", pattern), new.removeprefix(" ")
@@ -76,7 +76,7 @@ def spoiled(fmu, target, change):
 
 
 def edited(*pairs, alone=False):
-    """A change of the model description: each pattern, which must be there, and what takes its place.
+    """Return a change of the model description by pairs of a pattern, which must occur, and its replacement.
 
     ``alone``: without the other files.
     """
@@ -94,7 +94,7 @@ def edited(*pairs, alone=False):
 
 
 def by_fmpy(path, *, names):
-    """What FMPy does with a fault; ``names``: whether it looks at names, at 10 ms each."""
+    """Return FMPy's result for a fault; ``names`` switches the check of names on (10 ms each)."""
     from fmpy.model_description import ValidationError, read_model_description
 
     try:

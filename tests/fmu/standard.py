@@ -9,7 +9,7 @@ HEADERS = Path(fmpy.__file__).with_name("c-code")
 
 
 def co_simulation_functions() -> list[str]:
-    """The names of all functions that an FMU for co-simulation has to have (FMI 2.0.5, section 2.3)."""
+    """Return the names of all functions of an FMU for co-simulation (FMI 2.0.5, section 2.3)."""
     text = (HEADERS / "fmi2FunctionTypes.h").read_text(encoding="utf-8")
     before, after = (
         "Types for Functions for FMI2 for Model Exchange",
@@ -20,6 +20,6 @@ def co_simulation_functions() -> list[str]:
 
 
 def all_functions_of_fmi3() -> list[str]:
-    """The names of all functions of FMI 3.0: every FMU has to have them all (3.0.2, section 2.5)."""
+    """Return the names of all functions of FMI 3.0, which every FMU must have (3.0.2, section 2.5)."""
     text = (HEADERS / "fmi3FunctionTypes.h").read_text(encoding="utf-8")
     return re.findall(r"\b(fmi3\w+)TYPE\b", text)

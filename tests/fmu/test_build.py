@@ -113,7 +113,7 @@ def test_the_description_is_that_of_the_scene_for_both_kinds_of_fmi2(all_fmus, m
 
 @pytest.fixture(scope="module", params=FMIS.values())
 def descriptions(request):
-    """Model → the elements of its variables by name, of FMI 2.0 with what is in them, and the whole."""
+    """Return model → (elements of variables by name, with child elements; the model description)."""
     found = {}
     for model in model_names():
         root = model_description(Model(load_scene(model)), "a tool", request.param)
@@ -275,7 +275,7 @@ def test_outputs_keep_their_ranges(fmus, clean):
 
 
 def responses(fmu, laws):
-    """Under each law, which outputs an input changes at once: in flight, in contact, at rest at a wall.
+    """Return, for each law, the outputs that an input changes at once, in flight, in contact and at rest.
 
     By more than the solver's tolerance: points at rest are put back onto a rigid wall when it starts anew.
     """

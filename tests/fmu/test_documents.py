@@ -33,7 +33,7 @@ def labels(picture):
 
 
 def points(picture):
-    """The places of the marks with the most of them, those of the chain, in the units of the drawing."""
+    """Return the coordinates of the largest group of marks: the chain's marks, in units of the drawing."""
     marks = [
         [(float(one.get("x")), float(one.get("y"))) for one in group.iter(f"{SVG}use")]
         for group in picture.iter(f"{SVG}g")

@@ -25,7 +25,7 @@ NO_COMPILER = pytest.mark.skipif(not shutil.which("cc"), reason="an address sani
 
 @pytest.fixture(scope="module", params=["zig", pytest.param("cc", marks=NO_COMPILER)])
 def fuzzer(request, tmp_path_factory):
-    """The program, compiled with sanitizers; by cc with the kernel, too, else with its library as it is."""
+    """Return the fuzzing program with sanitizers; with cc its kernel has sanitizers, too."""
     folder, links = tmp_path_factory.mktemp("fuzzer"), len(load_scene(MODEL).chain.links)
     source, program = Path(__file__).with_name("fuzzer.c"), folder / "fuzzer"
     inputs = [*(f"-I{place}" for place in INCLUDES), source, *interface_sources(), "-lm", "-g"]
@@ -53,7 +53,7 @@ def sanitized_kernel(folder, links):
 
 @pytest.fixture(scope="module")
 def fmu(native):
-    """GUID, resources and number of variables of a native FMU."""
+    """Return GUID, resources and number of variables of a native FMU."""
     path = native[MODEL]
     location = (unpacked(path) / "resources").as_uri()
     return [description(path).get("guid"), location, str(len(Model(load_scene(MODEL)).variables))]

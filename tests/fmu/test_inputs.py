@@ -13,7 +13,7 @@ from tests.fmu.importer import Instance
 
 
 def driven(fmu, torques, period, steps):
-    """Torques at joints 1 and 2, constant over each period, in some communication steps per period."""
+    """Run with torques at joints 1 and 2, constant in each period, at some communication steps per period."""
     instance = Instance(fmu).start()
     names = [*instance.outputs]
     rows = [instance.get(names)]
@@ -39,7 +39,7 @@ def test_inputs_depend_neither_on_the_communication_step_nor_on_the_kind(fmus, a
 
 
 def followed(fmu, targets, period):
-    """Targets of joint 2, held for a period each."""
+    """Run with target angles of joint 2, each constant for a period."""
     values = [{"joint[2].target_angle": one, "joint[2].target_velocity": other} for one, other in targets]
     instance, rows = Instance(fmu).start(**values[0]), []
     for k, given in enumerate(values):

@@ -487,7 +487,7 @@ def test_fmus_do_not_mix_where_symbols_are_global(fmu, other):
 
 
 def fates_of_tables(fmu):
-    """What becomes of mutants of resources/model.bin, with all that broken_tables.py has."""
+    """Return the results for mutants of resources/model.bin, by all functions of broken_tables.py."""
     return fates(fmu)  # noqa: F821
 
 

@@ -30,7 +30,7 @@ class Foreign(Fmi2Slave):
 
 @pytest.fixture(scope="module")
 def foreign(tmp_path_factory):
-    """The FMU of another project that uses pythonfmu, with as little in it as can be."""
+    """Return a minimal FMU of another project that uses pythonfmu."""
     folder = tmp_path_factory.mktemp("foreign")
     (folder / "foreign_slave.py").write_text(FOREIGN)
     command = [sys.executable, "-m", "pythonfmu", "build", "-f", "foreign_slave.py"]
@@ -42,7 +42,10 @@ def foreign(tmp_path_factory):
 
 
 def in_turns(fmus, lots):
-    """Lots of instances, one of each FMU, that step in turns; when one has ended, the others go on."""
+    """Run many groups of instances, one of each FMU, in turns.
+
+    The other instances continue after the end of one.
+    """
     lives = []
     for _ in range(lots):
         instances, rows = [Instance(fmu).start() for fmu in fmus], [[] for _ in fmus]
@@ -73,7 +76,7 @@ def test_fmus_of_all_kinds_and_a_foreign_one_do_not_mix(all_fmus, foreign, clean
 
 
 def growth(fmu, warm_up, cycles):
-    """By how much the process grows when an instance is made, run and freed, in kB."""
+    """Return the growth of the process [kB] after an instance is made, run and freed."""
     import gc
     import resource
     from pathlib import Path
@@ -152,7 +155,7 @@ def whole_scene(fmu, stop, step):
 
 
 def state_of(fmu, data=None):
-    """Steps of 10 ms to 0.6 s and a saved state, or from a saved state to 1.2 s."""
+    """Run steps of 10 ms to 0.6 s and return the saved state, or run from a saved state to 1.2 s."""
     instance = Instance(fmu)
     if data is None:
         instance.start()

@@ -39,13 +39,13 @@ MOST = 300e3  # bytes of a platform, packed
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
-    """One for all platforms."""
+    """Return an FMU for all platforms."""
     return build_fmu("rod_drop", tmp_path_factory.mktemp("all"), target="native", platforms=["all"])
 
 
 @pytest.fixture(scope="module")
 def fmu3(tmp_path_factory):
-    """One for all platforms that can be run here, for FMI 3.0."""
+    """Return an FMU of FMI 3.0 for all platforms that run on this machine."""
     platforms = [HOST, "win64", "aarch64-linux"]
     folder = tmp_path_factory.mktemp("all3")
     return build_fmu("rod_drop", folder, target="native", fmi=3, platforms=list(dict.fromkeys(platforms)))
@@ -53,7 +53,7 @@ def fmu3(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def binaries(fmu):
-    """Platform → its file in the FMU, and what is in it."""
+    """Return platform → its file in the FMU, and the content of the file."""
     with zipfile.ZipFile(fmu) as archive:
         names = [name for name in archive.namelist() if name.startswith("binaries/")]
         return {name.split("/")[1]: (archive.getinfo(name), archive.read(name)) for name in names}
@@ -125,7 +125,7 @@ def printed(machine, source, folder, *arguments):
 
 
 def rows(fmu, machine, folder):
-    """What host.c prints of the FMU for FMI 2.0, shape (STEPS, len(NAMES))."""
+    """Return the rows that host.c prints of the FMU for FMI 2.0, shape (STEPS, len(NAMES))."""
     place, root = unpacked(fmu, folder / "fmu"), description(fmu)
     references = {node.get("name"): node.get("valueReference") for node in root.iter("ScalarVariable")}
     location = "file://" + machine.path(place / "resources").replace("\\", "/").replace("Z:", "/Z:")
@@ -136,7 +136,7 @@ def rows(fmu, machine, folder):
 
 
 def events(fmu, machine, folder):
-    """What host3.c prints of the FMU for FMI 3.0 in event mode: its impacts, and the last positions."""
+    """Return the impacts and last positions that host3.c prints of the FMU for FMI 3.0 in event mode."""
     place, root = unpacked(fmu, folder / "fmu3"), description(fmu)
     references = {node.get("name"): node.get("valueReference") for node in root.find("ModelVariables")}
     one = PLATFORMS[machine.platform]
@@ -154,7 +154,7 @@ def events(fmu, machine, folder):
 
 @pytest.fixture(scope="module")
 def here(fmu, fmu3, tmp_path_factory):
-    """What both give on this machine."""
+    """Return the results of both hosts on this machine."""
     folder = tmp_path_factory.mktemp("here")
     found, (impacts, last) = rows(fmu, Machine(HOST), folder), events(fmu3, Machine(HOST), folder)
     assert found.shape == (STEPS, len(NAMES))
@@ -164,7 +164,7 @@ def here(fmu, fmu3, tmp_path_factory):
 
 
 def assert_same(fmu, fmu3, machine, folder, here):
-    """Within the round-off of another C library's functions."""
+    """Assert equality within the round-off of another C library's functions."""
     found, impacts, last = here
     np.testing.assert_allclose(rows(fmu, machine, folder), found, rtol=1e-9, atol=1e-9)
     others, other_last = events(fmu3, machine, folder)

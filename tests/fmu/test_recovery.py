@@ -20,7 +20,7 @@ def expected():
 
 
 def recorded(fmu, size, events=False, stop=None):
-    """fmpy's own loop, in the clean process; the columns that have to do with impacts."""
+    """Return the columns of the impacts from fmpy's own loop in the clean process."""
     import fmpy
 
     modes = {"use_event_mode": True, "early_return_allowed": True} if events else {}
@@ -35,7 +35,7 @@ def table(record):
 
 
 def assert_recovered(record, impacts):
-    """Onsets, points and walls equal; peaks and impulses as good as they can be seen."""
+    """Assert equal onsets, points and walls, and peaks and impulses within the resolution of the samples."""
     found = table(record)
     assert len(found) == len(impacts)
     for name in ("onset", "point", "wall", "impact_speed"):

@@ -30,7 +30,7 @@ STEPS = 300  # of 1/512 s
 
 @pytest.fixture(scope="module")
 def hosts(tmp_path_factory):
-    """The program for each version of FMI."""
+    """Return the compiled host program for each version of FMI."""
     folder = tmp_path_factory.mktemp("hosts")
     for version in (2, 3):
         options = [*WARNINGS, f"-DFMI={version}", *(f"-I{place}" for place in INCLUDES)]
@@ -40,7 +40,7 @@ def hosts(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=MODELS)
 def ways(request, strict, hosts):
-    """What the program prints of a model: registers → bytes of the stack that were used, and values."""
+    """Run the host program with a model: registers → used bytes of the stack, and values."""
     binary = Binary(strict[request.param])
     version, resources = 3 if binary.fmi3 else 2, binary.folder / "resources"
     location = f"{resources}/" if binary.fmi3 else resources.as_uri()

@@ -27,7 +27,7 @@ def names():
 
 
 def stepped(fmu, names, times, values):
-    """In the clean process: the outputs at the start and at some times."""
+    """Return the outputs at the start and at some times, from the clean process."""
     one = Instance(fmu).start(**values)
     return [one.get(names), *one.run(times, names)]
 

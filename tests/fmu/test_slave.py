@@ -110,7 +110,7 @@ def test_an_instance_can_be_freed_after_a_fault(fmu):
 
 
 def raised(fmu, values):
-    """What fmpy raises, and what is said where the importer does not log."""
+    """Return the exception of fmpy, and the printed message if the importer does not log."""
     import contextlib
     import io
 
@@ -140,7 +140,7 @@ def damaged(name, content):
 
 
 def described_anew(name, content):
-    """With another GUID in the model description, from which importers take it."""
+    """Return an FMU with another GUID in its model description, from which importers take the GUID."""
     described = name == "modelDescription.xml"
     return re.sub(rb'(guid=")........', rb"\g<1>00000000", content) if described else content
 
@@ -229,7 +229,7 @@ def test_ctrl_c_ends_a_long_step(all_fmus, clean_python):
 
 @pytest.fixture(scope="module")
 def guard(tmp_path_factory):
-    """The library to preload.
+    """Return the library to preload.
 
     At the end of a process pythonfmu's wrapper releases its state twice, the second time in freed memory,
     unless the slave has released it before.

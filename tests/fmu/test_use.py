@@ -486,7 +486,7 @@ def test_reading_an_output_says_that_what_was_set_cannot_act(fmu, within):
 
 @pytest.fixture
 def within():
-    """A time in the first contact of the rod, its law and the rigid one."""
+    """Return a time in the first contact of the rod, its contact law and the rigid law."""
     result = simulate("rod_drop")
     first, law = result.impacts[0], CONTACT_LAWS[result.scene.contact.model].number
     return [0.5 * float(first["onset"] + first["end"]), law, RIGID]

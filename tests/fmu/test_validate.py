@@ -248,7 +248,7 @@ int fmi2GetReal(void *c, const unsigned vr[], size_t n, double values[]) {
 
 @pytest.fixture
 def found(native, tmp_path):
-    """What is found in the FMU of a source; its other functions give a status."""
+    """Return a function that finds the faults of an FMU with the given C source."""
 
     def found(source, status, **options):
         names = (name for name in co_simulation_functions() if f"{name}(" not in source)

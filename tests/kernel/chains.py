@@ -20,7 +20,7 @@ ANGLES = (0.4, 2.9)  # rad, of the walls besides the box
 
 
 def random_links(rng: np.random.Generator, count: int) -> list[dict[str, float]]:
-    """Links without any symmetry; the centre of mass may lie beyond the distal joint."""
+    """Return asymmetric links, whose centre of mass may lie beyond the distal joint."""
     return [
         {
             "length": rng.uniform(0.2, 1.5),
@@ -44,7 +44,7 @@ def chain(
     stops: bool = False,
     **contact: Any,
 ) -> tuple[Scene, Plain]:
-    """A chain whose points may touch four far walls where they move, by keys of [contact], and its record."""
+    """Return a chain with possible contacts at four distant walls, by keys of [contact], and its record."""
     links = random_links(rng, count)
     for link in links:
         link["joint_damping"] *= dampers
@@ -75,17 +75,17 @@ def chain(
 
 
 def stopped_chain(count: int, base: str = "free", **more: Any) -> tuple[Scene, Plain]:
-    """A chain whose joints have stops at both sides, ±(1 + i/10) rad of joint i, after those of its walls."""
+    """Return a chain with stops at ±(1 + i/10) rad in each joint i, listed after its wall candidates."""
     return chain(np.random.default_rng([count, len(base)]), count, base, stops=True, **more)
 
 
 def stops_of(d: Plain) -> list[int]:
-    """The candidates of a record that are stops."""
+    """Return the candidates of a record that are stops."""
     return [int(c) for c in np.flatnonzero(d.candidate.stop)]
 
 
 def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
-    """Some state y of a record; u and the time are those at the start of a step."""
+    """Return a random state y of a record, whose u and time are those of the start of a step."""
     n = d.links
     y = rng.uniform(-2.0, 2.0, len(d.step.state))
     if d.model.pinned:
@@ -117,7 +117,7 @@ def struck(rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth:
 
 
 def gradients(scene: Scene, d: Plain, angles: Sequence[float], candidates: Iterable[int]) -> np.ndarray:
-    """∇g of candidates, shape (count, N+2), from the scene's walls and the textbook's Jacobians."""
+    """Return ∇g of candidates, shape (count, N+2), from the scene's walls and the textbook's Jacobians."""
     normals = [plane.normal for plane in scene.half_planes.values()]
     walls = sorted(set(d.candidate.wall.tolist()))
     return np.array(
@@ -130,23 +130,23 @@ def gradients(scene: Scene, d: Plain, angles: Sequence[float], candidates: Itera
 
 
 def free_coordinates(d: Plain) -> slice:
-    """Those of the coordinates that can move."""
+    """Return the indices of the coordinates that can move."""
     return slice(2, None) if d.model.pinned else slice(None)
 
 
 def vectors(record: Any) -> np.ndarray:
-    """The vectors of all points of a record with those of all places, shape (N+1, 2)."""
+    """Return the vectors of all points of a record from the vectors of all places, shape (N+1, 2)."""
     points = len(record.x) // 2 + 1
     return np.transpose([record.x[:points], record.y[:points]])
 
 
 def located(d: Plain) -> np.ndarray:
-    """Where the points of a record are located, as complex numbers, shape (N+1,)."""
+    """Return the located points of a record, as complex numbers, shape (N+1,)."""
     return np.asarray(vectors(d.work.position) @ (1.0, 1.0j))
 
 
 def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:
-    """The slopes of the potential energy by the coordinates, by central differences, shape (N+2,).
+    """Return the derivatives of the potential energy by central differences, shape (N+2,).
 
     The points of ``d`` are left located beside y.
     """

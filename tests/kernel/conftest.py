@@ -6,6 +6,6 @@ import pytest
 
 @pytest.fixture(autouse=True)
 def _quiet_arithmetic():
-    """A division by zero gives inf or NaN, which the step control rejects."""
+    """Silence divisions by zero: they give inf or NaN, which the step control rejects."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         yield

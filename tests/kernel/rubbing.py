@@ -29,7 +29,7 @@ MODES = (STICKS, 1, -1)
 def rubbing_chain(
     rng: np.random.Generator, base: str, contacts: int, joints: bool, count: int = 4
 ) -> tuple[Scene, Plain, np.ndarray]:
-    """A chain in some state with some contacts, each at another point and wall, and dry joints.
+    """Return a chain in some state with some contacts at different points and walls, and dry joints.
 
     All elements slide, with the sign +1, at first.
     """
@@ -57,7 +57,7 @@ def rubbing_chain(
 
 
 def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray:
-    """The gradients of the tangential coordinates of elements, shape (count, N+2)."""
+    """Return the gradients of the tangential coordinates of elements, shape (count, N+2)."""
     rows = []
     for e in elements:
         if e < d.candidates:
@@ -74,7 +74,7 @@ def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray
 
 
 def mobility(scene: Scene, d: Plain, y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """M⁻¹ Jᵀ and W = J M⁻¹ Jᵀ of gradients; a pinned base does not move."""
+    """Return M⁻¹ Jᵀ and W = J M⁻¹ Jᵀ of gradients; a pinned base does not move."""
     free = slice(2, None) if d.model.pinned else slice(None)
     response = np.zeros(rows.T.shape)
     mass = mass_matrix(scene, y[2 : d.links + 2])
@@ -116,7 +116,7 @@ class AtRest:
         list_friction(d)
 
     def accelerations(self) -> np.ndarray:
-        """t·a of all elements, as the kernel has it at the end of the last step."""
+        """Return t·a of all elements, from the kernel's values at the end of the last step."""
         d, rate = self.d, np.zeros(len(self.d.step.state_end))
         locate_points(d, d.step.state_end)
         located_rate(d, d.step.state_end, rate)
@@ -129,7 +129,7 @@ class AtRest:
         return tuple(int(mode) for mode in self.d.element.mode[self.elements])
 
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
-        """µ_s F_n and µ F_n of all elements."""
+        """Return µ_s F_n and µ F_n of all elements."""
         d = self.d
         held = [
             d.law.static_friction[e] * d.touch.force[e]
@@ -141,7 +141,7 @@ class AtRest:
         return np.array(held), np.where(np.array(self.elements) < d.candidates, own, held)
 
     def consistent(self) -> dict[tuple[int, ...], np.ndarray]:
-        """All combinations of modes that fulfil their conditions → t·a."""
+        """Return all combinations of modes that fulfil their conditions → t·a."""
         held, sliding = self.limits()
         found: dict[tuple[int, ...], np.ndarray] = {}
         scale = np.abs(self.bias).max()

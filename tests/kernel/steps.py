@@ -19,7 +19,7 @@ POWERS = [(1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3)]
 
 
 def basis(theta: np.ndarray | float) -> np.ndarray:
-    """The functions of the dense output at fractions of a step, shape (coefficients, …)."""
+    """Return the functions of the dense output at fractions of a step, shape (coefficients, …)."""
     return np.array([theta**p * (1.0 - theta) ** q for p, q in POWERS])
 
 
@@ -30,13 +30,13 @@ class Motion:
         self.coefficients = coefficients
 
     def at(self, s: float, derivative: int = 0) -> np.ndarray:
-        """The state, or a derivative of it."""
+        """Return the state, or a derivative of the state."""
         parts = np.polynomial.polynomial.polyder(self.coefficients, derivative, axis=0)
         return np.polynomial.polynomial.polyval(s, parts)
 
 
 def free_motion(rng: np.random.Generator, d: Plain, *, speed: float = 2.0, bend: float = 3.0) -> Motion:
-    """A motion of the coordinates of the second degree in time, with their rates and the time."""
+    """Return a quadratic motion of the coordinates in time, with their rates and the time."""
     n, half = d.links, d.links + 2
     parts = np.zeros((3, len(d.step.state)))
     parts[0, :half] = rng.uniform(-2.0, 2.0, half)
@@ -71,7 +71,7 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
 
 
 def points_of(d: Plain, y: np.ndarray) -> np.ndarray:
-    """The points of a state, as complex numbers; of many states, shape (…, N+1)."""
+    """Return the points of a state, as complex numbers; for many states, shape (…, N+1)."""
     n = d.links
     ends = np.cumsum(d.model.length * np.exp(1j * y[..., 2 : n + 2]), axis=-1)
     base = y[..., 0:1] + 1j * y[..., 1:2]
@@ -79,20 +79,20 @@ def points_of(d: Plain, y: np.ndarray) -> np.ndarray:
 
 
 def normals_of(d: Plain) -> np.ndarray:
-    """The inward normals of the candidates of ``tests.kernel.chains.chain``, as complex numbers."""
+    """Return the inward normals of the candidates of ``tests.kernel.chains.chain``, as complex numbers."""
     walls = [-1.0 + 0.0j, 1j, *(1j * np.exp(1j * angle) for angle in ANGLES)]
     kinds = sorted(set(d.candidate.wall.tolist()))
     return np.array([walls[kinds.index(wall)] for wall in d.candidate.wall])
 
 
 def gaps_of(d: Plain, y: np.ndarray, candidates: Iterable[int] | None = None) -> np.ndarray:
-    """The clearances of candidates for states, shape (…, count), for the offsets of their walls."""
+    """Return the clearances of candidates for states, shape (…, count), for the offsets of their walls."""
     chosen = list(range(d.candidates)) if candidates is None else list(candidates)
     return along_normals(d, y, chosen) - d.candidate.offset[chosen] - d.contact.radius
 
 
 def along_normals(d: Plain, y: np.ndarray, candidates: list[int]) -> np.ndarray:
-    """n·p of candidates for states, shape (…, count)."""
+    """Return n·p of candidates for states, shape (…, count)."""
     places = points_of(d, y)[..., d.candidate.point[candidates]]
     return (places * normals_of(d)[candidates].conj()).real
 
@@ -108,7 +108,7 @@ def walls_away(d: Plain) -> None:
 
 
 def translation(d: Plain, x: Iterable[float], y: Iterable[float]) -> Motion:
-    """A motion of the chain that does not turn: polynomials in time of its base, from the lowest power."""
+    """Return a motion of the chain without rotation: polynomials in time of its base, lowest power first."""
     n, half = d.links, d.links + 2
     parts = np.zeros((DENSE_COEFFICIENTS + 1, len(d.step.state)))
     for axis, powers in enumerate((list(x), list(y))):
@@ -120,7 +120,9 @@ def translation(d: Plain, x: Iterable[float], y: Iterable[float]) -> Motion:
 
 
 def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
-    """A pinned link at rest whose tip a rigid wall holds against its torque: the force is a polynomial.
+    """Return a pinned link at rest whose tip a rigid wall holds against its torque.
+
+    The force is a polynomial.
 
     The force [N] is given as powers of the fraction of the step, from the lowest, which begins at 0 s.
     """

@@ -25,7 +25,7 @@ BASES = pytest.mark.parametrize(("base", "count"), CASES)
 
 
 def prepared(base, count, touching=(), **more):
-    """A chain with inputs in a state in which some candidates are in contact; and the relative motions."""
+    """Return a chain with inputs in a state with some contacts, and the relative motions."""
     rng = np.random.default_rng([count, len(base)])
     options = {"springs": True, "dampers": True, "inputs": True} | more
     scene, d = chain(rng, count, base, **options)

@@ -64,7 +64,7 @@ class Links:
         return inner + link.center_of_mass / link.length * (outer - inner)
 
     def forces_on(self, wall, kind="force"):
-        """Point → force, or impulse, of a wall on it."""
+        """Return point → force, or impulse, of a wall on the point."""
         found, normal = {}, np.array(self.scene.half_planes[wall].normal)
         for name in self.result.columns:
             owner, _, quantity = name.rpartition(".")
@@ -75,7 +75,7 @@ class Links:
         return found
 
     def force_at(self, k, kind="force"):
-        """What walls, and an input at the tip, exert on point k."""
+        """Return the force of walls, and of an input at the tip, on point k."""
         total = np.zeros((len(self.result.time), 2))
         for wall in self.scene.half_planes:
             total += self.forces_on(wall, kind).get(k, 0.0)
@@ -84,7 +84,10 @@ class Links:
         return total
 
     def cut_at_stops(self):
-        """Rows inside a step in which the force of a stop is cut off, which the accelerations do not have."""
+        """Return the rows inside a step in which the force of a stop is cut to zero.
+
+        The accelerations have no cut.
+        """
         beyond, names = np.zeros(len(self.result.time), bool), self.result.columns
         for name in names:
             if name.endswith("stop_penetration"):

@@ -34,7 +34,7 @@ class Stopping:
         return int(self.record["impact"]["count"])
 
     def run(self, stop, step):
-        """Steps of one size, ended by each onset; the rows at their ends and the times of the onsets."""
+        """Run with steps of one size that end at each onset; return their final rows and the onset times."""
         rows, onsets = [], []
         for time in np.arange(1, round(stop / step) + 1) * step:
             while (status := self.to_onset(time)) == ONSET_DUE:

@@ -27,7 +27,7 @@ from tests.kernel.rubbing import rubbing_chain
 
 @pytest.fixture
 def d():
-    """The default chain in its first impact."""
+    """Return the default chain in its first impact."""
     instance = Instance(load_scene("four_link_box"))
     instance.advance(0.4995)
     return Plain(instance.record)
@@ -106,7 +106,7 @@ def put(record, field, i, value):
 
 
 def assert_fits(d, record, field, i, cases):
-    """That of some values of a number those are sound that are said to be; the one before is put back."""
+    """Assert which values of a number pass the check of soundness, and restore the original value."""
     before = d[record][field] if i is None else d[record][field][i]
     for value, fits in cases:
         put(d[record], field, i, value)

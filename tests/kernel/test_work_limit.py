@@ -12,7 +12,7 @@ from tests.kernel.chains import chain
 
 @pytest.fixture
 def d():
-    """At 5 s, with 700 evaluations at the start of the second and 600 at that of the call."""
+    """Return a chain at 5 s with 700 evaluations at the start of the second, and 600 at the call's start."""
     _, d = chain(np.random.default_rng(0), 3)
     d.solver.work_limit = 100.0
     d.statistics.rhs_evaluations, d.limits.other_work = 500, 200

@@ -118,7 +118,7 @@ def until_told(page, text, where="subtitle"):
 
 @pytest.fixture(scope="module")
 def worker(browser):
-    """A page with the worker's program, but for the worker itself; ``compiled`` makes a module of a text."""
+    """Return a page with the worker's program without a worker; ``compiled`` makes a module of a text."""
     page = browser.new_page()
     toml = f"const TOML = {{}}; (function (exports) {{ {text_of(TOML)} }})(TOML);"
     page.set_content(f"<script>{program((*WORKER[:-1], *SCENE))}{COMPILED}{toml}</script>")
@@ -145,16 +145,16 @@ def kernel(worker):
 
 
 def page_contents(scene):
-    """What a page has of a scene: the contents of its file, and what it knows of all scenes."""
+    """Return a page's data of a scene: the contents of its file, and the data for all scenes."""
     return json.loads(json.dumps(contents(scene, [])))
 
 
 @cache
 def packed_module(law_file=""):
-    """The module for a browser, as the page has it."""
+    """Return the module for a browser, as the page holds the module."""
     return packed(browser_module(law_file=law_file).read_bytes())
 
 
 def bits(text):
-    """The numbers of a typed array, as whole numbers: their bits."""
+    """Return the bits of the numbers of a typed array, as whole numbers."""
     return np.frombuffer(base64.b64decode(text), np.int64)

@@ -30,12 +30,12 @@ RECORD = """([kit, text, contents]) => {
 
 
 def made(worker, scene, text="", contents=None):
-    """What the page makes of the text of a file, or of its contents."""
+    """Return the record that the page makes of a file's text, or of its contents."""
     return worker.evaluate(RECORD, [page_contents(scene)["kit"], text, contents])
 
 
 def assert_as_python(found, scene):
-    """The record, the parameters and the outputs are those of the FMU."""
+    """Assert that the record, the parameters and the outputs are equal to those of the FMU."""
     model = Model(scene)
     record = model.new_instance([])
     np.testing.assert_array_equal([int(word) for word in found["words"]], record.view(np.int64))
@@ -233,7 +233,7 @@ def test_outputs_that_are_not_asked_for_are_not_there(worker, part):
 
 
 def changed(path, value):
-    """The contents of the file with everything, with a value at a path changed, or without it for None."""
+    """Return the contents of the full example with a changed value at a path (None removes the value)."""
     contents = deepcopy(tomllib.loads(WRITTEN))
     *parents, last = path
     table = contents
@@ -308,7 +308,7 @@ def downloaded(page, tmp_path):
 
 
 def assert_same_motion(page, scene):
-    """The page has the numbers of `simulate` for the scene that it saves."""
+    """Assert that the page computes the numbers of `simulate` for the scene that the page saves."""
     columns, count = page.evaluate(
         """async () => {
           const { columns, impacts } = await chainImpact.simulate();

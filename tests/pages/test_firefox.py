@@ -45,7 +45,7 @@ class Firefox:
         self.wait("performance.getEntriesByName('first-frame').length === 1")
 
     def answer(self, body):
-        """What the body of a function returns in the page."""
+        """Return the result of a function body in the page."""
         return json.loads(self.driver.execute_async_script(ANSWER, [body]))
 
     def wait(self, condition):

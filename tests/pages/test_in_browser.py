@@ -333,7 +333,7 @@ def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):
 
 @pytest.fixture
 def server(tmp_path):
-    """A server of a folder with the page, within another page: its address."""
+    """Serve a folder with the page inside another page, and return the address."""
     explore("rod_drop", tmp_path / "rod.html")
     (tmp_path / "lesson.html").write_text('<iframe src="rod.html" width="900" height="700"></iframe>')
 
@@ -344,7 +344,7 @@ def server(tmp_path):
             super().end_headers()
 
         def log_message(self, *_):
-            """Be quiet."""
+            """Print nothing."""
 
     started = ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=tmp_path))
     threading.Thread(target=started.serve_forever, daemon=True).start()

@@ -186,7 +186,7 @@ def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
 
 @pytest.fixture(scope="module")
 def motions(worker):
-    """The motion that the page's worker makes of a scene."""
+    """Return the motion that the page's worker computes for a scene."""
 
     def run(scene):
         return worker.evaluate(
@@ -240,7 +240,7 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
 
 
 def begun(worker, scene, changes):
-    """The sentence with which the page refuses changes of a scene; else the status of the run's start."""
+    """Return the page's refusal of changes of a scene, or the status of the run's start."""
     return worker.evaluate(
         """async ([text, contents, changes]) => {
           const scene = sceneOf(contents);

@@ -54,7 +54,7 @@ def test_the_page_needs_nothing_else(recording):
 
 
 def assert_alone(text):
-    """A page needs nothing else."""
+    """Assert that a page loads no other file."""
     others = re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL)  # without the libraries
     assert not re.findall(r"""(?:src|href)=["'](?!data:)""", others)
     assert not re.findall(r"@import|url\((?!data:)|\bfetch\(|XMLHttpRequest", others)

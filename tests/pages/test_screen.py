@@ -52,7 +52,7 @@ def reachable(page, grip):
 
 
 def drag(page, grip, by, origin=None):
-    """Drag a grip to some pixels from where it, or another origin, is; returns the parameters that follow."""
+    """Drag a handle to some pixels from its place, or from an origin; return the changed parameters."""
     x, y = reachable(page, grip)
     page.mouse.move(x, y)
     page.mouse.down()

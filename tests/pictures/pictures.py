@@ -20,17 +20,17 @@ MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
 
 @functools.cache
 def recorded(model):
-    """The recording of a model, driven as it is meant to be."""
+    """Return the recording of a model with its usual inputs."""
     return simulate(load_scene(model), inputs=inputs_of(model))
 
 
 def hit(time, point, wall, speed):
-    """An impact for ``swing``."""
+    """Return an impact for ``swing``."""
     return time, point, wall, speed
 
 
 def swing(impacts=(), walls=None, rows=50, slopes=None, parameters=None):
-    """A rod of 1 m that turns about the origin by half a turn, from the right to the left through y > 0.
+    """Return a rod of 1 m that rotates by half a turn about the origin, from right to left through y > 0.
 
     The walls of the box and those at any angle as ``half_planes`` takes them.
     """
@@ -50,7 +50,7 @@ def swing(impacts=(), walls=None, rows=50, slopes=None, parameters=None):
 
 @functools.cache
 def crowd(count=60):
-    """A swing with many impacts at three walls, some of them at nearly the same place and time."""
+    """Return a swing with many impacts at three walls, some of them at nearly the same place and time."""
     random = np.random.default_rng(1)
     times = np.sort(random.uniform(0.0, 2.0, count))
     kinds = random.choice(["y_min", "y_max", "x_max"], count)
@@ -63,7 +63,7 @@ def crowd(count=60):
 
 
 def drawn(recording):
-    """The page with a recording, and its axes: motion, time, energy, impact speeds.
+    """Return the page with a recording, and its axes: motion, time, energy, impact speeds.
 
     It is drawn once and then only looked at.
     """
@@ -77,10 +77,10 @@ def drawn(recording):
 
 
 def texts(axes):
-    """The texts inside the axes."""
+    """Return the texts inside the axes."""
     return [text.get_text() for text in axes.texts]
 
 
 def boxes(axes):
-    """What the texts inside the axes cover, in pixels."""
+    """Return the rectangles of the texts inside the axes, in pixels."""
     return [Text.get_window_extent(text) for text in axes.texts]

@@ -18,7 +18,7 @@ NUMBERS = re.compile(r"[\d, +]+")
 
 
 def lines(words):
-    """What is written in a picture, but the numbers of impacts, which are left out where there is no room."""
+    """Return the texts of a picture without the numbers of impacts, which need not fit."""
     told = words["Description"].split("\n")
     return [line for line in told if not NUMBERS.fullmatch(line) and not line.startswith(LEFT_OUT)]
 

@@ -145,7 +145,7 @@ def told(page):
 
 
 def check_texts(page):
-    """No text is beyond the page, or on another."""
+    """Check that no text is outside the page, or over another text."""
     texts = told(page)
     for text, box in texts:
         assert min(box.x0, box.y0, page.bbox.x1 - box.x1, page.bbox.y1 - box.y1) > -0.5, text
@@ -154,7 +154,7 @@ def check_texts(page):
 
 
 def check_rules(page):
-    """Legends are no wider than their axes, and all axes have numbers; on a narrow page heads are low."""
+    """Check the widths of legends, the numbers at all axes, and low heads on a narrow page."""
     for axes in page.axes:
         inside = axes.get_window_extent()
         if legend := axes.get_legend():
@@ -174,7 +174,7 @@ def check_rules(page):
 
 @styled()
 def check_ink(page):
-    """No text within axes is on a line or a mark."""
+    """Check that no text in the axes covers a line or a mark."""
     inside = [text for axes in page.axes for text in axes.texts]
     boxes = [Text.get_window_extent(text) for text in inside]  # without the lines that lead to them
     for text in inside:

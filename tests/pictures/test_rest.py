@@ -11,7 +11,10 @@ from tests.pictures.pictures import drawn, hit, swing
 
 
 def paused(when, rows=401):
-    """A rod that turns by half a turn in 1 s, and rests before, after, or between its halves; 10 s in all."""
+    """Return a rod that rotates by half a turn in 1 s with a pause before, after, or between its halves.
+
+    The whole takes 10 s.
+    """
     time = np.linspace(0.0, 10.0, rows)
     starts = {"before": (9.0, 9.5), "after": (0.0, 0.5), "between": (0.0, 9.5)}[when]
     angle = sum(np.pi * np.clip(time - start, 0.0, 0.5) for start in starts)

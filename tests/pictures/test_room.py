@@ -9,7 +9,7 @@ from tests.pictures.pictures import MODELS, drawn, recorded, swing
 
 
 def wall_lines(axes):
-    """The end points of the lines of the walls, (2, 2) each: they alone have no marker and no label."""
+    """Return the end points of the walls' lines, (2, 2) each: only wall lines have no marker and no label."""
     lines = (line for line in axes.lines if line.get_marker() == "None")
     return [np.array(line.get_xydata()) for line in lines]
 

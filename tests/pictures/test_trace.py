@@ -19,7 +19,7 @@ def turns(path):
 
 @pytest.fixture(scope="module")
 def whirl():
-    """A double pendulum that turns fast, at rows of which few are on a turn, and the same at close rows."""
+    """Return a fast double pendulum, with few rows per turn, and the same motion with many rows."""
     scene = load_scene("pinned_arm").with_values(
         {"box.x_max": 9.0, "initial.angular_velocity[1]": 12.0, "simulation.stop_time": 1.0}
     )

@@ -11,7 +11,7 @@ EXACT = ("point", "wall", "onset", "impact_speed")
 
 
 def recorded(scene, times):
-    """What an importer records that reads all impacts at each communication point."""
+    """Return the record of an importer that reads all impacts at each communication point."""
     instance = Instance(scene)
     record = {"time": np.array(times), "impact.count": []}
     names = [(j, name) for j in range(scene.outputs.impacts) for name in COLUMNS.values()]

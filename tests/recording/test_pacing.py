@@ -9,7 +9,7 @@ from chain_impact.studies.animate import record_slowly
 
 
 def seen(times, per_second, start, end):
-    """Seconds on the screen between two simulated times."""
+    """Return the time on the screen [s] between two simulated times."""
     frames = np.interp([start, end], times, np.arange(len(times)))
     return np.diff(frames)[0] / per_second
 

@@ -36,7 +36,7 @@ def imported(file):
 
 
 def others(file, allowed):
-    """What a file imports besides."""
+    """Return the other modules that a file imports."""
     return [m for m in imported(file) if not any(m == one or m.startswith(f"{one}.") for one in allowed)]
 
 
@@ -89,7 +89,7 @@ def test_it_can_be_imported_where_it_is_not_installed():
 
 
 def redirections(file):
-    """The names in a file by which the streams or the working folder of the whole process are changed."""
+    """Return the names in a file that change the streams or the working folder of the whole process."""
     calls, streams = {"redirect_stdout", "redirect_stderr", "chdir", "fchdir", "dup2"}, {"stdout", "stderr"}
     for node in nodes(file):
         if isinstance(node, ast.ImportFrom):

@@ -26,7 +26,10 @@ FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
 
 
 def names_of(module):
-    """What a module defines or imports at its top level, by its source; of the package, what it exports."""
+    """Return the names that a module's source defines or imports at top level.
+
+    For the package, its exports.
+    """
     names = set(chain_impact.__all__) if module == "chain_impact" else set()
     for node in ast.parse(Path(find_spec(module).origin).read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Import | ast.ImportFrom):
@@ -52,7 +55,7 @@ def test_what_benchmarks_import_is_there():
 
 @pytest.fixture(scope="module")
 def charts():
-    """Imports a module of the benchmarks by its name; leaves path, modules and environment as they were."""
+    """Import a module of the benchmarks by name without a change of path, modules and environment."""
     environment, modules = dict(os.environ), set(sys.modules)
     sys.path.insert(0, str(BENCHMARKS))
 
@@ -107,7 +110,7 @@ def test_a_peer_without_a_time_is_a_gap(charts):
 
 @pytest.fixture
 def impacts(charts, tmp_path):
-    """The module, and a function that writes made-up trials in the form of the data set and reads them."""
+    """Return the module, and a function that writes synthetic trials as the data set does and reads them."""
     module = charts("measured_impacts")
 
     def made(restitution, friction, count=8):

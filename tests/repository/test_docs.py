@@ -59,7 +59,7 @@ def blocks(page, language):
 
 
 def commands(page):
-    """The arguments of every chain-impact command of a page: in sh blocks, and in code within the text."""
+    """Return the arguments of every chain-impact command of a page, in sh blocks and in inline code."""
     text = page.read_text(encoding="utf-8")
     lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
     lines += re.findall(r"`((?:python build_fmu\.py|chain-impact) [^`\n]+)`", text)
@@ -107,7 +107,7 @@ def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
 
 
 def others(page):
-    """What a page asks a reader to run, a command each."""
+    """Return the other commands that a page asks a reader to run."""
     for line in "\n".join(blocks(page, "sh")).splitlines():
         yield from line.partition("  #")[0].split(" && ")
 
@@ -132,7 +132,7 @@ def run(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, run):
-    """A folder with the models and FMUs; the first command of the README makes build/FourLinkBox.fmu."""
+    """Return a folder with the models and FMUs; the README's first command makes build/FourLinkBox.fmu."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "docs" / "images").mkdir(parents=True)
     (folder / "models").symlink_to(ROOT / "models")
@@ -144,7 +144,7 @@ def folder(tmp_path_factory, run):
 
 @pytest.fixture(scope="module")
 def drawn():
-    """The commands that have drawn a picture of the docs."""
+    """Return the commands that have drawn a picture of the docs."""
     return set()
 
 

@@ -74,7 +74,7 @@ def writes(function):
 
 @pytest.fixture(scope="module")
 def writers():
-    """Each field that is written, with its modules; those of the tangent instances are apart."""
+    """Return each written field with its writing modules, separately for the tangent instances."""
     found, tangent = defaultdict(set), defaultdict(set)
     for module in MODULES:
         for function in ast.walk(ast.parse((KERNEL / module).read_text(encoding="utf-8"))):

@@ -30,7 +30,7 @@ def commands(name):
 
 
 def check(program, *arguments):
-    """See that a program is there, and the script, module or extra that it is asked for."""
+    """Check the presence of a program, and of the script, module or extra that it gets."""
     if program == "python" and arguments[0] != "-m":
         assert (ROOT / arguments[0]).is_file()
     elif program == "python":

@@ -14,7 +14,7 @@ NAMES = ("contact.*", "link[2].mass", "link[2].joint_rest_angle", "initial.*", "
 
 @pytest.fixture(scope="module")
 def result():
-    """An arm with the loads of its joints; without springs, rest angles have no effect."""
+    """Return the result of an arm with joint loads. Without springs, rest angles have no effect."""
     return simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}), sensitivities=NAMES)
 
 

@@ -34,7 +34,7 @@ def at(step, x):
 
 
 def solution(step, x):
-    """Those of an accurate solution from the start of the step."""
+    """Return the values of an accurate solution from the start of the step."""
     rate = lambda _x, z: step.size * step.rate(z)  # noqa: E731
     return solve_ivp(rate, (0.0, x), at(step, 0.0), "DOP853", rtol=1e-12, atol=1e-15).y[:, -1]
 

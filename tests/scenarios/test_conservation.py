@@ -10,7 +10,7 @@ from tests.helpers.reference import momenta
 
 
 def ledger(result):
-    """What must stay constant: the energy that is there, was lost and was not put in."""
+    """Return the conserved quantity: present energy plus dissipated energy minus supplied energy."""
     energy = result.energy
     return energy["total"] + energy["dissipated"] - energy["supplied"]
 

@@ -31,7 +31,7 @@ def co_simulated(folder, *arguments):
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """The co-simulations that have been asked for: (target, master) → time and columns."""
+    """Return the completed co-simulations: (target, master) → time and columns."""
     done = {}
 
     def get(target, master):
@@ -47,7 +47,7 @@ def runs(tmp_path_factory):
     params=[("native", "fmpy"), ("pythonfmu", "fmpy"), ("native", "libcosim"), ("native", "ecos")]
 )
 def run(request, runs):
-    """A co-simulation: either kind of FMU, and each of the masters."""
+    """Run a co-simulation with each kind of FMU and each master."""
     return runs(*request.param)
 
 

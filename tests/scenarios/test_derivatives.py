@@ -139,7 +139,7 @@ def found(case, tolerance=1e-12, start=False, method="auto"):
 
 
 def state_errors(case, answer):
-    """Relative errors of the state's derivatives, shape (T, P), and of the state, shape (T,)."""
+    """Return relative errors of the state's derivatives, shape (T, P), and of the state, shape (T,)."""
     names = state_names(case.scene)
     right = exact(case)
     values = np.stack([right.values[name] for name in names], 1)
@@ -157,7 +157,7 @@ def state_errors(case, answer):
 
 
 def impact_errors(case, answer):
-    """Relative errors of the impacts' derivatives: (field, parameter) → error."""
+    """Return relative errors of the impacts' derivatives: (field, parameter) → error."""
     right = exact(case)
     errors = {}
     for field in FIELDS:
@@ -173,7 +173,7 @@ def impact_errors(case, answer):
 
 
 def worst(errors, names):
-    """What exceeds a bound, for the message."""
+    """Return the values above a bound, for the message."""
     return {name: f"{error:.1e}" for name, error in zip(names, errors, strict=True)}
 
 
@@ -411,7 +411,7 @@ def slow_touch():
 
 
 def grazing():
-    """A rod that turns about its centre and touches the floor with its end for 10⁻⁷ m: 1/ġ is 300 s/m."""
+    """Return a rod that rotates about its centre and grazes the floor for 10⁻⁷ m: 1/ġ is 300 s/m."""
     scene = rod(0.5, 0.5 - math.sin(0.5) / 2 - 1e-7, 0.0, -10.0, stiffness=1e5, stop_time=0.3)
     return Case(scene, ("contact.stiffness", "initial.y", "initial.angular_velocity[1]"), (0.05, 0.3))
 
@@ -473,7 +473,7 @@ def test_simulate_tells_the_same():
 
 
 def sloping(friction: float) -> Case:
-    """A puck that stops on its slope when it no longer bounces; friction over the tangent of the slope."""
+    """Return a puck that stops bouncing on its slope and rests: its friction exceeds the slope's tangent."""
     case = puck(friction=friction * np.tan(SLOPE))
     start = {"initial.vx": 4.0 * np.cos(SLOPE), "initial.vy": 4.0 * np.sin(SLOPE) - 0.25}
     scene = case.scene.with_values(start | {"contact.restitution": 0.4, "simulation.stop_time": 0.8})
@@ -623,7 +623,7 @@ def test_a_change_of_a_parameter_just_before_a_mode_ends_changes_nothing_else(na
 
 
 def symmetric(**initial: float) -> Case:
-    """Three links without gravity, whose outer ones turn towards each other: both dry joints stop at once."""
+    """Return three links without gravity whose outer links counter-rotate. Both dry joints stop at once."""
     dry = {"length": 0.3, "mass": 0.5, "joint_friction": 0.2}
     scene = table(
         [{"length": 0.3, "mass": 0.5}, dry, dry],

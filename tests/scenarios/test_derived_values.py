@@ -14,7 +14,7 @@ from tests.helpers.random_scenes import RUBBED, SLANTED, SPRUNG, STOPPED, scene 
 
 
 def assert_same_impacts(found, expected):
-    """In every bit, also where the end is not known yet."""
+    """Assert that the impacts are equal in every bit, also impacts without an end."""
     assert found.tobytes() == expected.tobytes()
 
 

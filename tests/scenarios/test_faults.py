@@ -16,7 +16,7 @@ from tests.helpers.turned import turned
 
 
 def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tables):
-    """Equal links of 1 kg, above the floor unless a box is given."""
+    """Return equal links of 1 kg, above the floor unless a box is given."""
     table = {
         "name": "Chain",
         "gravity": list(gravity),

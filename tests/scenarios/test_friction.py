@@ -32,7 +32,7 @@ def run(table, **options):
 
 
 def stops(result):
-    """When anything begins to stick [s]."""
+    """Return the times at which elements begin to stick [s]."""
     return [float(phase["start"]) for phase in result.stick_slip if phase["mode"] == 0]
 
 

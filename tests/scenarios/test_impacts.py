@@ -45,7 +45,7 @@ def around_first_impact(scene):
 
 
 def velocities(row):
-    """q̇ of a row of outputs: of the base, then of the angles."""
+    """Return q̇ of a row of outputs: base velocity, then angular velocities."""
     return np.concatenate([row["point_velocity"][0], row["angular_velocity"]])
 
 

@@ -170,7 +170,7 @@ def one_servo(**changes):
 
 
 def decaying(time, angle, speed):
-    """(I + I_a) φ̈ + c φ̇ + k φ = 0 from an angle and its rate."""
+    """Return the solution of (I + I_a) φ̈ + c φ̇ + k φ = 0 from an angle and its rate."""
     decay = DAMPING / 2 / (INERTIA + ARMATURE)
     pace = math.sqrt(STIFFNESS / (INERTIA + ARMATURE) - decay**2)
     waves = angle * np.cos(pace * time) + (speed + decay * angle) / pace * np.sin(pace * time)
@@ -324,7 +324,7 @@ def test_a_limit_of_zero_is_no_drive():
 
 
 def functions_of(scene, seed=5):
-    """Smooth inputs for all joints."""
+    """Return smooth inputs for all joints."""
     rng, found = np.random.default_rng(seed), {}
     for i in range(1 if scene.chain.base == "pinned" else 2, len(scene.chain.links) + 1):
         size, pace = rng.uniform(0.2, 1.0), rng.uniform(2.0, 8.0)

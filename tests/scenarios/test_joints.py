@@ -29,7 +29,7 @@ def sprung(links, initial, *, base="pinned", tolerance=1e-10, **more):
 
 
 def integrated(scene, time, method="DOP853"):
-    """Base, angles, their rates and the dissipated energy, by SciPy on the assembled equations."""
+    """Return base, angles, rates and dissipated energy, by SciPy on the assembled equations."""
     book = Textbook(scene)
 
     def rate(_, y):
@@ -210,7 +210,7 @@ FIFTH, SECONDS = 0.2, 4
 
 
 def strained(count, stiffness, tolerance, base="free", bend=2.0):
-    """Links of .5 m and 1 kg at random angles [rad], with springs that are slack in a straight line."""
+    """Return links of 0.5 m and 1 kg at random angles [rad], with springs slack in a straight line."""
     draw = np.random.default_rng(count)
     initial = {
         "position": [0.0, 0.0],

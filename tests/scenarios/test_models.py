@@ -126,7 +126,7 @@ def reference(model):
 
 
 def inputs_of(model):
-    """What drives a model, as ``simulate`` takes it."""
+    """Return the inputs of a model, in the form that ``simulate`` takes."""
     if "inputs.csv" not in CO_SIMULATED.get(model, ()):
         return {}
     time, columns = table(model, "inputs.csv")
@@ -143,7 +143,7 @@ def coordinates(columns, links):
 
 
 def scale(name):
-    """How much more the error of an output is than that of a position or an angle, as speeds change fast."""
+    """Return the error scale of an output, over that of a position or an angle; speeds change fast."""
     kind = name.rpartition(".")[2]
     if kind in ("x", "y", "angle"):
         return 1.0
@@ -201,7 +201,7 @@ def test_every_model_has_its_files():
 
 
 def write_inputs(model):
-    """Co-simulate a model, and keep the inputs that its controller has set."""
+    """Co-simulate a model, and store the inputs that its controller has set."""
     folder = models_folder() / model
     with tempfile.TemporaryDirectory() as scratch:
         subprocess.run([sys.executable, folder / "co_simulation.py", "-o", scratch], check=True)

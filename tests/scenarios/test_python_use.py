@@ -60,7 +60,7 @@ def chain():
 
 
 def finished(chain):
-    """What becomes of a chain in the next half second."""
+    """Return the results of a chain for the next half second."""
     chain.step(0.5)
     return chain.save()
 

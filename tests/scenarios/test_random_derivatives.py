@@ -10,7 +10,7 @@ MASS = ["link[1].mass"]
 
 
 def overlapping():
-    """A rod that falls on a soft floor: a contact ends at each end while that of the other end lasts."""
+    """Return a rod that falls on a soft floor; a contact ends at each end while the other contact lasts."""
     return table(
         [link(0.3, 1.4)],
         box={"y_min": 0.0},
@@ -37,7 +37,7 @@ def let_go():
 
 
 def saturated():
-    """An arm with three stiff servos that falls: its largest forces are where drives reach their limits."""
+    """Return a falling arm with three stiff servos, whose forces are largest at the limits of the drives."""
     joints = ((0.48, 0.66, 160.0, 68.0, 3.3), (0.47, 3.9, 1.7e4, 2.5, 65.0), (0.41, 0.23, 4.5e4, 39.0, 58.0))
     names = ("length", "mass", "joint_stiffness", "joint_damping", "joint_torque_limit")
     return table(

@@ -43,7 +43,7 @@ BLOCKS.append(range(LONG, LONG + BLOCK // 2))
 
 
 def broken(one):
-    """The findings of a run but for two kinds: that it was stopped with a status, or took more than 2 s."""
+    """Return the findings of a run, except a stop with a status and a duration over 2 s."""
     return [finding for finding in one.findings if finding.kind not in {"stopped", "slow"}]
 
 
@@ -162,7 +162,7 @@ def test_no_step_reads_what_observing_writes(kind):
 
 
 def observed(seed: int, *, spoils: bool) -> tuple[bytes, int]:
-    """The results of the scene of a seed, looked at many times, and how many numbers were overwritten."""
+    """Return the results of a seed's scene with many reads of outputs, and the number of spoiled values."""
     instance = started(scene(seed), seed)
     stop, impacts, count = instance.model.scene.simulation.stop_time, [], 0
     words = [word for name, word in reals(instance.record.dtype) if not name.startswith(OBSERVED)]
@@ -177,7 +177,7 @@ def observed(seed: int, *, spoils: bool) -> tuple[bytes, int]:
 
 
 def spoil(instance: Instance, words: list[int]) -> int:
-    """Observe, and overwrite those of some words that this has changed; return how many."""
+    """Observe, overwrite some words that the observation has changed, and return their number."""
     numbers = instance.words.reshape(-1)
     before = numbers[words]
     instance.observe()

@@ -51,7 +51,7 @@ def chain(links, angles, stop_time, walls, **initial):
 
 
 def floor_forces(row):
-    """Forces [N] of the floor on the five points of the default chain, from rows of outputs."""
+    """Return the forces [N] of the floor on the five points of the default chain, from rows of outputs."""
     return row["force"].reshape(*np.shape(row), 5, 4)[..., 2]
 
 
@@ -147,7 +147,7 @@ def test_at_rest_the_floor_carries_the_weight_and_nothing_creeps(stiffness):
 
 @pytest.fixture(params=[RIGID, "zhang_sharf"])
 def resting(request):
-    """The default chain, with a force on its tip as input, at rest after ten seconds; and a way to look."""
+    """Return the default chain at rest after 10 s with a tip force as input, and an observing function."""
     scene = quiet_chain(1e10, 0.05, model=request.param)
     instance = Instance(with_values(scene, {("inputs", "tip_force"): True}))
     out = np.zeros(1, instance.record.dtype["output"])
@@ -270,7 +270,7 @@ def test_a_tilted_rod_clatters_to_rest_and_the_floor_carries_its_weight(law, wit
 
 
 def energy_to_spin(sine, energy):
-    """ω² of a rod whose foot is on the floor: ½ (I + m (½ cos θ)²) ω² + ½ m g sin θ = E, m = L = 1."""
+    """Return ω² of a rod with its foot on the floor: ½ (I + m (½ cos θ)²) ω² + ½ m g sin θ = E, m = L = 1."""
     return 2 * (energy - GRAVITY / 2 * sine) / (1 / 12 + (1 - sine**2) / 4)
 
 

@@ -30,7 +30,7 @@ LITTLE_WORK = {"solver.work_limit": "1500"}  # too little for the impacts, enoug
 
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory):
-    """The FMU of each model: name of the model → path."""
+    """Return the FMU of each model: name of the model → path."""
     built = OnDemand("pythonfmu", shared_folder(tmp_path_factory, "fmus") / "pythonfmu")
     return {name: Path(built[name]) for name in model_names()}
 

@@ -45,7 +45,7 @@ def test_the_direction_of_a_floor_is_zero_without_a_sign():
 
 
 def bounces(height, acceleration, restitution, times):
-    """A point dropped from rest that bounces: times of its impacts, speeds there, heights at all times."""
+    """Return impact times, impact speeds, and heights at all times of a point that is dropped from rest."""
     speed = math.sqrt(2.0 * acceleration * height)
     onsets, speeds = [speed / acceleration], [speed]
     while onsets[-1] < times[-1] and speeds[-1] > 1e-6:

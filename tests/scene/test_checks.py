@@ -31,7 +31,7 @@ def refused(*changes) -> str:
 
 
 def table():
-    """Scene, changes and the begin of the message, of the lines of refused.txt."""
+    """Return scene, changes and the begin of the message, from the lines of refused.txt."""
     scene = None
     for line in Path(__file__).with_name("refused.txt").read_text(encoding="utf-8").splitlines():
         if line.startswith("["):

@@ -106,7 +106,7 @@ def test_a_law_of_ones_own_is_a_choice_with_its_file():
 
 
 def taplo(*files):
-    """What the checker of the editors says of files, by the schema that their first line names."""
+    """Return the findings of taplo, the editors' checker, with the schema of each file's first line."""
     command = [shutil.which("taplo", path=Path(sys.executable).parent), "check", "--no-auto-config"]
     return subprocess.run([*command, *files], capture_output=True, text=True, check=False)
 

@@ -20,7 +20,7 @@ def library(tmp_path_factory):
 
 
 def whole_run(model):
-    """Everything from the file to the result."""
+    """Run every stage, from the file to the result."""
     result = simulate(load_scene(model), stop_time=0.5)
     return [result.points.tobytes(), result.energy.tobytes(), result.impacts.tobytes()]
 

@@ -344,7 +344,7 @@ def test_a_table_repeats_after_its_period(tmp_path):
 
 
 def pushed(frequency):
-    """A cart with dry friction, which a force exceeds twice in a period by a twentieth."""
+    """Return a cart with dry friction under a force whose amplitude is 5 % (of 1 N) above the friction."""
     table = {
         "name": "Pushed",
         "chain": {

@@ -59,7 +59,7 @@ class Reference:
         self.motions[2:, first.shape[1] :] = np.eye(len(self.links))
 
     def point(self, i, x, y):
-        """Position of a point of link i, its Jacobian, and its acceleration if no coordinate accelerates."""
+        """Return position, Jacobian and velocity-dependent acceleration of a point of link i."""
         jacobian, bias, position = np.zeros((2, len(self.q))), np.zeros(2), self.q[:2].copy()
         jacobian[0, 0] = jacobian[1, 1] = 1.0
         for j in range(i + 1):
@@ -107,7 +107,7 @@ def random_chain(rng, base, geared):
     params=[(base, geared, seed) for base in BASES for geared in (0, 1) for seed in range(4)], ids=str
 )
 def moving(request):
-    """A random chain in a random state: the instance, its state, and the reference."""
+    """Return a random chain in a random state: the instance, its state, and the reference."""
     base, geared, seed = request.param
     rng = np.random.default_rng([seed, geared, BASES.index(base)])
     chain = random_chain(rng, base, geared)

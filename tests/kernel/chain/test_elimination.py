@@ -23,7 +23,7 @@ from tests.kernel.chains import chain, random_links, random_state, stopped_chain
 
 
 def random_chain(rng, count, base, largest):
-    """A chain without any symmetry, dampings up to the largest over many orders of magnitude, some zero."""
+    """Return an asymmetric chain with dampings over many orders of magnitude, some of them zero."""
     links = random_links(rng, count)
     for link in links:
         link["joint_damping"] = largest * 10.0 ** -rng.uniform(0.0, 6.0) * (rng.random() < 0.8)
@@ -48,7 +48,7 @@ def relative_motion(count):
 
 
 def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):
-    """What the elimination finds, shape (N+2,), in real or complex work space; joints have κ and μ."""
+    """Return the solution of the elimination, shape (N+2,), in real or complex work space."""
     resistance, moments = joints
     space = d.implicit.pairs if np.iscomplexobj(impedance) else d.work
     set_impedances(space.impedance, impedance)
@@ -61,7 +61,7 @@ def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):
 
 
 def assembled(scene, angles, impedance, impulses):
-    """M + Jᵀ D J and Jᵀ p."""
+    """Return M + Jᵀ D J and Jᵀ p."""
     matrix, right = mass_matrix(scene, angles), 0.0
     for k in range(len(angles) + 1):
         jacobian = point_jacobian(scene, angles, k)
@@ -163,7 +163,7 @@ def exact(scene, angles, impedance, resistance, impulses):
         ]
 
         def jacobian(whole, part=0.0):
-            """Of the point behind so many whole links and a part of the next one."""
+            """Return the Jacobian of a point behind a number of whole links and a part of the next link."""
             rows = mpmath.zeros(2, len(links) + 2)
             rows[0, 0] = rows[1, 1] = 1
             for i, one in enumerate(turned):

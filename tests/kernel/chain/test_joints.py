@@ -61,7 +61,7 @@ def test_they_are_slack_at_their_rest_angles_and_do_not_feel_the_chain_turn(spru
 
 
 def springs(scene, rng):
-    """The scene with springs in place of dampers, of stiffnesses over many orders of magnitude, some zero."""
+    """Return the scene with springs in place of dampers, with stiffnesses over many orders of magnitude."""
     count = len(scene.chain.links)
     stiff = 1e6 * 10.0 ** -rng.uniform(0.0, 6.0, count) * (rng.random(count) < 0.8)
     stiff[0] *= scene.chain.base == "pinned"
@@ -73,7 +73,7 @@ def springs(scene, rng):
 
 
 def assembled(scene, angles):
-    """The mobility W of the joints, for the coordinates that are free, and their dampings and stiffnesses."""
+    """Return the mobility W of the joints in free coordinates, and dampings and stiffnesses of the joints."""
     free = slice(2, None) if scene.chain.base == "pinned" else slice(None)
     across = relative_motion(len(angles))[:, free]
     own = [(link.joint_damping, link.joint_stiffness) for link in scene.chain.links]

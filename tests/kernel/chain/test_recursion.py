@@ -19,7 +19,7 @@ from tests.kernel.chains import chain, random_state
 
 @functools.cache
 def lagrange(count):
-    """Functions M(q…) and h(q…) of Lagrange's equations M q̈ = h, from T, V, Rayleigh's D and virtual work."""
+    """Return functions M(q…) and h(q…) of Lagrange's equations M q̈ = h, from T, V, D and virtual work."""
     n = count
     q = sympy.symbols(f"x y theta0:{n}")
     qd = sympy.symbols(f"vx vy omega0:{n}")
@@ -62,7 +62,7 @@ def lagrange(count):
 
 
 def lagrange_accelerations(scene, angles, velocities, torques, loads):
-    """q̈ = M⁻¹h, with ẍ₀ = ÿ₀ = 0 for a pinned base."""
+    """Return q̈ = M⁻¹h, with ẍ₀ = ÿ₀ = 0 for a pinned base."""
     links = scene.chain.links
     pinned = scene.chain.base == "pinned"
     names = ("mass", "length", "center_of_mass", "inertia")

@@ -22,7 +22,7 @@ def links(shapes):
 
 
 def mass_matrix(shapes, angles):
-    """M from the velocities of the centres of mass: columns for the base and each angle."""
+    """Return M from the velocities of the centres of mass: columns for the base and each angle."""
     count = len(angles)
     matrix = np.zeros((count + 2,) * 2)
     for i, (c, inertia) in enumerate(shapes):

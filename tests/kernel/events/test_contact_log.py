@@ -57,7 +57,7 @@ def depth(t, height):
 
 
 def forces(d, t, height):
-    """F = K δⁿ (1 + λ δ̇/v₀) of the family, by the latched damping."""
+    """Return F = K δⁿ (1 + λ δ̇/v₀) of the law family, with the latched damping."""
     rate = -np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(height))
     return depth(t, height) ** N * (K + d.touch.damping[1] * rate)
 
@@ -77,7 +77,7 @@ TURNING = [0.0, -0.5, 0.6, 0.1]  # turns within the step
 
 
 def there(d, points):
-    """Whether the points are located at these."""
+    """Return whether the points are located at these positions."""
     np.testing.assert_allclose(located(d), points, rtol=0, atol=1e-13)
 
 

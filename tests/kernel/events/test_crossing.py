@@ -22,7 +22,7 @@ SAMPLES = np.linspace(0.0, 1.0, 2001)
 
 
 def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
-    """A step near some walls, of which some candidates are in contact, searched as ``find_event`` does."""
+    """Return a step near some walls with some candidates in contact, prepared for ``find_event``."""
     rng = np.random.default_rng(seed)
     _, d = chain(rng, count, base)
     motion = free_motion(rng, d)
@@ -46,13 +46,13 @@ def prepare(d):
 
 
 def phi(d, motion, theta):
-    """φ of all candidates at fractions of the step: clearances, and penetrations of those in contact."""
+    """Return φ of all candidates at fractions of the step: clearances, and penetrations of contacts."""
     states = motion.at(np.atleast_1d(theta) * d.step.size).T
     return gaps_of(d, states) * np.where(d.touch.active == 1, -1.0, 1.0)
 
 
 def first_fall(d, motion):
-    """The first θ at which some φ falls through zero, by samples and Brent's method; and whose it is."""
+    """Return the first θ at which some φ falls through zero, and its candidate, by samples and brentq."""
     values, best = phi(d, motion, SAMPLES), (-1.0, -1)
     for c in range(d.candidates):
         falls = np.flatnonzero((values[:-1, c] > 0.0) & (values[1:, c] <= 0.0))
@@ -245,7 +245,7 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
 
 
 def interval(start, end, rates, curvature, *, active=0, size=2.0):
-    """Candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
+    """Set candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
     _, d = chain(np.random.default_rng(0), 1)
     d.step.size, d.step.regularized, d.model.size = size, -1, 1.0
     d.touch.active[0] = active
@@ -342,7 +342,7 @@ LINKS = 3
 
 @pytest.fixture
 def bounded():
-    """A chain with stops in its joints, a step of any motion, and the bounds of its base along the axes."""
+    """Return a chain with stops, a step of random motion, and bounds of its base along the axes."""
     rng = np.random.default_rng(29)
     _, d = stopped_chain(LINKS, "pinned")
     d.step.state[:] = rng.uniform(-1.0, 1.0, d.step.state.shape)

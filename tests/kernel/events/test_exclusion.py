@@ -23,7 +23,7 @@ SAMPLES = np.linspace(0.0, 1.0, 1001)
 
 
 def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **more):
-    """A step of which all points start about ``near`` [m] from their walls, or as deep if in contact."""
+    """Return a step whose points start about ``near`` [m] from their walls, or in the walls if in contact."""
     rng = np.random.default_rng(seed)
     _, d = chain(rng, count, base, **more)
     motion = free_motion(rng, d)
@@ -39,7 +39,7 @@ def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **mor
 
 
 def phi_all(d, motion):
-    """φ of all candidates on a fine grid of the step, shape (T, C)."""
+    """Return φ of all candidates on a fine grid of the step, shape (T, C)."""
     signs = np.where(d.touch.active == 1, -1.0, 1.0)
     return gaps_of(d, motion.at(SAMPLES * d.step.size).T) * signs
 

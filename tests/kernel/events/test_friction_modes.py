@@ -32,7 +32,7 @@ SEEDS = range(6)
 
 
 def assert_laws_hold(chain):
-    """That each element at rest has a force and an acceleration after Coulomb."""
+    """Assert that force and acceleration of each element at rest fulfil Coulomb's law."""
     d, reached = chain.d, chain.accelerations()
     scale = largest(d, d.work.acceleration)
     held, sliding = chain.limits()
@@ -162,7 +162,7 @@ def test_no_mark_of_a_change_outlives_the_choice_of_modes():
 
 @pytest.fixture
 def one():
-    """A chain whose first contact is its only element with friction."""
+    """Return a chain whose first contact is its only element with friction."""
     _, d, _ = rubbing_chain(np.random.default_rng(3), "free", 1, False)
     return d, int(d.touch.active_index[0])
 
@@ -277,7 +277,7 @@ def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
 
 
 def convex_accelerations(chain):
-    """t·a of all elements by a dense solver for the convex problem of Coulomb's law."""
+    """Return t·a of all elements from a dense solver of the convex problem of Coulomb's law."""
     limits, (size, vectors) = chain.limits()[1], np.linalg.eigh(chain.mobility)
     kept = size > 1e-12 * size[-1]
     root = np.sqrt(size[kept])[:, None] * vectors[:, kept].T

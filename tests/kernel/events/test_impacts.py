@@ -32,7 +32,7 @@ POINTS = [1, 6, 11, 16]  # of a free chain: a point at each of the walls
 
 
 def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=True):
-    """A chain at rigid walls, at which candidates arrive; its scene, record, state, J, M⁻¹ Jᵀ and W."""
+    """Return a chain at rigid walls with approaching candidates: scene, record, state, J, M⁻¹ Jᵀ and W."""
     rng = np.random.default_rng(seed)
     scene, d = chain(rng, 4, base, model="newton_impact", restitution=E, minimum_impact_speed=SLOWEST)
     candidates = [c - (base == "pinned") for c in candidates]

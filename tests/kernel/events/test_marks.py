@@ -9,7 +9,7 @@ from tests.kernel.rubbing import rubbing_chain
 
 @pytest.fixture
 def d():
-    """A chain with marks at two candidates, at an element with friction and at one without."""
+    """Return a chain with marks at two candidates, at an element with friction and at an element without."""
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     marks.mark(d, 2, marks.KINK)
     marks.mark(d, 5, marks.END)

@@ -46,7 +46,7 @@ DEEP = 0.3  # m, at the start
 
 
 def falling(height, law="jankowski", size=1.0, touching=(1,)):
-    """Contacts of a chain that moves to and from the floor without turning: δ = DEEP − height(t)."""
+    """Return contacts of a chain that moves to and from the floor without rotation: δ = DEEP − height(t)."""
     _, d = chain(np.random.default_rng(0), 2, **of_law(law), stiffness=4.0, restitution=0.5)
     motion = translation(d, [0.3, 0.1], height)
     walls_away(d)
@@ -71,7 +71,7 @@ def four(_d):
 
 
 def find_force_event(d, found):
-    """θ of the event ``found`` or of an earlier one of a contact with a force."""
+    """Return θ of the event ``found``, or of an earlier event of a contact with a force."""
     return sampled.find_kink(d, sampled.find_relatch(d, found))
 
 
@@ -395,7 +395,7 @@ def test_a_step_ends_where_a_link_with_a_dry_joint_stops(speed, method):
 
 
 def compound_pendulum(moment):
-    """Two links in line that fall about a pin with a joint that sticks at first; and where it gives way.
+    """Return two links in line that fall about a pin with a sticking joint, and the time of its slip.
 
     As one body, θ̈ = −V′/I, and the moment in the joint is that of the lower link alone,
     I₂ θ̈ + m₂ c₂ (ℓ₁ θ̈ + g cos θ), with I₂ about the joint: in proportion to cos θ.
@@ -488,7 +488,7 @@ def test_a_point_that_slides_faster_does_not_stop():
 
 @pytest.fixture
 def rubbing():
-    """A chain with two contacts and dry joints that slide, and its elements."""
+    """Return a chain with two contacts and sliding dry joints, and its elements."""
     _, d, y = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     d.step.state_end[:] = d.step.state[:] = y
     return d, [int(e) for e in d.element.index[: d.friction.count]]
@@ -496,7 +496,7 @@ def rubbing():
 
 @pytest.fixture
 def changes(monkeypatch):
-    """Where modes change, element → θ; the elements that are searched; and the search."""
+    """Return the mode changes, element → θ, the searched elements, and the search."""
     at, asked = {}, []
 
     def margin(_d, e, theta):

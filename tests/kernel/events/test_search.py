@@ -140,7 +140,7 @@ def test_a_ball_laid_on_the_floor_begins_one_contact():
 
 
 def known_rates(d):
-    """No contact is near its kink or its second latch."""
+    """Set rates at which no contact is near its kink or its second latch."""
     d.touch.impact_speed[:], d.touch.kink_crossed[:] = 1e6, 0
     d.touch.depth_scale[:] = d.touch.effective_mass[:] = 1.0
     d.touch.kink_margin[:] = 1e9
@@ -304,7 +304,7 @@ def test_onsets_of_points_that_move_away_are_dropped():
 
 
 def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0):
-    """A step that ends with two points this far off their walls, where events were located, at a rate."""
+    """Return a step that ends with two points at given clearances from their walls after located events."""
     _, d = chain(np.random.default_rng(0), 2)
     motion = translation(d, [0.3, 0.1], [0.0, rate - bend * size, 0.5 * bend])
     walls_away(d)

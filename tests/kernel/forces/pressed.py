@@ -11,7 +11,7 @@ CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wa
 
 
 def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
-    """A chain whose touching candidates have motions to aims; its state, J, M⁻¹ Jᵀ and W.
+    """Return a chain whose touching candidates have target motions: state, J, M⁻¹ Jᵀ and W.
 
     With ``masses`` [kg] its links are rods; M⁻¹ Jᵀ and W are those of other masses then.
     """

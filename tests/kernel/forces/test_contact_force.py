@@ -39,7 +39,7 @@ def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
 
 
 def slopes_of(d, depth, rate):
-    """Those on the side of the kink on which the contact is with this penetration and rate."""
+    """Return the slopes of the contact force on the side of the kink of this penetration and rate."""
     d.touch.beyond_kink[0] = forces.height_over_kink(d, 0, depth, rate) < 0.0
     return forces.law_slopes(d, 0, depth, rate)
 
@@ -263,7 +263,7 @@ def own_force(*arguments):
 
 @pytest.fixture
 def own(monkeypatch):
-    """A contact under that law."""
+    """Return a contact under this law."""
     d = contact_of()
     d.law.number[0] = contact_law.USER_LAW
     monkeypatch.setattr(user_law, "present", lambda: 1)

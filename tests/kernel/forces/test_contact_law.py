@@ -35,7 +35,7 @@ def laws_of(d):
 
 @pytest.fixture
 def given():
-    """A record with walls of which two have a material of their own, and stops; a candidate of each kind."""
+    """Return a record with two walls of their own material, and stops, and a candidate of each kind."""
     _, d = stopped_chain(2)
     d.model.size = SIZE
     d.given.law, d.given.stiffness, d.given.restitution = NUMBER["flores"], 1e6, 0.4

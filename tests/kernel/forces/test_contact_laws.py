@@ -43,7 +43,7 @@ def factor_of(law, e):
 
 @functools.cache
 def realised(law, e):
-    """The restitution that a free impact has, at 1 m/s if that counts: by Lambert's W, or by integration."""
+    """Return the restitution of a free impact (at 1 m/s), by Lambert's W function or by integration."""
     factor = factor_of(law, e)
     if law.rate_exponent is None:
         return realised_restitution(factor)

@@ -20,7 +20,7 @@ def elements_of(d):
 
 
 def rate_of(d, y):
-    """ẏ with the present modes; the points are accelerated by it."""
+    """Return ẏ with the present modes; the points get their accelerations from ẏ."""
     rate = np.zeros(len(y))
     locate_points(d, y)
     equations.located_rate(d, y, rate)

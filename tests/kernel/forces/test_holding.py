@@ -160,7 +160,7 @@ def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths
 
 
 def stuck_chain(base, contacts, joints, stuck):
-    """A chain with friction of which the elements numbered ``stuck`` stick, in the order of their list."""
+    """Return a chain with friction whose elements ``stuck`` stick, in the order of their list."""
     _, d, y = rubbing_chain(np.random.default_rng(8), base, contacts, joints)
     for k in stuck:
         d.element.mode[d.element.index[k]] = friction.STICKS

@@ -134,7 +134,7 @@ LINKS, TOLERANCE = 3, 1e-6
 
 
 def moving(**more):
-    """Three links in some state, energy dissipated and supplied, at the start of a balance; its state."""
+    """Return three links in a state with dissipated and supplied energy at the start of a balance."""
     rng = np.random.default_rng(19)
     _, d = chain(rng, LINKS, **more)
     d.solver.tolerance = TOLERANCE

@@ -26,7 +26,7 @@ from tests.kernel.steps import basis
 
 
 def reached(result):
-    """Base, angles and their rates at the end."""
+    """Return base position, angles and their rates at the end."""
     end = result.outputs[-1]
     motion = end["point_position"][0], end["angle"], end["point_velocity"][0], end["angular_velocity"]
     return np.concatenate(motion)
@@ -110,7 +110,7 @@ LINKS, H = 2, 0.1
 
 @pytest.fixture
 def step():
-    """An implicit step with two contacts, whose stages are of any size; its first point is in the walls."""
+    """Return an implicit step with two contacts and random stages, whose first point is in the walls."""
     rng = np.random.default_rng(41)
     _, d = chain(rng, LINKS)
     d.quadrature.wanted = 1
@@ -252,7 +252,7 @@ def test_a_step_goes_a_little_beyond_the_first_end_of_a_contact(gap, gap_rate, s
 
 
 def stiff_joint(damping, tolerance=1e-8):
-    """A chain with one damper; the rate with which it decays, and how fast it does [units of the tolerance].
+    """Return a chain with one damper, its decay rate, and its decay speed [units of the tolerance].
 
     ∂v̇/∂v = −d M⁻¹ g gᵀ has the one eigenvalue ρ = d gᵀ M⁻¹ g, and M⁻¹ g is its vector.
     """

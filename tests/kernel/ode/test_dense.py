@@ -17,7 +17,7 @@ TIMES = np.linspace(0.0, 1.0, 2001)
 
 @pytest.fixture
 def d():
-    """A chain with a step whose coefficients are all different."""
+    """Return a chain with a step whose coefficients are all different."""
     rng = np.random.default_rng(23)
     _, d = chain(rng, LINKS)
     for part in (d.step.state, d.step.dense):

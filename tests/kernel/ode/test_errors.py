@@ -32,7 +32,7 @@ def deep(depth=1e-3, **more):
 
 
 def scales(d, y):
-    """Of the components of a state: what an error of the tolerance is, over the tolerance."""
+    """Return the error scale of each component of a state: its allowed error over the tolerance."""
     n, size = d.links, d.model.size
     energy = d.model.energy + abs(y[dissipated_at(n)]) + control.impact_energy(d)
     turns = 1.0 + np.abs(y[omega_at(n) : dissipated_at(n)])

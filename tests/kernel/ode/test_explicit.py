@@ -41,7 +41,7 @@ C = A.sum(axis=1)
 
 @functools.cache
 def trees(order):
-    """The rooted trees with so many vertices, each the sorted tuple of the trees hanging from its root."""
+    """Return the rooted trees with n vertices, each as the sorted tuple of its root's subtrees."""
     if order == 1:
         return ((),)
     found = set()
@@ -64,12 +64,12 @@ def size(tree):
 
 
 def density(tree):
-    """γ(t): the order condition of tree t is Σ b_i Φ_i(t) = 1/γ(t) (Butcher 1963)."""
+    """Return γ(t). The order condition of tree t is Σ b_i Φ_i(t) = 1/γ(t) (Butcher 1963)."""
     return size(tree) * math.prod(density(child) for child in tree)
 
 
 def weights(tree):
-    """Φ_i(t) of the stages."""
+    """Return Φ_i(t) of the stages."""
     return math.prod((A @ weights(child) for child in tree), start=np.ones(STAGES))
 
 
@@ -112,7 +112,7 @@ def test_the_errors_of_all_components_up_to_the_dissipated_energy_are_controlled
 
 
 def interpolation_weights(theta):
-    """b_i(θ) of the interpolant θ(F₀ + (1−θ)(F₁ + θ(F₂ + …))), applied to every stage as a unit vector."""
+    """Return b_i(θ) of the interpolant θ(F₀ + (1−θ)(F₁ + θ(F₂ + …))), from unit vectors as stages."""
     first, last = np.eye(STAGES)[[0, explicit.STEP_STAGES]]
     total = np.zeros(STAGES)
     for m, row in enumerate([B, first - B, 2 * B - first - last, *D]):
@@ -159,7 +159,10 @@ FLYER = rod(0.4, 3.0, speed=-2.0, spin=8.0, gravity=9.81, box={"y_max": FAR}, po
 
 
 def pendulum_at(t):
-    """θ and ω of a hanging rod set off at ω₀: sin(φ/2) = k sn(Ωt, k), Ω² = 3g/(2L), k = ω₀/(2Ω)."""
+    """Return θ and ω of a hanging rod with initial rate ω₀: sin(φ/2) = k sn(Ωt, k).
+
+    Ω² = 3g/(2L), k = ω₀/(2Ω).
+    """
     frequency = math.sqrt(1.5 * 9.81)
     k = SPIN / (2 * frequency)
     sn, cn, _, _ = ellipj(frequency * t, k * k)
@@ -167,7 +170,7 @@ def pendulum_at(t):
 
 
 def flyer_at(t):
-    """Base, θ, base velocity and ω of a rod in flight: its centre on a parabola, its angle linear."""
+    """Return base, θ, base velocity and ω of a rod in flight: parabola of its centre, linear angle."""
     initial = FLYER.initial
     spin, angle = initial.angular_velocities[0], initial.angles[0] + initial.angular_velocities[0] * t
 
@@ -189,7 +192,7 @@ PROBLEMS = pytest.mark.parametrize(
 
 
 def slope(sizes, errors):
-    """Of the logarithm of the error over that of the step."""
+    """Return the slope of the logarithm of the error over the logarithm of the step."""
     return np.polyfit(np.log(sizes), np.log(errors), 1)[0]
 
 

@@ -17,7 +17,7 @@ LINKS, HALF, FIRST = 2, 4, state.sundman_u_at(2)
 
 @pytest.fixture
 def touching():
-    """Two links with two points in walls at the end of a step, with impulses; also the state."""
+    """Return two links with two points in walls at the end of a step, with impulses, and the state."""
     rng = np.random.default_rng(37)
     scene, d = chain(rng, LINKS, springs=True, dampers=True)
     touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (0, 2)]
@@ -44,7 +44,7 @@ def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching)
 
 
 def normal_accelerations(scene, d, y, rate, touched):
-    """g̈ = J q̈ + J̇ q̇ of the contacts, with J̇ q̇ by differences along the motion."""
+    """Return g̈ = J q̈ + J̇ q̇ of the contacts, with J̇ q̇ by differences along the motion."""
     h, at = 1e-6, slice(HALF, 2 * HALF)
     rates = [gradients(scene, d, (y[:HALF] + s * y[at])[2:], touched) @ y[at] for s in (-h, h)]
     return gradients(scene, d, y[2:HALF], touched) @ rate[at] + (rates[1] - rates[0]) / (2 * h)

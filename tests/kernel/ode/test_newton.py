@@ -13,7 +13,7 @@ SCALARS = ("correction", "contraction")
 
 
 def record(start, weight=1e14):
-    """What the iteration needs of an instance; corrections count times ``weight``."""
+    """Return the fields of an instance that the iteration reads; ``weight`` scales the corrections."""
     size = len(start)
     implicit = np.dtype(
         [(name, float, (radau.RADAU_STAGES, size)) for name in ("stages", "rates", "parts")]
@@ -31,7 +31,7 @@ def record(start, weight=1e14):
 
 @cache
 def problem(rate, jacobian):
-    """For y' = f(y) with an approximate Jacobian A(y): a step (d, h) that returns whether it converged.
+    """Return a step (d, h) for y' = f(y) with an approximate Jacobian A(y); the step returns its convergence.
 
     With it comes one (d, h) of so many iterations that it has, whatever A is.
     """
@@ -68,7 +68,7 @@ def problem(rate, jacobian):
 
 @pytest.fixture
 def estimated(monkeypatch):
-    """For a problem as above: a function (d, h) for the error of a step that has been made."""
+    """Return a function (d, h) for the error of a completed step of the same problem."""
 
     def of(rate, jacobian):
         def solve(d, shift, x):
@@ -94,7 +94,7 @@ def integrate(step, start, end, steps):
 
 
 def oscillator(y):
-    """Van der Pol with a forcing; y[2] is the time."""
+    """Return the rate of a forced van der Pol oscillator; y[2] is the time."""
     return np.array([y[1], (1.0 - y[0] ** 2) * y[1] - y[0] + np.sin(y[2]), 1.0])
 
 
@@ -149,7 +149,7 @@ def test_linear_problem_with_its_own_matrix_is_solved_at_once_as_the_stability_f
 
 
 def decay(y):
-    """y' = −λ y; y[1] is λ."""
+    """Return the rate y' = −λ y; y[1] is λ."""
     return np.array([-y[1] * y[0], 0.0])
 
 

@@ -24,7 +24,7 @@ SHIFT = 1e-3  # s
 
 @pytest.fixture
 def step():
-    """Three links with two points in contact and the impedance of an implicit step; its state and z."""
+    """Return three links with two contacts and the impedance of an implicit step; its state and z."""
     rng = np.random.default_rng(11)
     scene, d = chain(rng, LINKS)
     touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
@@ -42,7 +42,7 @@ def step():
 
 
 def response(scene, d, y, touched, wanted):
-    """Δ of (M + Jᵀ D J) Δ = Jᵀ D wanted, for the impedances D of the contacts."""
+    """Return Δ of (M + Jᵀ D J) Δ = Jᵀ D wanted, for the impedances D of the contacts."""
     slopes = gradients(scene, d, y[2:HALF], touched)
     impedance = np.diag([contact_impedance(d, k, d.implicit.shift) for k in range(len(touched))])
     matrix = mass_matrix(scene, y[2:HALF]) + slopes.T @ impedance @ slopes

@@ -87,7 +87,7 @@ FIELDS = ("state", "state_end", "tried", "total", "rate", "rate_end", "onset")
 
 @pytest.fixture
 def d():
-    """Two contacts whose impulses, forces and stages are all different."""
+    """Return two contacts whose impulses, forces and stages are all different."""
     rng = np.random.default_rng(13)
     _, d = chain(rng, 2)
     d.quadrature.wanted = 1

@@ -29,7 +29,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     assert d.step.regularized == 0
 
     def energy(y):
-        """½ m v² + K δ^(5/2)/(5/2), with the mass of 1 kg and δ from u."""
+        """Return ½ m v² + K δ^(5/2)/(5/2), with the mass of 1 kg and δ from u."""
         return 0.5 * y[4] ** 2 + STIFFNESS * (depth * y[-2] ** 2) ** 2.5 / 2.5
 
     for size in sizes:
@@ -73,7 +73,7 @@ IN_TIME = NO_CONTACT, 1.0
 
 
 def contact(seed=17):
-    """Two links with one point in a wall, whose contact is that of the step; its candidate and the state."""
+    """Return two links with one point in a wall: the contact of the step, its candidate and the state."""
     _, d = chain(np.random.default_rng(seed), LINKS)
     c = d.candidate.point.tolist().index(2)
     y = struck(np.random.default_rng(seed), d, [c], DEPTH)

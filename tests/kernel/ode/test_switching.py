@@ -78,7 +78,10 @@ def rng():
 
 
 def jointed(rng, touching=False):
-    """Two pinned links with dampers and springs, in flight or with the tip at a wall; the joints' rate."""
+    """Return two pinned links with dampers and springs, in flight or with the tip at a wall.
+
+    The joints' rate.
+    """
     _, d = chain(rng, 2, "pinned", springs=True, dampers=True)
     tip = d.candidate.point.tolist().index(2)
     if touching:
@@ -88,7 +91,7 @@ def jointed(rng, touching=False):
 
 @pytest.fixture
 def pressed(rng):
-    """A free link with both ends in contact, with a force, for long, and without any joint that resists."""
+    """Return a free link without joint loads, both ends of which have long been in contact with a force."""
     _, d = chain(rng, 1)
     touched = [d.candidate.point.tolist().index(point) for point in (0, 1)]
     struck(rng, d, touched)

@@ -10,7 +10,7 @@ from tests.helpers.turned import turned
 
 
 def touching(tolerance: float, changes: dict[Any, Any] | None = None, turn: float = 0.0) -> Instance:
-    """An instance of them at a tolerance, with some values changed, turned as a whole by an angle [rad]."""
+    """Return an instance of touching links at a tolerance, with changed values, rotated by an angle [rad]."""
     scene = with_values(load_scene("four_link_box"), changes or {})
     stiff = {("contact", "stiffness"): 1e12, ("contact", "restitution"): 0.05}
     return Instance(turned(with_values(scene, stiff | {("solver", "tolerance"): tolerance}), turn))

@@ -25,7 +25,7 @@ CASES = pytest.mark.parametrize("case", OF_WALLS + OF_STOPS, ids=lambda case: "-
 
 
 def made(case, resist=True):
-    """A chain that touches walls of several directions: its record, M, all ∇g and those of what touches."""
+    """Return a chain that touches walls of several directions: its record, M, all ∇g and ∇g of contacts."""
     count, base, touching = case
     rng = np.random.default_rng([count, len(base), touching or 7])
     more = {"springs": resist, "dampers": resist}
@@ -57,7 +57,7 @@ def solved(d, matrix, right):
 
 
 def assert_moved(scene, d, angles, change):
-    """That the motion of points and joints is that of a change of the coordinates."""
+    """Assert that points and joints move as the change of the coordinates says."""
     count = d.links
     moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
     np.testing.assert_allclose(vectors(d.work.motion), moved, rtol=0, atol=1e-9)
@@ -67,7 +67,7 @@ def assert_moved(scene, d, angles, change):
 
 
 def assert_loads(scene, d, angles, added, work):
-    """That the loads and impedances of points and joints do that work, and add that to M."""
+    """Assert the work of loads of points and joints, and the addition of their impedances to M."""
     own, count = d.work.impedance, d.links
     for k, load in enumerate(vectors(d.work.load)):
         at = point_jacobian(scene, angles, k)

@@ -111,7 +111,7 @@ def test_a_candidate_can_be_given_any_wall(c):
 
 @pytest.fixture(params=["free", "pinned"])
 def stopped(request):
-    """A chain of three links with stops in its joints, located in some state."""
+    """Return a chain of three links with stops in its joints, located in some state."""
     d = stopped_chain(3, request.param)[1]
     y = random_state(np.random.default_rng(7), d)
     kinematics.locate_points(d, y)
@@ -147,7 +147,7 @@ def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(st
 
 
 def assert_adjoint(d, rows, change):
-    """F·(J v) = (Jᵀ F)·v for directions of points and joints; impedances have the energy D (J v)².
+    """Assert F·(J v) = (Jᵀ F)·v for directions of points and joints, and the energy D (J v)² of impedances.
 
     Also where loads and impedances of joints have become moments and those of the joints.
     """
@@ -234,7 +234,7 @@ def test_round_off_is_that_of_both_coordinates_of_a_point_or_of_both_angles_of_a
 
 @pytest.fixture(params=["free", "pinned"])
 def rubbing(request):
-    """A chain of four links with dry joints between walls at any angle, located in some state."""
+    """Return a chain of four links with dry joints between walls at any angle, located in some state."""
     pinned = {("contact", "points"): [1, 2, 3, 4]} if request.param == "pinned" else {}
     joints = {("chain", "links", i, "joint_friction"): 0.1 for i in range(1, 4)}
     changes = {("chain", "base"): request.param, ("initial", "velocity"): [0, 0]} | joints | pinned

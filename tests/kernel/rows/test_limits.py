@@ -17,7 +17,7 @@ CASES = [("free", 3, True), ("free", 2, False), ("pinned", 1, True), ("pinned", 
 
 
 def stuck(seed, case, part):
-    """A chain of which all sticks, with limits that are a ``part`` of the forces that this takes, or more."""
+    """Return a chain whose elements all stick, with limits of at least 0.2 ``part`` of their forces."""
     chain = AtRest(seed, *case)
     d = chain.d
     d.element.mode[chain.elements] = STICKS
@@ -40,14 +40,14 @@ def set_limits(chain, limits):
 
 
 def solve(d):
-    """The forces that hold all that sticks, at the end of the last step."""
+    """Return the holding forces of all sticking elements at the end of the last step."""
     rate = np.zeros(len(d.step.state_end))
     locate_points(d, d.step.state_end)
     located_rate(d, d.step.state_end, rate)
 
 
 def forces(d):
-    """Of all that sticks [N]."""
+    """Return the forces of all sticking elements [N]."""
     return d.share.impulse[d.touch.active_count : constraint_rows(d)]
 
 

@@ -73,12 +73,12 @@ class Dual:
     __hash__ = None  # type: ignore[assignment]
 
     def dual(self, number: Dual | float) -> Dual:
-        """A number as a dual one."""
+        """Return a number as a dual number."""
         return number if isinstance(number, Dual) else Dual(number, np.zeros_like(self.slope))
 
 
 def dual(number: float, *slopes: float) -> Dual:
-    """A value with these slopes, or two of zero."""
+    """Return a dual value with these slopes, or with two slopes of zero."""
     return Dual(number, slopes or (0.0, 0.0))
 
 
@@ -104,7 +104,7 @@ class Duals(SimpleNamespace):
 
 
 def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...] = ()) -> Duals:
-    """A record with dual numbers of any values and slopes for its reals, and with integers that are 0.
+    """Return a record with random dual numbers for its reals, and zeros for its integers.
 
     Of a table with some rows it has each column as an array.
     """
@@ -131,7 +131,7 @@ def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...
 
 
 def started(case: Case) -> DifferentiatedInstance:
-    """An instance at the start of a case, with derivatives of all outputs."""
+    """Return an instance at the start of a case, with derivatives of all outputs."""
     model = Model(case.scene)
     driven = drive(model, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
     instance = DifferentiatedInstance(model, model.varied_by(case.parameters), driven=driven)
@@ -140,7 +140,7 @@ def started(case: Case) -> DifferentiatedInstance:
 
 
 def followed(instance: DifferentiatedInstance, times: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Values (T, W) and slopes (T, W, P) of all outputs at some times [s]."""
+    """Return values (T, W) and slopes (T, W, P) of all outputs at some times [s]."""
     times = np.array(times, float)
     words = instance.model.output_words[list(instance.model.columns.values())]
     rows = instance.rows(len(times), words)

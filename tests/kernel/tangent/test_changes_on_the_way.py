@@ -30,7 +30,7 @@ def pressed_arm(model):
 
 
 def played(scene, script, stop, names):
-    """What outputs are at the end of a run in which values are set at some times [s]."""
+    """Return the outputs at the end of a run in which values are set at some times [s]."""
     chain = Chain(scene)
     for time, changes in script:
         chain.step_to(time)
@@ -83,7 +83,7 @@ def falling_link(model):
 
 
 def through_onset(instance, changes, stop):
-    """Go to the first onset, as the event mode of FMI 3.0 does, set values there, and go on; its impacts."""
+    """Run to the first onset, as FMI 3.0's event mode does, set values, continue; return the impacts."""
     advance_to_onset(instance, stop)
     given = instance.record["given"]
     for name, value in changes.items():

@@ -18,7 +18,7 @@ VALUES = (STIFFNESS, RESTITUTION, -SPEED)
 
 
 def damped(stiffness, restitution):
-    """ω, ζ of a mass of 1 kg on a Kelvin–Voigt wall."""
+    """Return ω and ζ of a mass of 1 kg on a Kelvin–Voigt wall."""
     log = mpmath.log(restitution)
     return mpmath.sqrt(stiffness), -log / mpmath.sqrt(mpmath.pi**2 + log**2)
 

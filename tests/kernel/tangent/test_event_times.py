@@ -14,7 +14,7 @@ from tests.kernel.tangent.dual import dual
 
 @pytest.fixture
 def tangent(monkeypatch):
-    """An instance at the end of a step of 0.2 s with y = (2, 1) and ẏ = (3, −1), whose y has derivatives."""
+    """Return an instance at the end of a step of 0.2 s: y = (2, 1) with derivatives, and ẏ = (3, −1)."""
     monkeypatch.setattr(event_times, "locate_points", lambda _t, _y: None)
     monkeypatch.setattr(event_times, "located_rate", lambda _t, _y, _rate: None)
     monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)

@@ -14,7 +14,7 @@ TOLERANCE = 1e-6
 
 @pytest.fixture
 def t():
-    """An instance of dual numbers with friction at candidate 1 and in the joint, element 2."""
+    """Return an instance of dual numbers with friction at candidate 1 and in the joint, element 2."""
     one = SimpleNamespace(candidates=2, elements=3)
     one.friction = SimpleNamespace(count=2)
     one.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3, mode=[1] * 3, undecided=[1] * 3)
@@ -30,7 +30,7 @@ def t():
 
 @pytest.fixture
 def ended(monkeypatch):
-    """The reasons for which derivatives have been ended, each with its element."""
+    """Return the reasons for which derivatives have ended, each with its element."""
     found = []
     monkeypatch.setattr(friction, "mark_untrusted", lambda _t, reason, e, time: found.append((reason, e)))
     return found
@@ -74,7 +74,7 @@ def test_the_force_drops_at_contacts_where_sliding_has_less_friction(t, e, stati
 
 
 def margin_of(monkeypatch, t, rate):
-    """φ = 9 − y₀, where y₀ = 9 at the end of the step and grows at a rate."""
+    """Return φ = 9 − y₀, where y₀ = 9 at the end of the step and grows at a rate."""
     y = [dual(9.0, 2.0, -6.0)]
     t.work.y, t.step.state_end, t.work.rate_end = [None], y, [dual(rate, 70.0, 70.0)]
     located = []
@@ -128,7 +128,7 @@ def test_sliding_that_begins_at_no_certain_time_matters_where_the_force_drops(
 
 
 def settling(monkeypatch, t, largest):
-    """A chain of 2 m under 6 m/s², which settles in 0.5 s, whose largest derivatives of a place are these."""
+    """Set a chain of 2 m under 6 m/s², which settles in 0.5 s, with these largest place derivatives."""
     t.model.size, t.model.gravity_size, t.trust.share = dual(2.0), dual(6.0), 0.0
     t.work.position = "position"
     monkeypatch.setattr(friction, "DIRECTIONS", 2)

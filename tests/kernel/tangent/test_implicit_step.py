@@ -34,7 +34,7 @@ def hanging(length, tolerance, damping=0.0):
 
 
 def slopes_of(case):
-    """Those of the state at the case's times, shape (T, 2, P), and the instance at the last of them."""
+    """Return the state's slopes at the case's times, shape (T, 2, P), and the instance at the last time."""
     instance = started(case)
     columns = [list(instance.model.columns).index(name) for name in STATE]
     _, slopes = followed(instance, case.times)
@@ -42,7 +42,7 @@ def slopes_of(case):
 
 
 def collocated(length, damping):
-    """What a step of length H makes of a small disturbance: its linear equations, solved for all stages.
+    """Return the result of a step of length H for a small disturbance, by the linear stage equations.
 
     U = 1 ⊗ y + h (Q ⊗ A) U with φ̈ = −(m g l/2 φ + d φ̇)/(m l²/3).
     """
@@ -130,7 +130,7 @@ def dual(*slopes):
 
 
 def slopes(start, end, parts):
-    """A step with two components, with these slopes of its start, its last stage and its corrections."""
+    """Return a two-component step, with these slopes of its start, its last stage and its corrections."""
     none = np.array([[dual(), dual()] for _ in range(RADAU_STAGES)], object)
     own = SimpleNamespace(start=[dual(*one) for one in start], stages=none.copy(), parts=none)
     own.stages[RADAU_STAGES - 1] = [dual(*one) for one in end]

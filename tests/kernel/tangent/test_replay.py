@@ -98,7 +98,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
 
 @pytest.fixture
 def calls(monkeypatch):
-    """The functions that are called, with what they are given beside the instances."""
+    """Record the called functions, with their arguments other than the instances."""
     called = []
 
     def note(name, *arguments):

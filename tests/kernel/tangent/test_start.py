@@ -51,7 +51,7 @@ GIVEN += ("joint_damping", "joint_stiffness", "joint_target_angle", "joint_targe
 
 @pytest.fixture
 def both():
-    """A chain with inputs and any parameters, and an instance of dual numbers of its layout."""
+    """Return a chain with inputs and random parameters, and an instance of dual numbers of its layout."""
     rng = np.random.default_rng(8)
     _, d = chain(rng, 2, springs=True, inputs=True)
     for record, names in PARAMETERS.items():
@@ -141,7 +141,7 @@ def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivativ
 
 @pytest.fixture
 def twins(monkeypatch):
-    """A chain and another record of its layout in place of one of dual numbers."""
+    """Return a chain and a second record of its layout in place of a record of dual numbers."""
     monkeypatch.setattr(starts, "carried", lambda number, _slope, _argument: number)
     monkeypatch.setattr(starts, "value", float)
     rng = np.random.default_rng(9)

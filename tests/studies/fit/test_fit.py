@@ -238,7 +238,7 @@ def test_residuals_that_are_no_noise_are_said():
 
 def test_the_last_residual_of_a_data_set_is_no_neighbour_of_the_next_ones_first():
     def said(residuals):
-        """What is said of residuals with a row for each data set."""
+        """Return the report on residuals with a row for each data set."""
         count = residuals.size
         made = SimpleNamespace(
             data=[[0.0] * len(row) for row in residuals],

@@ -24,7 +24,7 @@ def problem(tables, scenes, free=FREE, each=()):
 
 @pytest.fixture(scope="module")
 def both():
-    """Motion without noise, and all impacts, of 0.9 s with three impacts."""
+    """Return motion without noise, and all impacts, of 0.9 s with three impacts."""
     columns, result = motion(0.9, count=30, noise=0.0)
     assert len(result.impacts) == 3
     return problem([[columns, impacts(result, QUANTITIES)]], [scene()])

@@ -345,7 +345,10 @@ def test_ctrl_c_says_where_what_is_done_is_kept(tmp_path, monkeypatch, capsys):
 
 @pytest.fixture(params=[".csv", pytest.param(".parquet", marks=pytest.mark.full("more cases"))])
 def interrupted(request, tmp_path, monkeypatch, capsys):
-    """A command whose table has a part of its rows, as it was interrupted, which is told; and the table."""
+    """Interrupt a command when its table has a part of its rows.
+
+    Check the message, and return command and table.
+    """
     real = module.run_in_threads
 
     def run_in_threads(*arguments):
