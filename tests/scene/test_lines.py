@@ -18,6 +18,10 @@ mass = 0.5
 [[chain.links]]  # the second
 length = 0.2
 mass = 0.5
+[[chain.links.points]]
+x = 0.1
+[[chain.links.points]]
+x = 0.2
 [box]
 y_min = 0
 [contact]
@@ -38,10 +42,11 @@ angles = [0.0,
         (("chain", "links", 0, "mass"), 9),
         (("chain", "links", 1, "mass"), 13),
         (("chain", "links", 1, "inertia"), 11),
-        (("contact", "points", 0), 17),
-        (("contact", "radius"), 16),
-        (("contact", "wall", "y_min", "restitution"), 18),
-        (("initial", "angles", 1), 21),
+        (("chain", "links", 1, "points", 1, "x"), 17),
+        (("contact", "points", 0), 21),
+        (("contact", "radius"), 20),
+        (("contact", "wall", "y_min", "restitution"), 22),
+        (("initial", "angles", 1), 25),
         (("solver", "method"), None),
         ((), None),
     ],
@@ -55,10 +60,10 @@ def test_the_line_of_a_key_or_of_the_table_around_it(place, line):
     [
         ("length = 0.2", "length = -0.2", 12),
         ("length = 0.2", "lenght = 0.2", 12),
-        ("mass = 0.5\n[box]", "[box]", 11),
-        ("angles = [0.0,\n  0.0]", "angles = [0.0, 1, 2]", 21),
-        ("points = [0]", "points = 0", 17),
-        ("[box]", "[walls]\nname = 'floor'\n[box]", 14),
+        ("mass = 0.5\n[[chain.links.points]]", "[[chain.links.points]]", 11),
+        ("angles = [0.0,\n  0.0]", "angles = [0.0, 1, 2]", 25),
+        ("points = [0]", "points = 0", 21),
+        ("[box]", "[walls]\nname = 'floor'\n[box]", 18),
     ],
 )
 def test_an_error_names_the_line(before, after, line):
@@ -76,7 +81,7 @@ def test_an_error_names_the_line(before, after, line):
             r"at line 11, .*; of several, each begins with \[\[chain\.links\]\]$",
         ),
         ("[0.0,\n  0.0]", "[5 deg,\n 0.0]", r'; an angle in degrees is text: "5 deg"$'),
-        ("[box]", "[[walls]]\nangle = -1.5e1 deg # up\n[box]", r'at line 15.*; .* text: "-1\.5e1 deg"$'),
+        ("[box]", "[[walls]]\nangle = -1.5e1 deg # up\n[box]", r'at line 19.*; .* text: "-1\.5e1 deg"$'),
         ("[box]", "[[walls]]\nangle = 5°\n[box]", r'; an angle in degrees is text: "5 deg"$'),
         ("y_min = 0", "y_min = 0,5", r"; a number has a decimal point: 0\.5$"),
     ],
@@ -84,6 +89,13 @@ def test_an_error_names_the_line(before, after, line):
 def test_what_is_no_toml_is_told_what_to_write(before, after, hint):
     with pytest.raises(SceneError, match=rf"^ball\.toml: not valid TOML: .*{hint}"):
         parse_scene(TEXT.replace(before, after), "ball.toml")
+
+
+def test_an_error_about_a_point_of_a_box_has_the_number_and_the_line_of_the_point():
+    box = TEXT.replace("length = 0.2", 'length = 0.2\nshape = "box"\nheight = 0.1')
+    text = box.replace("x = 0.2", "x = 0.2\ny = 0.0\nradius = -1.0")
+    with pytest.raises(SceneError, match=r"^ball\.toml: link\[2\]\.point\[6\]\.radius .* \(at line 21\)$"):
+        parse_scene(text, "ball.toml")
 
 
 def test_a_reversed_wall_is_asked_about():

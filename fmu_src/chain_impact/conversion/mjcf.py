@@ -103,6 +103,7 @@ class _Reader:
             tables=(self.carried or {}).get("tables", {}),
             first_link=(self.carried or {}).get("first_link", {}),
             link_tables=(self.carried or {}).get("bodies", ()),
+            numbers=(self.carried or {}).get("numbers", {}),
             notes=[] if own else [*notes, *flag_notes(self.mujoco, model)],
             differences=self.differences,
         )

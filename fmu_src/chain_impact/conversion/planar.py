@@ -16,6 +16,8 @@ from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.conversion.walls import Walls
 from chain_impact.scene.reading import UnknownNameError
 
+# largest difference of two numbers of a scene, also over their size, that is round-off
+SAME = 1e-13
 # number of digits of numbers in a scene; robot files have fewer digits, so further digits are round-off
 DIGITS = 14
 
@@ -109,8 +111,7 @@ class _Conversion:
             **self._inputs(),
             "initial": {"angles": angles, "angular_velocities": speeds, **start},
         }
-        if not self.robot.tables:
-            data = _rounded(data)
+        data = _as_written(data, self.robot.numbers) if self.robot.tables else _rounded(data)
         for key, table in self.robot.tables.items():
             if isinstance(table, dict):
                 data[key] = {**data.get(key, {}), **table}
@@ -360,6 +361,17 @@ class _Conversion:
             "mass": joint.armature + sum(self.robot.bodies[b].mass for b in self.carriage),
             **{key: value for key, value in keys.items() if value is not None},
         }
+
+
+def _as_written(data: Any, written: Any) -> Any:
+    """Return data with the numbers from which they were written, where they differ by round-off only."""
+    if isinstance(data, dict) and isinstance(written, dict):
+        return {key: _as_written(value, written.get(key)) for key, value in data.items()}
+    if isinstance(data, list) and isinstance(written, list) and len(data) == len(written):
+        return [_as_written(*pair) for pair in zip(data, written, strict=True)]
+    if isinstance(data, float) and isinstance(written, float):
+        return written if math.isclose(data, written, rel_tol=SAME, abs_tol=SAME) else data
+    return data
 
 
 def _rounded(data: Any) -> Any:

@@ -149,6 +149,8 @@ class Robot:
         tables: tables of a scene that the file contains.
         first_link: keys of the joint of link 1, which have no effect if the base is free.
         link_tables: points and shape of each link that the file contains, in the form of a scene file.
+        numbers: numbers of the scene from which the file was written; a number of the file that differs from
+            them by round-off only is the scene's.
         notes: sentences on how the file was read.
         differences: the parts of the file that no scene can have.
     """
@@ -160,5 +162,6 @@ class Robot:
     tables: dict[str, Any] = field(default_factory=dict)
     first_link: dict[str, float] = field(default_factory=dict)
     link_tables: Sequence[dict[str, Any]] = ()
+    numbers: dict[str, Any] = field(default_factory=dict)
     notes: Sequence[str] = ()
     differences: Sequence[Difference] = ()

@@ -50,19 +50,22 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
         integrator="RK4",
         timestep=repr(min(scene.simulation.step_size, LARGEST_STEP)),
     )
-    free = scene.chain.base == "free"
+    free, links = scene.chain.base == "free", scene.chain.links
     whole = scene_to_dict(scene)
     tables = {key: table for key, table in whole.items() if key not in WRITTEN}
     carried = {
         "tables": tables,
-        "first_link": _of_the_joint(scene.chain.links[0]) if free else {},
+        "first_link": _of_the_joint(links[0]) if free else {},
         "bodies": [{key: link[key] for key in BODY if key in link} for link in whole["chain"]["links"]],
+        "numbers": {key: whole[key] for key in WRITTEN[1:]},
     }
+    for table, link in zip(whole["chain"]["links"], links, strict=True):
+        table |= {"center_of_mass": link.center_of_mass, "inertia": link.inertia}
     SubElement(SubElement(root, "custom"), "text", name=CARRIED, data=json.dumps(carried))
     world = SubElement(root, "worldbody")
     _add_walls(world, scene)
     _add_chain(world, scene)
-    joints = range(2 if free else 1, len(scene.chain.links) + 1) if scene.inputs.joint_torques else ()
+    joints = range(2 if free else 1, len(links) + 1) if scene.inputs.joint_torques else ()
     motors = {f"joint[{i}].torque": f"joint[{i}]" for i in joints}
     motors |= {"slider.force": "slider"} if scene.inputs.slider_force else {}
     actuators = SubElement(root, "actuator") if motors else root

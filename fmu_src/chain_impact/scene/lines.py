@@ -33,7 +33,7 @@ def line_of(text: str, place: Place) -> int | None:
     inside = ""  # the quotes of a text that continues over several lines
     for number, line in enumerate(text.splitlines(), 1):
         if not inside and (head := _HEAD.match(line)):
-            table = _steps(head[2])
+            table = _within(counts, _steps(head[2]))
             if head[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 table = (*table, counts[table])
@@ -48,6 +48,15 @@ def line_of(text: str, place: Place) -> int | None:
             if inside in ("", quotes) and line.count(quotes) % 2:
                 inside = "" if inside else quotes
     return best[1]
+
+
+def _within(counts: dict[Place, int], steps: Place) -> Place:
+    """Return the path of a table, in the last one of each list of tables around it."""
+    path: Place = ()
+    for step in steps[:-1]:
+        path = (*path, step)
+        path = (*path, counts[path]) if path in counts else path
+    return *path, *steps[-1:]
 
 
 def _steps(dotted: str) -> Place:

@@ -139,9 +139,9 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
     def label(path: Place) -> str:
         match path:
-            case "chain", "links", int(i), key if counted:
-                return f"{key} in entry {i + 1} of [[chain.links]]"
-        name, written = name_of(path, names), place_in_file(path)
+            case "chain", "links", int(i), *keys if counted and keys:
+                return f"{place_in_file(tuple(keys))} in entry {i + 1} of [[chain.links]]"
+        name, written = name_of(shapes.among_all_points(path, data), names), place_in_file(path)
         return f"{name} ({written})" if in_file and written != name else name
 
     try:

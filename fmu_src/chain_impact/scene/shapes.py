@@ -60,6 +60,14 @@ def without_corners(data: Any) -> Any:
     return data
 
 
+def among_all_points(path: Place, data: Any) -> Place:
+    """Return the path in the scene of what is at a path of its plain data, where boxes have no corners."""
+    match path:
+        case "chain", "links", int(i), "points", int(j), *rest if "shape" in data["chain"]["links"][i]:
+            return ("chain", "links", i, "points", j + CORNERS, *rest)
+    return path
+
+
 def refuse_corner(scene: Contents, path: Place) -> None:
     """Refuse a change of a single corner of a box, by its path."""
     links = scene.chain.links

@@ -22,7 +22,7 @@ from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.limits import keys
-from chain_impact.scene.names import AT, Place
+from chain_impact.scene.names import AT, ENTRY_AT, Place
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
@@ -158,46 +158,50 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
     for of, kinds in PARAMETERS:
         for kind in kinds:
             if kind.path and of not in ("material", *OF_SIGNALS):
-                reader = _site_reader(kind) if of == "site" else _reader(kind, kind.path)
-                found.setdefault(str(kind.path[0]), []).append((kind, reader))
+                found.setdefault(str(kind.path[0]), []).append((kind, _reader(kind)))
     return found
 
 
-def _reader(kind: Kind, path: Place) -> Callable[[Scene], list[Any]]:
-    """Return the function that reads the values at a path, and then the values for the field ``given``."""
-    split = path.index(AT) if AT in path else len(path)
-    whole, part, given_if = _getter(path[:split]), _getter(path[split + 1 :]), attrgetter(kind.given_if)
+def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
+    """Return the function that reads a kind's values, and then the values for the field ``given``."""
+    members, part, paths = _members(kind.path or ())
+    given_if = attrgetter(kind.given_if)
 
     def read(scene: Scene) -> list[Any]:
-        found = whole(scene) if AT in path else (whole(scene),)
-        values = [kind.if_missing if (one := part(value)) is None else one for value in found]
+        found = [part(one) for one in members(scene)]
+        values = [kind.if_missing if value is None else value for value in found]
         if kind.choices:
             values = [_choice(kind, name) for name in found]
         if not kind.given or (kind.given_if and not given_if(scene)):
             return values
-        if not (kind.derived and scene.derived_places):
-            return values + values
-        paths = [(*path[:split], i, *path[split + 1 :]) for i in range(len(values))] if AT in path else [path]
-        return values + _given(scene, paths, values)
+        return values + (_given(scene, paths(scene), values) if scene.derived_places else values)
 
     return read
 
 
-def _site_reader(kind: Kind) -> Callable[[Scene], list[Any]]:
-    """Return the function that reads a parameter of all points of links, and then the given values."""
-    *_, key = kind.path or ()
+def _members(
+    path: Place,
+) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[Place]]]:
+    """Return three functions for the path of a kind of parameter in a scene.
 
-    def read(scene: Scene) -> list[Any]:
-        links = enumerate(scene.chain.links)
-        sites = [((i, j), site) for i, link in links for j, site in enumerate(link.points)]
-        values = [getattr(site, str(key)) for _, site in sites]
-        if not kind.given:
-            return values
-        return values + _given(
-            scene, [("chain", "links", i, "points", j, key) for (i, j), _ in sites], values
+    They return what has values of the kind, in order; the value of one of these; and the paths of all values.
+    """
+    if ENTRY_AT in path:  # points of links
+        key = path[-1]
+        return (
+            lambda scene: [site for _, site in scene.chain.sites],
+            attrgetter(str(key)),
+            lambda scene: [
+                ("chain", "links", i, "points", j, key)
+                for i, link in enumerate(scene.chain.links)
+                for j in range(len(link.points))
+            ],
         )
-
-    return read
+    if AT not in path:
+        return lambda scene: (scene,), _getter(path), lambda _: [path]
+    split = path.index(AT)
+    whole, (before, after) = _getter(path[:split]), (path[:split], path[split + 1 :])
+    return whole, _getter(after), lambda scene: [(*before, i, *after) for i in range(len(whole(scene)))]
 
 
 def _given(scene: Scene, paths: Sequence[Place], values: Sequence[Any]) -> list[Any]:
