@@ -6,8 +6,9 @@ from chain_impact import simulate
 from tests.helpers.random_bodies import DRIVEN, bodies, faults, wrong_energy, wrong_motion
 
 # Scenes that had faults: a row with an acceleration by a force that it does not tell, one whose last digits
-# depended on rows before, a limit that was passed between two stages, and a corner that skims a rigid wall.
-MENDED = (10254, 10410, 14072, 15739)
+# depended on rows before, two corners of a box that stick, a limit that was passed between two stages, and a
+# corner that skims a rigid wall.
+MENDED = (10254, 10410, 14065, 14072, 15739)
 
 
 @pytest.mark.full("more cases", but=1)
@@ -15,12 +16,6 @@ MENDED = (10254, 10410, 14072, 15739)
 def test_random_bodies_keep_the_laws_of_physics(seeds):
     found = {seed: told for seed in seeds if (told := faults(seed))}
     assert not found
-
-
-@pytest.mark.full("an open fault")
-def test_one_scene_is_known_to_end_early():
-    """Two corners of a box stick: each projection changes the energy by more than the tolerance allows."""
-    assert {told.partition(":")[0] for told in faults(14065)} == {"stopped"}
 
 
 def test_a_peak_after_a_change_of_friction_is_found():

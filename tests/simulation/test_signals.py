@@ -7,8 +7,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from chain_impact import Chain, SceneError, simulate
+from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
 from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict
 from chain_impact.scene.signal_values import value_at_start
+from tests.helpers.plain import begun
 
 ARM = """
 name = "Arm"
@@ -113,6 +115,16 @@ FORMS = {
         'form = "sine"\namplitude = 0.4\nfrequency = 8.0\nrise = 0.0999',
         lambda t: 0.4 * smooth(t / 0.0999) * math.sin(16.0 * math.pi * t),
     ),
+    "sweep": (
+        "base.ay",
+        'form = "sine"\namplitude = 5.0\nfrequency = 4.0\nfrequency_rate = 25.0\nphase = 1.2\nrise = 0.3',
+        lambda t: 5.0 * smooth(t / 0.3) * math.sin(1.2 + 2.0 * math.pi * (4.0 * t + 12.5 * t * t)),
+    ),
+    "slowing belt": (
+        "wall.table.belt_speed",
+        'form = "sine"\namplitude = 0.5\nfrequency = 6.0\nfrequency_rate = -20.0\nstart = 0.05',
+        lambda t: 0.5 * math.sin(2.0 * math.pi * (6.0 * max(0.0, t - 0.05) - 10.0 * max(0.0, t - 0.05) ** 2)),
+    ),
     "table": (
         TABLE,
         'form = "sine"\namplitude = 0.01\nfrequency = 8.0\nphase = 1.5707963267948966\nstart = 0.05',
@@ -199,6 +211,7 @@ NUMBERS = [
     *(("shaken", key) for key in ("mean", "amplitude", "frequency", "phase")),
     *(("table", key) for key in ("amplitude", "frequency", "mean")),
     *(("speed", key) for key in ("amplitude", "frequency", "phase", "rise")),
+    *(("sweep", key) for key in ("amplitude", "frequency", "frequency_rate", "phase", "rise")),
 ]
 
 
@@ -384,3 +397,12 @@ def test_a_held_ball_that_is_pulled_briefly_leaves_the_floor_each_time(frequency
         },
     }
     assert len(simulate(scene_from_dict(table, "pulled"), 1.0).impacts) == 1 + frequency
+
+
+@pytest.mark.parametrize(("one", "counts"), [(TORQUE, True), (PUSH, False), ("joint[1].torque", False)])
+def test_only_sines_that_act_in_a_drive_with_a_limit_make_it_sampled(one, counts):
+    limited = ARM.replace("joint_damping = 0.1", "joint_damping = 0.1\njoint_torque_limit = 1.0")
+    scene = parse_scene(f'{limited}\n[signals.drive]\ninput = "{one}"\n{FORMS["shaken"][1]}', "arm.toml")
+    d = begun(scene)
+    assert rate_of_signals(d) == pytest.approx(40.0 * math.pi)
+    assert rate_of_drives(d) == (rate_of_signals(d) if counts else 0.0)

@@ -116,8 +116,12 @@ def _quoted(text: str) -> str:
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
     """Refuse a motion signal that makes the position or velocity of base or wall jump."""
     order = family(driven).index(driven)
-    if signal.form == "sine" and order > 0:
-        _check_integrated(name, signal, driven, order)
+    if signal.form == "sine" and order > 0 and not signal.frequency and not signal.frequency_rate:
+        raise SceneError(
+            f"signal.{name}.frequency = 0 must be > 0 where {driven} is driven, which is integrated, unless "
+            'there is a frequency_rate: give form = "constant"',
+            ("signals", name, "frequency"),
+        )
     if not is_motion(driven):
         return
     _check_table(name, signal, driven, order)
@@ -137,23 +141,3 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
                 "at which the sine is at rest, as pi/2, or start = 0",
                 ("signals", name),
             )
-
-
-def _check_integrated(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse a sine that must be integrated ``order`` times, if the kernel has no such integral."""
-    frequency, rise, chirp = signal.frequency or 0.0, signal.rise or 0.0, signal.frequency_rate
-    least = 1.0 / (math.tau * frequency) if frequency else math.inf
-    if not frequency:
-        key, number, needed = "frequency", frequency, "> 0"
-    elif chirp:
-        key, number, needed = "frequency_rate", chirp, "0"
-    elif rise and order > 1:
-        key, number, needed = "rise", rise, "0"
-    elif 0.0 < rise < least:
-        key, number, needed = "rise", rise, f"0 or >= {least:g} [s], 1/(2 pi frequency),"
-    else:
-        return
-    raise SceneError(
-        f"signal.{name}.{key} = {number:g} must be {needed} where {driven} is driven, which is integrated",
-        ("signals", name, key),
-    )

@@ -10,12 +10,13 @@ knot to the next. A step ends where a segment ends, and the next segment begins 
 (events/segments.py), so a jump has a value before and a value after it.
 
 This module integrates a signal that drives the velocity or the acceleration of a base or a wall, so that
-position, velocity and acceleration always agree. The integral of a sine is a sine again.
+position, velocity and acceleration always agree. The integrals of a sine are in sines.py.
 """
 
 import math
 
 from chain_impact.kernel.chain.angles import direction
+from chain_impact.kernel.chain.sines import TAU, integral, phase, smooth
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
@@ -25,7 +26,6 @@ TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE = 0, 1, 2, 3
 SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY, CHANNEL = 4, 5, 6, 7
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
 DEGREE = RAMP_DEGREE + 2  # largest degree of the polynomials: a ramp of an acceleration is integrated twice
-TAU = 2.0 * math.pi
 # the largest slope and the largest curvature of ``smooth``
 STEEPEST, ROUNDEST = 1.875, 5.7735027
 
@@ -40,7 +40,7 @@ def signal_at(d, j, time):
         v = v * x + u
         u = u * x + knot.powers[k, degree - p]
     a = 2.0 * half_a
-    if own.form[j] == SINE and k > own.first[j]:
+    if is_sine(d, j):
         su, sv, sa = sine_at(d, j, time)
         u, v, a = u + su, v + sv, a + sa
     return u + own.begin[j] + own.lap[j] * own.gain[j], v, a
@@ -60,48 +60,21 @@ def since_knot(d, j, time):
 
 
 def sine_at(d, j, time):
-    """Return value, rate and second derivative of the sine of signal j at a ``time`` [s]."""
+    """Return value, rate and second derivative of the sine of signal j, or of its integral, at a time [s]."""
     own, i = d.signal, d.signal.source[j]
     s = time - own.start[i]
-    phase = own.angle[j] + TAU * s * (own.frequency[i] + 0.5 * own.frequency_rate[i] * s)
+    rise = own.rise[i] if own.segment[j] == own.first[j] + 1 else 0.0
     rate, chirp = TAU * (own.frequency[i] + own.frequency_rate[i] * s), TAU * own.frequency_rate[i]
-    cosine, sine = direction(phase)
-    a = own.size[j]
+    cosine, sine = direction(phase(d, i, s))
+    a = own.amplitude[i]
     u, v, w = a * sine, a * rate * cosine, a * (chirp * cosine - rate * rate * sine)
-    if own.segment[j] == own.first[j] + 1 and own.rise[i] > 0.0:
-        if own.order[j] > 0:
-            return rising_integral(own.rise[i], s, (a, rate, sine, cosine))
-        r, slope, curve = smooth(s / own.rise[i])
-        slope, curve = slope / own.rise[i], curve / (own.rise[i] * own.rise[i])
+    if rise > 0.0:
+        r, slope, curve = smooth(s / rise)
+        slope, curve = slope / rise, curve / (rise * rise)
         u, v, w = r * u, r * v + slope * u, r * w + 2.0 * slope * v + curve * u
+    for m in range(1, own.integrals[j] + 1):
+        u, v, w = a * integral(d, i, m, s, rise), u, v
     return u, v, w
-
-
-def rising_integral(rise, s, integrated):
-    """Return the integral of a sine whose amplitude rises, and the first two derivatives of this integral.
-
-    By parts, with the integral a sin ψ of the sine of the angular frequency ω:
-
-        ∫ r a ω cos ψ ds = a ((r − r″/ω² + r⁗/ω⁴) sin ψ + (r′/ω − r‴/ω³ + r⁗′/ω⁵) cos ψ)
-
-    Args:
-        rise: time in which r rises from 0 to 1 [s].
-        s: time since the rise began [s].
-        integrated: four numbers: a, ω [rad/s], sin ψ and cos ψ.
-    """
-    a, omega, sine, cosine = integrated
-    x, q = s / rise, 1.0 / (rise * omega)
-    r, slope, curve = smooth(x)
-    third, fourth, fifth = 60.0 - 360.0 * x * (1.0 - x), 720.0 * x - 360.0, 720.0
-    u = (r - q * q * (curve - q * q * fourth)) * sine + q * (slope - q * q * (third - q * q * fifth)) * cosine
-    v, w = omega * r * cosine, omega * omega * (q * slope * cosine - r * sine)
-    return a * u, a * v, a * w
-
-
-def smooth(x):
-    """Return 10 x³ − 15 x⁴ + 6 x⁵, which rises from 0 to 1, and its first two derivatives."""
-    y = 1.0 - x
-    return x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * y * y, 60.0 * x * y * (1.0 - 2.0 * x)
 
 
 def signal_bounds(d, j):
@@ -120,15 +93,26 @@ def signal_bounds(d, j):
         if n > 1:
             bend += n * (n - 1) * abs(c) * power / half
         power *= half
-    if own.form[j] == SINE and k > own.first[j]:
-        i, size = own.source[j], abs(own.size[j])
+    if is_sine(d, j):
+        i, size = own.source[j], abs(own.amplitude[own.source[j]])
         w, chirp = fastest(d, j), TAU * abs(own.frequency_rate[i])
         rises = own.segment[j] == own.first[j] + 1 and own.rise[i] > 0.0
         slope = STEEPEST / own.rise[i] if rises else 0.0
         curve = ROUNDEST / (own.rise[i] * own.rise[i]) if rises else 0.0
-        rate += size * (w + slope)
-        bend += size * (w * w + chirp + 2.0 * slope * w + curve)
+        if own.integrals[j] == 0:
+            rate += size * (w + slope)
+            bend += size * (w * w + chirp + 2.0 * slope * w + curve)
+        elif own.integrals[j] == 1:
+            rate, bend = rate + size, bend + size * (w + slope)
+        else:
+            _, v, _ = sine_at(d, j, d.step.start + half)
+            rate, bend = rate + abs(v) + half * size, bend + size
     return rate, bend
+
+
+def is_sine(d, j):
+    """Return whether signal j is a sine in its present segment."""
+    return d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]
 
 
 def fastest(d, j):
@@ -143,17 +127,39 @@ def rate_of_signals(d):
     """Return the largest rate [1/s] at which sines change in the last step."""
     most = 0.0
     for j in range(d.signals):
-        if d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]:
+        if is_sine(d, j):
             most = max(most, fastest(d, j))
     return most
 
 
-def sway_of_signals(d):
-    """Return the sum of the amplitudes of the sines of all signals."""
-    total = 0.0
+def rate_of_drives(d):
+    """Return the largest rate [1/s] at which sines that act in drives with limits change in the last step."""
+    most = 0.0
     for j in range(d.signals):
-        if d.signal.form[j] == SINE:
-            total += abs(d.signal.size[j])
+        if is_sine(d, j) and acts_in_limited_drive(d, j):
+            most = max(most, fastest(d, j))
+    return most
+
+
+def acts_in_limited_drive(d, j):
+    """Return whether signal j is a motor's torque or force, or a target, of a drive with a limit."""
+    driven = d.signal.input[j]
+    if driven in (TORQUE, TARGET, TARGET_VELOCITY):
+        return d.model.joint_torque_limit[d.signal.index[j]] < math.inf
+    slides = driven in (SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY)
+    return slides and d.slider.force_limit < math.inf
+
+
+def sway_of_signals(d):
+    """Return the sum of the amplitudes of all sines; those of integrals are as at the start of the sine."""
+    own, total = d.signal, 0.0
+    for j in range(d.signals):
+        if own.form[j] == SINE:
+            i = own.source[j]
+            size = abs(own.amplitude[i])
+            for _ in range(own.integrals[j]):
+                size /= max(TAU * abs(own.frequency[i]), math.sqrt(TAU * abs(own.frequency_rate[i])))
+            total += size
     return total
 
 
@@ -194,8 +200,7 @@ def derive_signals(d, time):
     own = d.signal
     for j in range(d.signals):
         i, k = own.source[j], own.first[j]
-        own.begin[j] = 0.0
-        own.size[j], own.angle[j] = own.amplitude[i], own.phase[i]
+        own.begin[j], own.integrals[j] = 0.0, 0
         own.degree[j] = own.order[j] + (RAMP_DEGREE if own.form[j] == RAMP else 0)
         if own.form[j] == TABLE:
             own.degree[j] = own.order[j] + SPLINE_DEGREE
@@ -274,10 +279,7 @@ def derive_ramp(d, i, k, shape):
 def integrate(d, j, time):
     """Replace signal j by its integral over time; the integral is 0 at a ``time`` [s]."""
     own, knot = d.signal, d.knot
-    if own.form[j] == SINE:
-        # ∫ a sin(ψ + ω s) ds = (a/ω) sin(ψ − π/2 + ω s)
-        own.size[j] = own.size[j] / (TAU * own.frequency[own.source[j]])
-        own.angle[j] -= 0.5 * math.pi
+    own.integrals[j] += 1
     for k in range(own.first[j], own.last[j] + 1):
         for p in range(DEGREE, 0, -1):
             knot.powers[k, p] = knot.powers[k, p - 1] / p
@@ -298,19 +300,16 @@ def signals_are_valid(d):
     """Return whether the given numbers of signals are in their ranges."""
     own = d.signal
     for j in range(d.signals):
-        total = own.size[j] + own.angle[j]
+        i = own.source[j]
+        total = own.amplitude[i] + own.phase[i] + own.frequency[i] + own.frequency_rate[i]
         for k in range(own.first[j], own.last[j] + 1):
             if k > own.first[j] and not d.knot.time[k] >= d.knot.time[k - 1]:
                 return False
             total += d.knot.time[k]
             for p in range(DEGREE + 1):
                 total += d.knot.powers[k, p]
-        i = own.source[j]
-        # the integral of a sine has no closed form if its frequency changes, and no accurate one where ω rise
-        # < 1
-        bent = own.order[j] > 0 and own.frequency_rate[i] != 0.0
-        bent = bent or (own.order[j] > 1 and own.rise[i] != 0.0)
-        bent = bent or (own.order[j] == 1 and 0.0 < TAU * own.frequency[i] * own.rise[i] < 1.0)
-        if not math.isfinite(total + own.frequency[i] + own.frequency_rate[i]) or bent or own.rise[i] < 0.0:
+        # the integral of a sine that does not swing is none
+        still = own.form[j] == SINE and own.frequency[i] == 0.0 and own.frequency_rate[i] == 0.0
+        if not math.isfinite(total) or (still and own.order[j] > 0) or own.rise[i] < 0.0:
             return False
     return True

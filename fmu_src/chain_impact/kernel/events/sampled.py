@@ -26,7 +26,7 @@ without bound.
 
 from chain_impact.kernel.chain.joints import mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.signals import rate_of_signals
+from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events.crossing import SIMULTANEOUS, first_passage, locate_at
@@ -334,8 +334,11 @@ def drive_margin(d, _c, theta):
     return mode_margin(d, d.work.y)
 
 
-def is_limited(d, _c):
-    """Return whether a drive has a limit."""
+def may_pass_limit(d, c):
+    """Suspect all drives with limits in a step in which inputs turn by much, if these act in one of them."""
+    if d.signals > 0 and d.inputs.course.order == 0:
+        turn = (d.step.end - d.step.start) * rate_of_drives(d)
+        return is_past_limit(d, c) or (d.model.limited != 0 and turn > SWEPT)
     return d.model.limited != 0
 
 
@@ -346,5 +349,5 @@ def mark_limit(d, _c, _theta):
 
 find_saturation = search_by_inputs(
     search_for(drive_margin, is_past_limit, mark_limit),
-    search_for(drive_margin, is_limited, mark_limit, samples=many_samples),
+    search_for(drive_margin, may_pass_limit, mark_limit, samples=many_samples),
 )

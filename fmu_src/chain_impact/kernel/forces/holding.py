@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.kinematics import (
 from chain_impact.kernel.chain.response import FREE, take_factors
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
 from chain_impact.kernel.forces.contact import keep_force
-from chain_impact.kernel.forces.friction import keep_static_forces
+from chain_impact.kernel.forces.friction import NOT_HELD, keep_static_forces
 from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass, solve_space
 from chain_impact.kernel.rows.constraints import (
     activate_all,
@@ -51,6 +51,9 @@ RISE = 1e-14
 # The largest plausible correction of a coordinate in a projection, in rad or link lengths, over the tolerance
 # plus the error of a clearance in link lengths.
 MISPLACED = 10.0
+# The part of the largest residual that a projection onto the constraints of sticking elements may leave. A
+# projection that leaves more is in vain.
+IN_VAIN = 0.5
 # The impedance with which stiff contacts resist the projection onto the constraints of sticking elements,
 # over the mean mass of a link.
 RESISTANCE = 1e3
@@ -230,16 +233,20 @@ def solve_positions(d):
     """Find the change of the coordinates that brings the active set to its targets, g = target.
 
     If the change is larger than residuals and errors explain, only candidates with g < target are moved.
-    Sticking elements then stay, because their motions, which can hardly be constrained, would be large.
+    Sticking elements then stay, because their motions, which can hardly be constrained, would be large. They
+    also stay where the change is in vain, as for two corners of a box: each step would change the energy.
     """
-    own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
+    own, size, asked, moved, left = d.rigid, d.model.size, 0.0, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         asked = max(asked, abs(own.target[k] - own.start[k]))
     factorize_free(d)
     solve_equality(d, size)
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        left = max(left, abs(own.target[k] - own.reached[k]))
     for j in range(coordinate_count(d.links)):
         moved = max(moved, abs(own.change[j]) / (size if j < ANGLES else 1.0))
-    if moved > MISPLACED * (d.solver.tolerance + asked / size):
+    in_vain = left > max(IN_VAIN * asked, NOT_HELD * size) and not any_point_held(d)
+    if in_vain or moved > MISPLACED * (d.solver.tolerance + asked / size):
         if any_point_held(d):
             solve_lcp(d, size)
         else:

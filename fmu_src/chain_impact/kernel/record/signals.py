@@ -39,8 +39,8 @@ def signal_dtype(signals: int) -> np.dtype:
         ("duration", REAL, (signals,)),  # s
         # ---- derived at initialization
         ("degree", INTEGER, (signals,)),  # largest degree of the polynomials
-        ("size", REAL, (signals,)),  # amplitude of the sine, or of the integral of the sine
-        ("angle", REAL, (signals,)),  # rad, phase of the sine, or of the integral of the sine
+        # number of times that the signal has been integrated, `order` in the end
+        ("integrals", INTEGER, (signals,)),
         # m, constant that is added to an integral: the base's position at the start
         ("begin", REAL, (signals,)),
         ("segment", INTEGER, (signals,)),  # knot in use

@@ -1,0 +1,175 @@
+"""The integrals over time of a sine whose frequency may change and whose amplitude may rise.
+
+    I_m = m-fold integral of r(s) sin Φ(s),   Φ = ψ + 2π (f s + ½ ḟ s²),   ω = Φ′,   g = Φ″
+
+r is the smooth ramp from 0 to 1, or it is 1. By parts, with the n-fold integrals E_n of e^{iΦ},
+
+    I_m = Im Σ_k c_k E_{m+k},   c_k = (−1)ᵏ (m+k−1 over k) r⁽ᵏ⁾,   k = 0…5
+    E_{n+1} = (i E_{n−1} + ω E_n)/(n g),   E_0 = e^{iΦ}
+
+E_n = e^{iΦ} K_n/(iω)ⁿ is the solution of this recurrence that falls with n. So its ratios are those of a
+continued fraction, which is exact for g = 0 and loses no digits for small g:
+
+    K_n/K_{n−1} = 1/(1 + i n y K_{n+1}/K_n),   y = g/ω²
+
+Source: W. Gautschi 1967, SIAM Rev 9:24. Around the time s* at which ω = 0, E_1 is a Fresnel integral, by
+quadrature from its value at s*, which is C for the function that the fraction gives where ω has the sign
+with which it begins. On the other side of s* the fraction gives the function that is −C at s*, so the
+solution of the recurrence that begins with 0, 2C is added there.
+In a rise during which Φ turns little, E_n has large terms that cancel; there I_m is a quadrature, too.
+"""
+
+import math
+
+from chain_impact.kernel.chain.angles import direction
+
+TAU = 2.0 * math.pi
+RISING = 5  # degree of the smooth ramp
+NEAR = 0.125  # largest |y| for the continued fraction; beyond it Φ is within 1/(2 NEAR) = 4 rad of Φ(s*)
+# The depth from which the fraction is evaluated, without and with a rise, and its growth with |y|. A smaller
+# depth costs digits of E_2, and in a rise of E_7.
+DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
+# the largest turn [rad] in a rise that is integrated by quadrature, and in a panel of a quadrature
+SLOW, PANEL = 24.0, 6.0
+# Gauss and Legendre's nodes and weights on [0, 1]
+# fmt: off
+NODES = (0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
+    0.3160842505009099, 0.43738329574426554, 0.5626167042557345, 0.6839157494990901,
+    0.7936589771433087, 0.8849513370971523, 0.9520586281852375, 0.9907803171233597)
+WEIGHTS = (0.023587668193255914, 0.05346966299765921, 0.08003916427167311, 0.10158371336153296,
+    0.1167462682691774, 0.12457352290670139, 0.12457352290670139, 0.1167462682691774,
+    0.10158371336153296, 0.08003916427167311, 0.05346966299765921, 0.023587668193255914)
+# fmt: on
+
+
+def smooth(x):
+    """Return 10 x³ − 15 x⁴ + 6 x⁵, which rises from 0 to 1, and its first two derivatives."""
+    y = 1.0 - x
+    return x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * y * y, 60.0 * x * y * (1.0 - 2.0 * x)
+
+
+def phase(d, i, s):
+    """Return Φ [rad] of the sine with the numbers in row i, a time s [s] after its start."""
+    own = d.signal
+    return own.phase[i] + TAU * s * (own.frequency[i] + 0.5 * own.frequency_rate[i] * s)
+
+
+def integral(d, i, m, s, rise):
+    """Return I_m a time s [s] after the start of the sine with the numbers in row i.
+
+    ``rise`` is the time in which r rises [s], and 0 where r = 1.
+    """
+    begin, g = TAU * d.signal.frequency[i], TAU * d.signal.frequency_rate[i]
+    omega = begin + g * s
+    if rise > 0.0 and max(abs(begin), abs(begin + g * rise)) * rise <= SLOW:
+        return by_quadrature(d, i, m, s, rise)
+    cosine, sine = direction(phase(d, i, s))
+    begins_up = begin > 0.0 or (begin == 0.0 and g > 0.0)
+    if not abs(g) <= NEAR * omega * omega:
+        middle, u, v = at_standstill(d, i, begins_up)
+        u, v = fresnel(middle, omega / g, g, u, v)
+        return by_recurrence(m, (cosine, sine, u, v), (omega, g), s, rise)
+    u, v = by_fraction(m, (omega, g), s, rise)
+    found = sine * u + cosine * v
+    if begins_up != (omega > 0.0):
+        _, u, v = at_standstill(d, i, begins_up)
+        found += by_recurrence(m, (0.0 * u, 0.0 * v, 2.0 * u, 2.0 * v), (omega, g), s, rise)
+    return found
+
+
+def by_fraction(m, rates, s, rise):
+    """Return real and imaginary part of Σ_k c_k K_{m+k}/(iω)^{m+k} for the ``rates`` ω and g."""
+    omega, g = rates
+    y = g / (omega * omega)
+    last = m + 1 + (RISING if rise > 0.0 else 0)
+    depth = DEPTH_OF_RISE if rise > 0.0 else DEPTH
+    while depth < DEPTH + DEEPER * abs(y):
+        depth += 8
+    ratio_u, ratio_v, u, v = 1.0 + 0.0 * y, 0.0 * y, 0.0 * y, 0.0 * y
+    for k in range(depth):
+        n = depth - k
+        a, b = 1.0 - n * y * ratio_v, n * y * ratio_u
+        size = a * a + b * b
+        ratio_u, ratio_v = a / size, -b / size
+        u, v = (u * ratio_v + v * ratio_u) / omega, (v * ratio_v - u * ratio_u) / omega
+        if m < n <= last:
+            u += part(m, n - m - 1, s, rise)
+    return u, v
+
+
+def by_recurrence(m, first, rates, s, rise):
+    """Return Im Σ_k c_k E_{m+k} from the ``first`` two, real and imaginary parts of E_0 and of E_1."""
+    u, v, next_u, next_v = first
+    omega, g = rates
+    found = part(m, 0, s, rise) * next_v if m == 1 else 0.0 * next_v
+    for n in range(1, m + (RISING if rise > 0.0 else 0)):
+        after_u, after_v = (omega * next_u - v) / (n * g), (omega * next_v + u) / (n * g)
+        u, v, next_u, next_v = next_u, next_v, after_u, after_v
+        if n + 1 >= m:
+            found += part(m, n + 1 - m, s, rise) * next_v
+    return found
+
+
+def part(m, k, s, rise):
+    """Return c_k a time s [s] after the start of a rise."""
+    if not rise > 0.0:
+        return 1.0 + 0.0 * s
+    x = s / rise
+    r, slope, curve = smooth(x)
+    if k == 1:
+        r = slope
+    elif k == 2:
+        r = curve
+    elif k == 3:
+        r = 60.0 - 360.0 * x * (1.0 - x)
+    elif k == 4:
+        r = 720.0 * x - 360.0
+    elif k == 5:
+        r = 720.0 + 0.0 * x
+    for n in range(1, k + 1):
+        r *= -(m + n - 1) / (n * rise)
+    return r
+
+
+def at_standstill(d, i, begins_up):
+    """Return Φ(s*) [rad], and real and imaginary part of C, for an ω > 0 at the start if it ``begins_up``.
+
+    C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start; each other sign turns C, and g < 0
+    also the angle π/4.
+    """
+    own = d.signal
+    rate = own.frequency_rate[i]
+    middle = own.phase[i] - 0.5 * TAU * own.frequency[i] * own.frequency[i] / rate
+    sign = 1.0 if rate > 0.0 else -1.0
+    size = (-0.5 if begins_up else 0.5) * sign / math.sqrt(abs(rate))
+    cosine, sine = direction(middle + sign * 0.25 * math.pi)
+    return middle, size * cosine, size * sine
+
+
+def fresnel(middle, since, g, u, v):
+    """Add to u, v real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt for a time ``since`` s* [s]."""
+    for n in range(len(NODES)):
+        t = since * NODES[n]
+        cosine, sine = direction(middle + 0.5 * g * t * t)
+        u += WEIGHTS[n] * since * cosine
+        v += WEIGHTS[n] * since * sine
+    return u, v
+
+
+def by_quadrature(d, i, m, s, rise):
+    """Return I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from 0 to s in a rise, m ≤ 2."""
+    begin = TAU * d.signal.frequency[i]
+    turn = max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s)
+    panels = 1
+    while panels * PANEL < turn:
+        panels += 1
+    found = 0.0 * s
+    for panel in range(panels):
+        for n in range(len(NODES)):
+            t = s * ((panel + NODES[n]) / panels)
+            r, _, _ = smooth(t / rise)
+            _, sine = direction(phase(d, i, t))
+            for _ in range(1, m):
+                r *= s - t
+            found += WEIGHTS[n] / panels * s * r * sine
+    return found
