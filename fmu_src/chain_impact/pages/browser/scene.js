@@ -26,7 +26,7 @@ const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
 const ARC = 0.25; // radius of the arc of a joint's range, over the length of the link
 const TICK = 0.3; // length of the mark of a stop, over the radius of the arc
 const ARC_CORNERS = 33;
-const BESIDE = 15; // [pixels] distance from a point to its number
+const BESIDE = 18; // [pixels] distance from a point to its number
 const NUMBERED = 12; // largest number of links with which points have numbers
 const MANY_LINKS = 60; // number of links from which on the chain is one line, without joints
 
