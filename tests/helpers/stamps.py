@@ -105,15 +105,17 @@ class Stamped(np.ndarray):
     """Of a group that is written number by number: index → stamp."""
 
     def __getitem__(self, at: Any) -> Any:
-        if self.stamps is not None and not (self.group == "friction" and self.stamps.rubs_not(at)):
+        of_one = self.stamps is not None and np.ndim(at) == 0 and not isinstance(at, slice)
+        if of_one and not (self.group == "friction" and self.stamps.rubs_not(at)):
             own, group = self.stamps, self.group
             stamp = own.accelerations if group == "acceleration" else own.places
-            own.check(group, stamp if self.written is None else self.written.get(at))
+            own.check(group, stamp if self.written is None else self.written.get(int(at)))
         return super().__getitem__(at)
 
     def __setitem__(self, at: Any, value: Any) -> None:
         if self.stamps is not None and self.written is not None:
-            self.written[at] = self.stamps.places
+            for k in np.ravel(np.arange(len(self))[at]):
+                self.written[int(k)] = self.stamps.places
         super().__setitem__(at, value)
 
 
