@@ -1,4 +1,4 @@
-"""The order of the tests; for many of them the command line, run in an empty folder, and an FMU."""
+"""The order of the tests, and fixtures of many tests: the command line in an empty folder, and an FMU."""
 
 import math
 import os
@@ -18,8 +18,8 @@ from tests.tiers import pytest_addoption, pytest_cmdline_main, pytest_ignore_col
 
 __all__ = ["pytest_addoption", "pytest_cmdline_main", "pytest_ignore_collect", "pytest_report_header"]
 
-# What takes longest comes first, so that all cores end together. Of the first two, one links plain kernels
-# while the other makes the one that carries derivatives.
+# The slowest files come first, so that all processes end together. Of the first two files, one links plain
+# kernels while the other links the kernel with derivatives.
 SLOWEST = (
     "tests/scenarios/test_random_scenes.py",
     "tests/simulation/test_derivatives.py",
@@ -37,7 +37,7 @@ SLOWEST = (
     "tests/pages/test_browser.py",
     "tests/kernel/test_soundness.py",
 )
-# a file that is to run in the process of another, for what both work out → that other
+# file → other file with which the file shares a process, because both use the same results
 WITH = {
     f"tests/pictures/test_{name}.py": "tests/pictures/test_overview.py"
     for name in ("motion", "over_time", "room")
@@ -48,17 +48,17 @@ def pytest_configure(config):
     """Set one folder for all temporary files of this session; pytest's own folders stay in place."""
     tiers.pytest_configure(config)
     if hasattr(config, "workerinput"):
-        return  # a process that has the settings of the one that started it
-    # The tests use all cores already: threads of numpy's linear algebra would wait for one another.
+        return  # a worker process, which has the settings of its parent
+    # The tests use all cores already: threads of numpy's linear algebra would only wait for one another.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
     folder = tempfile.mkdtemp(prefix="chain-impact-")
-    # when multiprocessing has removed its own folder, of priority -100, which is in this one
+    # delete this folder after multiprocessing (priority -100) has deleted its own folder inside
     Finalize(None, shutil.rmtree, (folder, True), exitpriority=-200)
-    # an importer unpacks an FMU into a temporary folder, and does not always remove it
+    # an importer unpacks an FMU into a temporary folder, and does not always delete the folder
     os.environ["TMPDIR"] = tempfile.tempdir = folder
     if sys.dont_write_bytecode:
-        # bytecode is kept where the environment keeps none: the tests start Python often
+        # keep bytecode although the environment turns this off, because the tests start Python often
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = f"{folder}/bytecode"
         sys.dont_write_bytecode = False
@@ -66,7 +66,7 @@ def pytest_configure(config):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector):
-    """Let every other process collect from the end: each then finds half of the files' bytecode kept."""
+    """Let every second process collect from the end, so that each finds half of the files' bytecode."""
     report = yield
     number = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
     if isinstance(collector, pytest.Directory) and int(number) % 2:
@@ -76,7 +76,7 @@ def pytest_make_collect_report(collector):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Put the slowest files first, and the others in the same order in all processes."""
+    """Put the slowest files first, and all other files in the same order in all processes."""
     tiers.leave_out(config, items)
     place = {file: k for k, file in enumerate(SLOWEST)}
 
@@ -88,7 +88,7 @@ def pytest_collection_modifyitems(config, items):
 
 
 class ByFile(LoadFileScheduling):
-    """Gives each process a file after the other, in this order."""
+    """A scheduler that gives each process one file after the other, in this order."""
 
     def _split_scope(self, nodeid):
         file = super()._split_scope(nodeid)
@@ -122,7 +122,7 @@ def here(tmp_path, monkeypatch):
 def run(here, capsys, monkeypatch):
     """Run a command in an empty folder: (exit code, standard output, standard error)."""
 
-    monkeypatch.setattr(progress, "LINES", math.inf)  # no lines of progress, however slow the machine is
+    monkeypatch.setattr(progress, "LINES", math.inf)  # no lines of progress on slow machines
 
     def run(*arguments):
         try:

@@ -1,4 +1,4 @@
-"""Packages of the extras: there, or asked for in one line."""
+"""Packages of the extras: installed, or requested with one line."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""What differs by the system: each system's part, wherever the tests run."""
+"""Differences between operating systems: the tests run each system's code on any machine."""
 
 import io
 import os

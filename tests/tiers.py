@@ -1,7 +1,7 @@
 """Two tiers of tests: ``pytest`` runs the quick one, without compilers and browsers, ``pytest --full`` all.
 
 ``@pytest.mark.full(reason)`` puts a test into the second tier only; with ``but=3`` its first three cases stay
-in the first. A test that is named by its node id runs in any case.
+in the first. A test named by its node id on the command line always runs.
 """
 
 import os
@@ -34,7 +34,7 @@ GROUPS = {
     "notebook": ("ipykernel", "nbconvert"),
     "dev": ("flint", "yaml"),
 }
-"""Extra of the package → what ``pytest --full`` needs of it."""
+"""Extra of the package → its modules that ``pytest --full`` needs."""
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
@@ -50,17 +50,17 @@ IMPORTING = {
     "nbconvert": ["test_notebook.py"],
     "yaml": ["test_workflows.py"],
 }
-"""Module that is not needed for the quick tier → files that import it."""
+"""Module that the quick tier does not need → test files that import the module."""
 
 
 def pytest_addoption(parser):
-    """Add the option for all tests."""
+    """Add the option ``--full`` for all tests."""
     parser.addoption("--full", action="store_true", help="run all tests; needs the extra dev, and browsers")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config):
-    """Use all cores, unless the number of processes is given; each takes one file after the other."""
+    """Use all cores unless the number of processes is given; each process runs one file after the other."""
     own, worker = config.option, hasattr(config, "workerinput")
     if config.pluginmanager.hasplugin("xdist") and not worker and own.numprocesses is None and not own.usepdb:
         own.numprocesses = min(cores(), MOST_WORKERS)
@@ -78,7 +78,7 @@ def pytest_configure(config):
 
 
 def refuse_what_is_missing():
-    """Name all that --full needs and that is not installed, in one sentence."""
+    """Raise an error with one sentence that names everything missing for --full."""
     extras = [name for name, modules in GROUPS.items() if not all(map(find_spec, modules))]
     if extras:
         missing = f"the extras {', '.join(extras)}, which are not installed: pip install -e '.[dev]'"

@@ -1,4 +1,4 @@
-"""What the tests of progress share."""
+"""Helpers for the tests of progress messages."""
 
 from chain_impact.progress import log_once
 from chain_impact.simulation import instance

@@ -1,4 +1,4 @@
-"""`chain-impact animate`: scenes, FMUs, tables; what it refuses."""
+"""`chain-impact animate`: scenes, FMUs, tables, and refused arguments."""
 
 import re
 

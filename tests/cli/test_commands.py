@@ -1,4 +1,4 @@
-"""The command line: what each command does, and what it says when that goes wrong on the way."""
+"""The commands of the command line, and their messages when a run fails midway."""
 
 import csv
 import json
@@ -24,7 +24,7 @@ from chain_impact.simulation import instance
 from chain_impact.studies.accuracy import differences
 from chain_impact.variables.model import Model
 
-LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
+LITTLE_WORK = "solver.work_limit=1500"  # work units: enough for the first flight, too few for the impacts
 PNG = b"\x89PNG\r\n\x1a\n"
 ROD = models_folder() / "rod_drop"
 
@@ -166,7 +166,7 @@ def test_check_estimates_the_errors_by_a_second_run(run, source):
 
 
 def test_a_rigid_impact_has_no_peak_force(run):
-    """It is an impulse; a point that a rigid wall holds is pressed with a force."""
+    """A rigid impact is an impulse without a peak force; a rigid wall exerts a force on a point at rest."""
     lines = impact_lines(run("simulate", "falling_arm", "--set", "outputs.loads=true")[1])
     assert [line[5:7] for line in lines[:3]] == [["—", "—"]] * 3
     assert [line[-2:] for line in lines[:3]] == [["—", "—"]] * 3
@@ -301,7 +301,7 @@ def test_show_opens_one_window_with_the_picture(run, monkeypatch):
 
 
 def test_a_picture_and_a_window_have_rows_of_their_own(run, here, fmu, monkeypatch):
-    """At 10 rows a second links would shrink between rows, and rings stand beside the paths."""
+    """Check that a picture at 10 rows per second draws links of constant length, and rings on the paths."""
     shown, few = [], ("--set", "simulation.step_size=0.1")
     code, _, said = run("simulate", fmu, *few, "--plot", "a.png")
     assert code == 0
@@ -400,7 +400,7 @@ def test_info_lists_models_and_laws(run):
 
 
 def test_signs_are_printed_as_they_are_or_as_question_marks_where_the_console_has_few(run, here):
-    """As main() prepares the console."""
+    """Check the output of main() on consoles with and without Unicode signs."""
     text, odd = (ROD / "scene.toml").read_text("utf-8"), 'description = "[bold] λ [/] b"'
     (here / "odd.toml").write_text(re.sub('description = ".*"', odd, text), encoding="utf-8")
     assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] λ [/] b\n")
@@ -411,7 +411,7 @@ def test_signs_are_printed_as_they_are_or_as_question_marks_where_the_console_ha
 
 @pytest.mark.full("takes long")
 def test_info_into_a_closed_pipe_is_quiet(fmu):
-    """As in `chain-impact info | head -1`."""
+    """Check the command `chain-impact info | head -1`."""
     for source in ("rod_drop", str(fmu)):
         command = [sys.executable, "-m", "chain_impact.cli", "info", source]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -441,9 +441,7 @@ def test_quiet_prints_nothing(run, here):
         options = ("--csv", table) if table else ()
         assert run(verb, "rod_drop", "--quiet", *options) == (0, "", "")
     assert {path.name for path in here.iterdir()} == {"build", "a.csv", "b.csv"}
-    assert (
-        run("info", "rod_drop", "-q") == run("info", "rod_drop") != (0, "", "")
-    )  # it does nothing but print
+    assert run("info", "rod_drop", "-q") == run("info", "rod_drop") != (0, "", "")  # the command only prints
 
 
 def test_the_stop_time_can_be_given(run, source):

@@ -1,4 +1,4 @@
-"""Completions for shells: what argcomplete answers, and that a shell takes the script."""
+"""Shell completions: the answers of argcomplete, and a shell that loads the script."""
 
 import os
 import shutil
@@ -55,7 +55,7 @@ def test_there_is_a_script_for_each_shell(shell, tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "chain-impact" in done.stdout
     program = shutil.which(shell)
-    if program:  # Debian always has the first one
+    if program:  # Debian always has the first shell
         script = tmp_path / "script"
         script.write_text(done.stdout, encoding="utf-8")
         subprocess.run([program, "-n", script], check=True)

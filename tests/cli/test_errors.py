@@ -1,4 +1,4 @@
-"""What the command line refuses, each time in one line: wrong arguments, values, places, scenes and FMUs."""
+"""Refusals of the command line, each with one line: wrong arguments, values, places, scenes and FMUs."""
 
 import errno
 import os
@@ -25,7 +25,7 @@ WORDS = {
 
 
 def refusals():
-    """Exit code, verb, arguments and what is said, of the lines of refused.txt."""
+    """Return exit code, verb, arguments and message from the lines of refused.txt."""
     for line in Path(__file__).with_name("refused.txt").read_text(encoding="utf-8").splitlines():
         if not line.startswith("#"):
             code, verbs, arguments, said = (part.strip() for part in line.split("|"))

@@ -1,4 +1,4 @@
-"""`chain-impact explore`: the page, its command, and what it refuses."""
+"""`chain-impact explore`: the page, its command, and refused arguments."""
 
 import re
 import sys

@@ -1,4 +1,4 @@
-"""`chain-impact fit`, as it is typed."""
+"""The command `chain-impact fit`."""
 
 import csv
 

@@ -1,4 +1,4 @@
-"""``--inputs FILE``: a table drives scenes and FMUs on the command line, and in Python."""
+"""``--inputs FILE``: a table drives scenes and FMUs, on the command line and in Python."""
 
 import numpy as np
 import pytest

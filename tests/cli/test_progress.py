@@ -1,4 +1,4 @@
-"""What is said on standard error, or shown on a terminal, while something takes long."""
+"""Progress messages on standard error and in a terminal during long computations."""
 
 import logging
 import time
@@ -7,11 +7,11 @@ from chain_impact.cli import progress
 from chain_impact.progress import log, log_once
 from tests.cli.terminal import compiling
 
-LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
+LITTLE_WORK = "solver.work_limit=1500"  # work units: enough for the first flight, too few for the impacts
 
 
 def until(holds):
-    """Wait until something holds, however slow the machine is."""
+    """Wait until a condition holds, at any speed of the machine."""
     patience = time.monotonic() + 600.0
     while not holds():
         assert time.monotonic() < patience
@@ -34,7 +34,7 @@ def test_a_line_instead_of_a_bar_in_a_file(run, monkeypatch, terminal):
         run("simulate", "rod_drop")
     assert text.getvalue() == "chain-impact: compiling the kernel (about 17 s, then kept)\n"
     run("build", "rod_drop")
-    assert text.getvalue().count("\n") == 1  # of what takes a moment nothing is said
+    assert text.getvalue().count("\n") == 1  # a short computation prints no message
 
 
 def test_quiet_says_nothing_of_compiling_but_still_what_is_wrong(run, monkeypatch, terminal):

@@ -1,4 +1,4 @@
-"""What the command line prints of a comparison; of simulations, test_commands.py."""
+"""The printed report of a comparison. (test_commands.py tests the reports of simulations.)"""
 
 import io
 import math
@@ -78,7 +78,7 @@ def test_on_a_terminal_a_table_is_as_wide_as_that(monkeypatch):
     show(variable_table(variables))
     lines = text.getvalue().splitlines()
     assert max(map(len, lines)) <= 70
-    assert len(lines) > len(variables) + 20  # long descriptions go on in the next line
+    assert len(lines) > len(variables) + 20  # long descriptions continue in the next line
     assert all(any(line.split()[:1] == [v.name] for line in lines) for v in variables)
 
 

@@ -77,7 +77,7 @@ def test_picture_and_table(run, here):
         head, *rows = csv.reader(file)
     found = np.array([float(row[head.index("sensitivity.gravity.y.point[1].y")]) for row in rows])
     time = np.array([float(row[0]) for row in rows])
-    # ½ t² until the first impact
+    # the derivative is ½ t² until the first impact
     falling = time < 0.3
     np.testing.assert_allclose(found[falling], 0.5 * time[falling] ** 2, atol=1e-12)
 

@@ -1,4 +1,4 @@
-"""`chain-impact sweep`, as it is typed."""
+"""The command `chain-impact sweep`."""
 
 import csv
 

@@ -1,4 +1,4 @@
-"""`chain-impact validate`: what it says, as text and as JSON, and its exit codes."""
+"""`chain-impact validate`: its reports as text and as JSON, and its exit codes."""
 
 import json
 import zipfile
@@ -65,7 +65,7 @@ def test_validate_says_as_json_that_a_file_is_no_zip(run, here):
     ],
 )
 def test_an_fmu_without_a_binary_for_this_machine_says_what_it_has(run, here, fmu, kept, said):
-    """To who simulates it and to who checks it."""
+    """Both simulate and validate name the available platforms."""
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(here / "other.fmu", "w") as new:
         for name in old.namelist():
             if not name.startswith("binaries/"):

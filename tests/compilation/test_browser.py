@@ -1,4 +1,4 @@
-"""The kernel as a WebAssembly module: it asks for nothing, and its powers are those of the C library."""
+"""The kernel as a WebAssembly module: the module has no imports, and its powers equal the C library's."""
 
 import ctypes
 import hashlib
@@ -46,7 +46,7 @@ def sections(content):
 
 @pytest.mark.full("takes long")
 def test_the_module_is_small_imports_nothing_exports_what_a_page_calls_and_has_no_path():
-    """Nor the name of a function; .ci/run compares modules that were made in two folders, byte by byte."""
+    """The module has no function names either. .ci/run compares modules from two folders, byte by byte."""
     content = browser_module().read_bytes()
     found = sections(content)
     assert SECTIONS["import"] not in found
@@ -85,7 +85,7 @@ def mathematics(tmp_path_factory):
 
 @needs_compilers
 def test_powers_have_the_digits_of_the_c_library(mathematics):
-    """On a processor that multiplies and adds in one instruction all of them, on another one nearly all."""
+    """All digits are equal on a processor with fused multiply-add, and nearly all on other processors."""
     chance = np.random.default_rng(30)
     bases = 10.0 ** chance.uniform(-12, 6, 20_000)
     exponents = chance.choice([0.4, 1 / 3, 0.5, 1.1, 1.3, 2.2, -0.6, 3.0], 20_000)

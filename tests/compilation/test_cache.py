@@ -1,4 +1,4 @@
-"""The cache of kernels: whole files, made once, whoever else wants them; what is old goes."""
+"""The cache of kernels: complete files, compiled once for concurrent processes; old files are removed."""
 
 import errno
 import os
@@ -89,7 +89,7 @@ made("a.so", make)
 
 
 def test_who_is_killed_leaves_nothing_that_matters():
-    """Another process takes over at once, and removes the scratch folder."""
+    """Another process continues at once, and removes the scratch folder of the killed process."""
     killed = subprocess.Popen([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, text=True)
     assert killed.stdout.readline() == "begun\n"
     (left,) = cache_folder().glob(".a.so-*")
@@ -114,7 +114,7 @@ def test_folders_that_nobody_uses_are_removed_when_something_is_made():
     made("c.so", lambda path: path.write_text("two"))
     assert not old.exists()
     assert not former.exists()
-    assert linker.exists()  # others may be linking with it
+    assert linker.exists()  # other processes may be using the linker
     assert recent.exists()
     assert other.exists()
     assert files() == ["a.so", "c.so"]
@@ -159,7 +159,7 @@ def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
 
 
 def test_where_the_cache_can_only_be_read_an_error_says_what_to_set(monkeypatch):
-    """Not even root can write there, whom permissions do not stop."""
+    """The folder is read-only for root, too, who ignores permissions."""
     made("a.so", whole)
 
     def refused(dir):
@@ -217,7 +217,7 @@ def test_a_cache_that_others_can_write_is_refused(shared):
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "changed", "without its checksum"])
 def test_what_is_damaged_is_made_again(damage):
-    """A library that is cut would end the process with SIGBUS."""
+    """A damaged library is compiled again, because a truncated library would end the process with SIGBUS."""
     file = made("a.so", whole)
     if damage == "without its checksum":
         cache._mark(file).unlink()
@@ -230,7 +230,7 @@ def test_what_is_damaged_is_made_again(damage):
 
 @pytest.mark.parametrize("where", ["elsewhere", "its folder"])
 def test_other_errors_than_of_a_place_to_keep_are_as_they_are(tmp_path, where):
-    """A source that may not be read, and a pipe whose reader has gone."""
+    """Check errors that do not concern the cache folder: an unreadable source, and a closed pipe."""
     number = errno.EACCES if where == "elsewhere" else errno.EPIPE
     path = str(tmp_path / "source" if where == "elsewhere" else cache_folder() / "a.so")
 
@@ -312,7 +312,7 @@ def test_what_is_there_is_told_and_removed():
     zig = base_folder() / f"{cache.LINKER}0.17.0"
     zig.mkdir()
     (zig / "prepared-linux64").touch()
-    for name in ("mine", "zig"):  # what is not ours stays
+    for name in ("mine", "zig"):  # files of other programs stay
         (base_folder() / name).mkdir()
     own, linker = sorted(entries(), key=lambda entry: len(entry.path.name))
     assert (own.path, own.size, own.files) == (cache_folder(), 5 + MARK, ("a.so",))

@@ -1,4 +1,4 @@
-"""Dual numbers as numba compiles them, against SymPy's derivatives; their values against plain numbers."""
+"""Dual numbers compiled by numba: derivatives against SymPy, and values against plain numbers."""
 
 import ctypes
 import math
@@ -20,8 +20,8 @@ HALF = sympy.Rational(1, 2)
 WORDS = 1 + DIRECTIONS
 SLOPES = np.random.default_rng(3).normal(size=(2, DIRECTIONS))
 AT = (1.7, 0.6)
-KEPT = []  # compiled functions, whose code is freed with them
-# name → for numba, for SymPy
+KEPT = []  # compiled functions; numba frees the code of a function with the function
+# name → function for numba, function for SymPy
 FUNCTIONS = {
     "sum": (lambda x, y: x + y, X + Y),
     "difference": (lambda x, y: x - y, X - Y),
@@ -115,13 +115,13 @@ def test_comparisons_look_at_values_alone():
 
 
 def test_of_equal_ones_the_first_is_kept():
-    """As Python does, whose values say no more than that they are equal."""
+    """Of equal values, min and max return the first, as Python does."""
     for function in (lambda x, y: max(x, y, x), lambda x, y: min(x, y, y)):
         assert np.array_equal(of_duals(function, 1.0, 1.0)[1:], SLOPES[0])
 
 
 def test_the_root_of_zero_has_no_slope():
-    """A gap that stays zero does not make NaN of all that follows."""
+    """A gap that stays zero must not cause NaN in later results."""
     assert not of_duals(lambda x, y: math.sqrt(x) + 0.0 * y, 0.0, 1.0)[1:].any()
 
 

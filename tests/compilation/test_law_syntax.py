@@ -1,4 +1,4 @@
-"""A law's file runs nothing but its own constants, whatever stands in it."""
+"""A law's file executes only its own constant definitions, whatever the file contains."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from tests.tiers import needs_compilers
 
 LAW = "def damped(rate):\n    return 1e3 * rate\n"
 RUN = '__import__("pathlib").Path("{mark}").touch()'
-# what stands for a call that leaves a mark → the line that is named
+# statement that would leave a mark if executed → the line in the error message
 HOSTILE = {
     "a statement": (f"{RUN}\n{LAW}", 1),
     "a constant": (f"X = {RUN}\n{LAW}", 1),

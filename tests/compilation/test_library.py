@@ -1,4 +1,4 @@
-"""The kernel as a shared library: what it asks of a system, and where it comes from."""
+"""The kernel as a shared library: its dependencies, and its sources."""
 
 import re
 import sys
@@ -36,10 +36,10 @@ def one_link():
 
 @HOST_ONLY
 def test_what_the_library_needs_and_offers(one_link):
-    """Neither Python nor numba, an old C library, and no path of this machine; the functions of both FMI."""
+    """The library needs an old C library but no Python, and offers both FMI versions without local paths."""
     found, content = read_binary(one_link), one_link.read_bytes()
     assert [name for name in found.needed if re.match(r"_?Py|NRT_|numba|_ZN|chain_|user_law", name)] == []
-    assert "sin" in found.needed or "sincos" in found.needed  # the kernel's own needs
+    assert "sin" in found.needed or "sincos" in found.needed  # dependencies of the kernel's arithmetic
     offered = {name for name in found.offered if not name.startswith("_")}
     standard = {*co_simulation_functions(), *all_functions_of_fmi3()}
     assert offered == ENTRY_POINTS | standard | {"another_fmi2_instance"}
@@ -59,7 +59,7 @@ def test_the_kernel_does_not_allocate(what):
 
 @pytest.mark.full("takes long")
 def test_every_function_that_it_offers_computes_with_the_usual_registers():
-    """None of its arithmetic is inlined, as it could be moved to before they are set."""
+    """No arithmetic is inlined into an exported function, where it could run before the registers are set."""
     module = library._lowered_kernel(library.KERNEL)
     for name in ENTRY_POINTS:
         (body,) = re.findall(rf"^define [^\n]*@{name}\(.*?^\}}", module, re.M | re.S)
@@ -85,7 +85,7 @@ def test_a_kernel_for_any_number_of_links_gives_the_same_bits_as_one_for_four():
 
 
 def test_the_number_of_candidates_is_no_part_of_a_kernel():
-    """A wall that is never touched changes nothing, but for the places in the record."""
+    """A wall that is never touched changes only the offsets in the record."""
     scene = load_scene("rod_drop")
     more = with_values(scene, {("box", "y_max"): 1e3, ("box", "x_min"): -1e3})
     one, other = simulate(scene, stop_time=1.0), simulate(more, stop_time=1.0)
@@ -114,7 +114,7 @@ def test_all_long_chains_share_a_kernel():
 
 
 class Compilers:
-    """Stand in for numba and zig."""
+    """Stand-ins for numba and zig."""
 
     def __init__(self):
         self.lowered, self.compiled = [], []

@@ -1,4 +1,4 @@
-"""The lowered kernel: the same bytes from the same sources, and nothing of the process that wrote it."""
+"""The lowered kernel: equal sources give equal bytes, without traces of the process that lowered them."""
 
 import re
 import shutil
@@ -33,7 +33,7 @@ def test_sizes_are_left_open_and_no_address_of_the_process_is_in_it(module):
 
 @pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
 def test_no_path_and_nothing_pickled_is_in_it(what):
-    """numba pickles the exceptions of its functions with the files that raise them."""
+    """numba pickles the exceptions of functions with the paths of their files."""
     module = library._lowered_kernel(what)
     assert "pickle" not in module
     for path in (site.getsitepackages()[0], sys.prefix, str(PACKAGE), str(Path.home()), ".py"):
@@ -41,7 +41,7 @@ def test_no_path_and_nothing_pickled_is_in_it(what):
 
 
 def test_no_path_is_in_a_law_that_could_raise(tmp_path):
-    """Powers to the size of an integer raise in numba, as does a range by steps of 0."""
+    """In numba, powers with an integer exponent and ranges with step 0 raise exceptions."""
     law = tmp_path / "mine.py"
     law.write_text(
         "def mine(rate):\n    return sum_of(int(rate)) ** int(rate)\n\n\n"
@@ -55,7 +55,7 @@ def test_no_path_is_in_a_law_that_could_raise(tmp_path):
 
 
 def test_the_same_sources_give_the_same_bytes_wherever_they_are(tmp_path, monkeypatch):
-    """Of a law, whatever the user has set and the present folder has; `.ci/run` compares whole kernels."""
+    """Lower a law under other user settings and in another folder; `.ci/run` compares whole kernels."""
     (tmp_path / "chain_impact").mkdir()
     (tmp_path / "chain_impact" / "__init__.py").write_text("raise RuntimeError('another one')")
     law = tmp_path / "mine.py"
@@ -93,7 +93,7 @@ def test_every_library_is_collected_once():
 
 
 def test_numba_has_what_is_replaced_and_left_out():
-    """A name that is gone would be replaced in vain."""
+    """The replacement of a removed numba name would have no effect."""
     modules = (typed_passes, untyped_passes)
     steps = {getattr(one, "_name", "") for module in modules for one in vars(module).values()}
     assert steps >= IDLE
@@ -101,6 +101,9 @@ def test_numba_has_what_is_replaced_and_left_out():
 
 
 def test_an_index_is_not_compared_with_zero(module):
-    """As numba does to count negative ones from the end: one comparison for each subscript."""
+    """numba compares each index with zero to count negative indices from the end.
+
+    The kernel omits this test.
+    """
     compared = len(re.findall(r"icmp slt i64 %\S+, 0$", module, re.M))
     assert compared < 0.1 * len(re.findall("getelementptr", module))

@@ -1,4 +1,4 @@
-"""The kernels of a wheel; .ci/check_installation.py uses a real one."""
+"""The kernels of a wheel. (.ci/check_installation.py tests a real wheel.)"""
 
 import ast
 import lzma
@@ -91,7 +91,8 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
     assert kernel_library(4) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
     assert ready.find(ready.library_name(None, "win64")) is None
     assert ready.find(browser.MODULE).read_text() == "kernel for a browser"
-    assert len(ready.libraries()) == 5  # with derivatives and without, still and moving, and for browsers
+    # with and without derivatives, static and moving walls, and a browser module
+    assert len(ready.libraries()) == 5
     assert ready.module() == "kernel"
     assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"kernel"
     assert not [path for path in made.iterdir() if path.is_dir()]
@@ -99,7 +100,7 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
 
 @needs_compilers
 def test_it_is_said_what_is_done(made, said):
-    """pip shows these lines: none is long after the one before."""
+    """pip shows these lines: none comes long after the previous line."""
     assert sorted(said[:2]) == [f"compiling {what}, for any number of links" for what in sorted(ready.PARTS)]
     assert "linking derivatives-any-linux64.so, 3 of 5" in said
     assert len(said) == 7
@@ -124,7 +125,7 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
 
 @needs_compilers
 def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
-    """What is cached already is not made again."""
+    """Kernels in the cache are not compiled again."""
     said = []
     assert not ready_kernels.all_cached(release=True)
     ready_kernels.make(tmp_path / "release", release=True, say=said.append)
@@ -132,7 +133,7 @@ def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, t
     assert not [line for line in said if "kernel-any-" in line]
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
     ready._usable.cache_clear()
-    assert len(ready.libraries()) == len(ready.SIZES) + 3  # two with derivatives, and for browsers
+    assert len(ready.libraries()) == len(ready.SIZES) + 3  # two with derivatives, and a browser module
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
     for links in range(1, ready.LARGEST_EXACT + 1):
         assert kernel_library(links).read_text() == f"kernel for {links}"
@@ -143,7 +144,7 @@ def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, t
 
 @needs_compilers
 def test_kernels_of_other_sources_are_not_used(made):
-    """As when somebody changes the kernel where it is installed."""
+    """A user may have changed the kernel's sources in the installed package."""
     (made / ready.MADE_FROM).write_text("of before")
     ready._usable.cache_clear()
     assert ready.find(ready.library_name(None, "linux64")) is None
@@ -187,7 +188,7 @@ def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_pat
 def test_a_wheel_for_release_needs_compilers_where_only_the_first_kernels_are_cached(made, tmp_path):
     program = "import backend; print(backend.get_requires_for_build_wheel())"
     for release in "01":
-        done = backend(program, CHAIN_IMPACT_RELEASE=release)  # in the cache of ``made``
+        done = backend(program, CHAIN_IMPACT_RELEASE=release)  # the library is in the cache of ``made``
         asked = set(ast.literal_eval(done.stdout))
         assert bool(set(ready_kernels.REQUIREMENTS) & asked) == (release == "1")
 

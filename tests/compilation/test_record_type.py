@@ -1,4 +1,4 @@
-"""The instance as a numba type: every field where NumPy has it, and code that does what plain Python does."""
+"""The instance as a numba type: fields at NumPy's offsets, and results equal to plain Python's."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def number(affine, links, candidates, elements):
 
 
 def places(dtype, path=(), offset=0):
-    """Yield path, offset and type of every record, array and number of a record."""
+    """Yield path, offset and type of every record, array and number of a record type."""
     yield path, offset, dtype
     if dtype.subdtype and is_table(dtype):
         for name, (inner, start, *_) in dtype.base.fields.items():
@@ -51,7 +51,7 @@ def test_every_field_is_where_numpy_has_it(what, sizes):
         assert number(field.offset, *sizes) == offset, path
         shape = tuple(number(size, *sizes) for size in field.shape)
         if dtype.subdtype and is_table(dtype):
-            # its columns tell its rows
+            # the columns of the field give its number of rows
             assert (shape, dtype.base.names) == ((), field.fields), path
             assert {table[*path, name].stride for name in field.fields} == {dtype.base.itemsize}, path
         else:
@@ -61,7 +61,7 @@ def test_every_field_is_where_numpy_has_it(what, sizes):
 
 
 def test_what_has_to_do_with_candidates_and_elements_comes_last():
-    """So that the place of all else is a constant in a kernel for a number of links."""
+    """So the offsets of all other fields are constants in a kernel for a fixed number of links."""
     for path in ("step", "work", "statistics", "friction"):
         for place, field in TABLE.items():
             if place[:1] == (path,):
@@ -103,7 +103,7 @@ def chain():
     ids=["explicit", "rigid", "with a jump", "implicit", "a stiff joint"],
 )
 def test_compiled_code_gives_the_bits_of_plain_python(changes):
-    """The whole kernel through impacts: lowering and linking change no rounding."""
+    """Lowering and linking change no rounding of the whole kernel through impacts."""
     scene = with_values(chain(), changes)
     times = np.array([0.2, 0.28, 0.2801, 0.33, 0.37, 0.4])
     instance = Instance(scene)

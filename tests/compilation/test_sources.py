@@ -1,4 +1,4 @@
-"""The fingerprint of a kernel's sources: a file that it misses would give wrong numbers silently."""
+"""The fingerprint of a kernel's sources: a source without a fingerprint would give wrong numbers silently."""
 
 import ast
 import shutil
@@ -62,11 +62,11 @@ NO_CODE = {
     "chain_impact.compilation.sources": "the fingerprint itself",
     "chain_impact.system": "the machine's processor, and the suffixes of files",
 }
-"""What makers of code may import beside them: no code follows from it."""
+"""Imports of code generators that do not influence the generated code."""
 
 
 def test_what_is_compiled_imports_nothing_of_the_package_but_that():
-    """Else a source could change what is lowered and not be seen."""
+    """A change of any other imported source would change the lowered code without a new fingerprint."""
     allowed = [*(f"chain_impact.{name.removesuffix('.py').replace('/', '.')}" for name in COMPILED), *NO_CODE]
     found = set()
     for file in (file for file in sources._sources() if file.suffix == ".py"):

@@ -1,4 +1,4 @@
-"""Small files of robots, each with one thing that moves a robot otherwise than a plain chain of links."""
+"""Small robot files, each with one feature that a plain chain of links does not have."""
 
 ARM = """
 <mujoco model="{name}">

@@ -1,4 +1,4 @@
-"""Robots of files move as in MuJoCo for half a second, or the cause is told before all else."""
+"""Robots from files move as in MuJoCo for 0.5 s, or the first warning names the cause of the difference."""
 
 import pytest
 
@@ -102,7 +102,7 @@ SAME = {
     "urdf with a namespace": urdf(*TWO, attributes='xmlns="http://example.org/robot"'),
     "urdf with prefixes that are not declared": urdf(*TWO, "<drake:group name='g'/>"),
 }
-"""Name → a file that moves as in MuJoCo."""
+"""Name → a file whose robot moves as in MuJoCo."""
 
 OTHERWISE = {
     "some borne": (arm(upper='gravcomp="1"'), "body upper: gravcomp bears 1 of its weight"),
@@ -159,7 +159,7 @@ OTHERWISE = {
         "joint b: mimic joint a: it follows another joint in the file",
     ),
 }
-"""Name → a file that moves otherwise, and how its first warning begins."""
+"""Name → a file whose robot moves differently, and the begin of its first warning."""
 
 
 def beside(tmp_path, text, **choices):

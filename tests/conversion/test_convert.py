@@ -1,4 +1,4 @@
-"""Robots in URDF and MJCF as scenes, and back; a scene in MuJoCo beside ours."""
+"""Conversion of robots in URDF and MJCF into scenes, and back; a scene compared with MuJoCo."""
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def written(tmp_path, name, text):
 
 
 def carts():
-    """Yield an arm on a slider with all that a slider has, and one whose carriage has no mass."""
+    """Yield an arm on a slider with all slider values, and an arm whose carriage has no mass."""
     heel = {"x": 0.3, "y": -0.1, "radius": 0.02, "name": "heel"}
     links = [{"length": 0.5, "mass": 1.0, "center_of_mass_offset": 0.05}, {"length": 0.4, "mass": 0.7}]
     links[1]["points"] = [heel, {"x": -0.1, "y": 0.2}]
@@ -106,7 +106,7 @@ def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
 
 
 def test_the_model_of_a_real_arm_is_what_convert_makes_of_its_file():
-    """But for the start, the targets, and the limits of the angles."""
+    """The model equals the converted file except for start, target angles, and limits of the angles."""
     joints = ["shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
     made, _ = of_robot(models_folder() / "ur5e" / "ur5e.xml", Choices(joints))
     model = load_scene("ur5e")
@@ -184,7 +184,7 @@ def test_an_mjcf_of_others_becomes_a_scene_without_its_meshes(tmp_path):
     assert (thigh.length, leg.length) == (0.4, 0.5)
     assert found.initial.position == (0.0, 1.25)
     assert found.half_planes["floor"].clearance(0.0, 1.25) == pytest.approx(1.25)
-    assert found.contact.wall["floor"].friction == 1.0  # the larger one of the pair: of the shapes
+    assert found.contact.wall["floor"].friction == 1.0  # the larger friction of the two shapes
     assert (leg.joint_armature, leg.joint_stiffness, leg.joint_torque_limit) == (0.1, 4.0, 20.0)
     assert leg.joint_rest_angle == pytest.approx(np.radians(20.0))
     assert (leg.joint_min, leg.joint_max) == pytest.approx((0.0, np.radians(150.0)), abs=1e-12)

@@ -1,4 +1,4 @@
-"""Whatever a compiled model of MuJoCo says is in the scene, or told, or known to have no effect."""
+"""Every field of a compiled MuJoCo model is converted, reported, or known to have no effect."""
 
 import mujoco
 import numpy as np
@@ -60,7 +60,7 @@ def acceleration(model):
 
 
 def test_a_field_of_a_new_mujoco_has_yet_to_be_decided_on():
-    """Who fails here decides for each field whether it is used, told, or has no effect on a scene."""
+    """On failure, decide for each new field: converted, reported, or without effect on a scene."""
     found = {field: fates(field) for field, _ in fields(rich())}
     assert [field for field, fate in found.items() if not fate] == []
     assert [field for field, fate in found.items() if {"used", "told"} <= set(fate)] == []
@@ -82,7 +82,7 @@ def test_what_is_told_is_told_where_it_is_not_at_its_default(row):
     model = rich()
     before = lines(told_fields(model), warning=row.effect == Effect.MOTION)
     if row.field == "key_plastic":
-        assert model.nplastic == 0  # of springs that yield only, which are told themselves
+        assert model.nplastic == 0  # number of plastic springs, which are reported separately
         return
     holder = model.opt if row.kind == "option" else model
     name = row.field.removeprefix("opt.")

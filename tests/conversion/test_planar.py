@@ -1,4 +1,4 @@
-"""A robot in space as a planar chain, without the packages that read files."""
+"""Conversion of a spatial robot into a planar chain, without the packages that read files."""
 
 import math
 from xml.etree import ElementTree
@@ -53,7 +53,7 @@ def test_x_of_the_robot_stays_x_and_the_signs_of_joints_are_turned():
     one, two = found.chain.links
     assert (one.length, two.length, one.center_of_mass, one.inertia) == (0.3, 0.2, 0.1, 0.02)
     assert (one.joint_damping, one.joint_friction, one.joint_armature) == (0.1, 0.2, 0.3)
-    # about +y a positive angle turns x down
+    # a positive angle about +y turns the x axis downwards
     assert done.notes[:2] == [
         "plane: x of the scene is (1 0 0) of the robot, y is (0 0 1)",
         "joints a, b: angles and torques have the other sign in the scene",
@@ -108,7 +108,7 @@ def test_an_offset_along_the_axes_has_no_effect_and_a_held_joint_merges_two_bodi
     assert link.mass == 2.0
     assert link.length == pytest.approx(math.hypot(0.3, 0.2))
     assert "joint b: held at the start" in done.notes
-    # of masses at (0.1, 0) m and at (0.3, -0.1) m; the line of the link ends at (0.3, -0.2) m
+    # masses at (0.1, 0) m and at (0.3, -0.1) m; the line of the link ends at (0.3, -0.2) m
     about = 2 * 0.02 + 0.1**2 + 0.3**2 + 0.1**2
     center = link.center_of_mass, link.center_of_mass_offset
     assert center == pytest.approx(np.array([0.2 * 0.3 + 0.05 * 0.2, 0.2 * 0.2 - 0.05 * 0.3]) / link.length)

@@ -1,4 +1,4 @@
-"""What files of robots say of contacts, limits, drives and shapes is in the scene, or told."""
+"""Contacts, limits, drives and shapes of robot files are converted, or reported."""
 
 import math
 import warnings
@@ -101,7 +101,7 @@ FOOT = {
         [(x, z, 0.0, "") for x in (0.28, 0.32) for z in (-0.2, 0.0)],
     ),
 }
-"""Name → a shape of a foot, and its points: x and z of its body, radius and name."""
+"""Name → a shape of a foot, and its points: x and z in the body, radius and name."""
 
 
 @pytest.mark.parametrize("name", FOOT)
@@ -116,10 +116,10 @@ def test_what_touches_a_floor_becomes_points_where_the_file_has_it(tmp_path, nam
     scene, done = read(tmp_path, text, plane=plane)
     assert scene.contact.points == ()
     found = [(*at, site.name) for (i, site), at in zip(scene.chain.sites, starts(scene), strict=True) if i]
-    # about +y, in radians: turned by the euler angle and both joints; the floor is at z = 0
+    # about +y, in radians: the euler angle and both joint angles; the floor is at z = 0
     turn, sign = math.radians(25) + 0.3 - axis * 0.7, 1 if plane == "x,z" else -1
     knee = 0.4 * math.cos(0.3), 1.5 - 0.4 * math.sin(0.3)
-    if expected is None:  # a rectangle of the axis, seen aslant, with ellipses at its ends
+    if expected is None:  # an oblique view of a cylinder: a rectangle with ellipses at its ends
         middle = sign * (knee[0] + 0.3 * math.cos(turn) - 0.1 * math.sin(turn))
         away = np.array([row[:2] for row in found]) - (
             middle,
@@ -352,7 +352,7 @@ def test_of_a_xacro_file_it_is_said_to_run_xacro(tmp_path, part):
 
 
 def test_a_proposal_converts(tmp_path):
-    """Of seven joints 2, 4, 6 and 7 are about parallel axes, and 6 and 7 about one."""
+    """Of seven joints, joints 2, 4, 6 and 7 have parallel axes, and joints 6 and 7 a common axis."""
     axes = ("0 0 1", "0 1 0", "0 0 1", "0 -1 0", "1 0 0", "0 1 0", "0 1 0")
     parts = [link(f"l{i}", ".1 0 0") for i in range(7)]
     for i, axis in enumerate(axes):
@@ -399,7 +399,7 @@ def test_a_slide_is_a_slider_with_what_its_joint_and_drives_have(tmp_path):
     assert slider.angle == pytest.approx(math.pi)
     assert (slider.mass, slider.friction, slider.force_limit) == (0.0, 0.3, 6.0)
     assert (slider.stiffness, slider.damping) == pytest.approx((48.0, 2.7))
-    # positions of the file less .3 m, at which it starts
+    # positions of the file minus 0.3 m, the initial position
     assert (slider.min, slider.max) == pytest.approx((-0.7, 0.6))
     assert slider.rest_position == pytest.approx((8 * 0.5 + 40 * 0.6) / 48 - 0.3)
     assert start.position == pytest.approx((0.2 - 0.3, 1.5))

@@ -1,7 +1,7 @@
-"""An FMU for FMI 3.0 behind the functions of FMI 2.0: the tests of those hold it against the same rules.
+"""An FMU for FMI 3.0 behind the functions of FMI 2.0, so that tests for FMI 2.0 run on both versions.
 
-For interface.py the C functions, for importer.py fmpy's object. Names in messages are given back, too. What
-only FMI 3.0 has is tested in test_fmi3.py.
+interface.py uses the C functions, importer.py fmpy's object. Names in messages are translated, too.
+test_fmi3.py tests the features that only FMI 3.0 has.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ def given_back(text: str) -> str:
 
 
 class Functions:
-    """The functions of a loaded library; ``log`` is called as that of FMI 2.0."""
+    """The functions of a loaded library. ``log`` is called with the arguments of FMI 2.0."""
 
     def __init__(self, library: ctypes.CDLL, log: Callable[..., None]) -> None:
         self.library, self.log = library, log
-        self.kept: dict[int | None, Any] = {}  # the callback of the instance at an address
+        self.kept: dict[int | None, Any] = {}  # callback of the instance at each address
         self.experiments: dict[int | None, tuple[Any, ...]] = {}
         library.fmi3InstantiateCoSimulation.restype = c_void_p
         library.fmi3GetVersion.restype = c_char_p

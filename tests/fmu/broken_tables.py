@@ -1,4 +1,4 @@
-"""Native FMUs in a clean process, whose resources/model.bin has one wrong number and a right checksum."""
+"""Native FMUs in a clean process, whose resources/model.bin has one wrong number and a valid checksum."""
 
 import ctypes
 import mmap
@@ -35,7 +35,7 @@ def guarded(fmu):
 
 
 def used(library, count):
-    """Use an instance as an importer does; 1: it is refused, in one sentence."""
+    """Use an instance as an importer does; return 1 if it is refused with one sentence."""
     library.said()
     one, c, real = library.instantiate(), library.c, ctypes.c_double
     if not one:

@@ -1,4 +1,4 @@
-"""Makes a test of a function that runs in a clean process, which has an importer and not this package."""
+"""A decorator that runs a test in a clean process with an importer and without this package."""
 
 from collections.abc import Callable
 from functools import partial
@@ -36,8 +36,8 @@ def in_clean(*models: str, kinds: str, module: str) -> Callable[[Callable[..., N
 
 
 importing = partial(in_clean, kinds="fmus", module="importer")
-"""A test in a process that has importer.py, on all kinds of FMU."""
+"""Decorator: a test on all kinds of FMU in a process with importer.py."""
 calling = partial(in_clean, kinds="native", module="interface")
-"""A test in a process that has interface.py, on native FMUs."""
+"""Decorator: a test on native FMUs in a process with interface.py."""
 calling3 = partial(in_clean, kinds="fmi3", module="interface3")
-"""A test in a process that has interface3.py."""
+"""Decorator: a test in a process with interface3.py."""

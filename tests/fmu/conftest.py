@@ -1,8 +1,8 @@
-"""FMUs of all kinds, and a clean process to import them in.
+"""FMUs of all kinds, and a clean process that imports these FMUs.
 
-Every test here runs on all kinds of FMU, unless it is about one of them. In this process the FMU could pick
-up the package, numba, or modules that a test has loaded. So what concerns its use runs in an environment of
-its own that holds an importer and pythonfmu, and not this package.
+Tests run on all kinds of FMU unless they concern one kind. In pytest's process an FMU could import the
+package, numba, or modules of a test. Therefore tests of the use of FMUs run in a separate environment with an
+importer and pythonfmu, without this package.
 """
 
 import functools
@@ -32,7 +32,7 @@ KINDS = {
     "native": {"target": "native"},
     "fmi3": {"target": "native", "fmi": 3},
 }
-"""The kinds of FMU → how to build one. The first two are for FMI 2.0."""
+"""The kinds of FMU → options of the build. The first two kinds are for FMI 2.0."""
 
 
 ASKED = ["contact.stiffness", "contact.restitution", "initial.angle[*]"]
@@ -66,7 +66,7 @@ SCENES = {
         {"inputs.tip_force": True, "contact.model": "newton_impact", "contact.restitution": 0.0}
     ),
 }
-"""Scenes of tests, by the name under which their FMUs are among those of the models."""
+"""Scenes of tests, by name; their FMUs are listed with the FMUs of the models."""
 
 
 def scene_of(name: str) -> Scene:
@@ -75,7 +75,7 @@ def scene_of(name: str) -> Scene:
 
 
 class OnDemand(dict[str, str]):
-    """The FMU of each scene, built when a test first asks for it: name of the scene → path."""
+    """The FMU of each scene, built at the first access: name of the scene → path."""
 
     def __init__(self, kind: str, folder: Path) -> None:
         self.kind, self.folder = kind, folder
@@ -139,7 +139,7 @@ def clean_python(tmp_path_factory) -> Path:
 def clean(clean_python, tmp_path_factory) -> Iterator[Clean]:
     """Run ``function(*arguments)`` in a process of the clean Python.
 
-    All that it uses is what it imports and importer.py, or, in place of that, the ``module`` interface.py.
+    The function may use its own imports, and importer.py or the given ``module``.
     """
     folder = tmp_path_factory.mktemp("clean")
     processes = Processes(folder, Path(__file__).parent, clean_python, "-I", "-X", "faulthandler")

@@ -1,4 +1,4 @@
-"""An importer as users have one: fmpy, by names. It runs in an environment without this project's package."""
+"""An importer as users have: fmpy, with variables by names. This module does not need the package."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _log(_environment: Any, _name: bytes, _status: int, _category: bytes, messag
     MESSAGES.append(message.decode())
 
 
-# one for all instances, as fmpy's proxy that formats the messages calls the last logger it was given
+# one callback object for all instances, because fmpy's message formatter calls the latest logger
 CALLBACKS = fmi2CallbackFunctions()
 CALLBACKS.logger = fmi2CallbackLoggerTYPE(_log)
 CALLBACKS.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -40,7 +40,7 @@ class Instance:
     def __init__(self, path: str, name: str = "instance", folder: str | None = None) -> None:
         """Unzip the FMU unless another instance's folder is given, and instantiate with logging on."""
         description = fmpy.read_model_description(path)
-        # of FMI 3.0 the scalars, which are those of FMI 2.0
+        # the scalar variables of FMI 3.0, which are equal to the variables of FMI 2.0
         self.variables = {v.name: v for v in description.modelVariables if not v.dimensions}
         self.outputs = [name for name, v in self.variables.items() if v.causality == "output"]
         self.folder = folder or fmpy.extract(path)
@@ -95,7 +95,7 @@ class Instance:
         self.time = time
 
     def run(self, times: Iterable[float], names: Iterable[str] | None = None) -> list[list[Any]]:
-        """Advance to each of the times [s] that is not reached yet; a row of outputs for each."""
+        """Advance to each time [s] that is still ahead, and return a row of outputs for each time."""
         chosen, rows = list(self.outputs if names is None else names), []
         for time in times:
             if time > self.time:
@@ -104,7 +104,7 @@ class Instance:
         return rows
 
     def close(self) -> None:
-        """Free the instance and what it was unzipped to."""
+        """Free the instance and delete its unpacked folder."""
         self.fmu.freeInstance()
         shutil.rmtree(self.folder, ignore_errors=True)
 

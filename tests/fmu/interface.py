@@ -1,4 +1,4 @@
-"""The C functions of an FMU, called as a tool in C calls them: by ctypes, without fmpy."""
+"""The C functions of an FMU, called through ctypes as a tool in C does, without fmpy."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Finished = CFUNCTYPE(None, c_void_p, c_int)
 
 
 class Callbacks(ctypes.Structure):
-    """fmi2CallbackFunctions."""
+    """The structure fmi2CallbackFunctions."""
 
     _fields_ = (
         ("logger", Logger),
@@ -53,10 +53,10 @@ def unpacked(fmu: str, folder: str | None = None) -> Path:
 
 
 class Binary:
-    """The binary of an FMU, what its model description says, and what it has logged, the text last."""
+    """The binary of an FMU, its model description, and its log messages (the text is the last item)."""
 
     def __init__(self, fmu: str, folder: str | None = None, mode: int = ctypes.RTLD_LOCAL) -> None:
-        """Unzip and load it."""
+        """Unzip the FMU and load its binary."""
         self.messages: list[tuple[Any, ...]] = []
         self.folder = unpacked(fmu, folder)
         root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
@@ -68,7 +68,7 @@ class Binary:
         platform = "x86_64-linux" if self.fmi3 else "linux64"
         binary = self.folder / "binaries" / platform / f"{root.get('modelName')}.so"
         self.c: Any = ctypes.CDLL(str(binary), mode)
-        # pythonfmu's wrapper knows no other error than a fatal one
+        # pythonfmu's wrapper reports every error as fatal
         self.refusal = FATAL if (self.folder / "resources" / "slavemodule.txt").exists() else ERROR
 
     def said(self) -> list[str]:
@@ -79,14 +79,14 @@ class Binary:
 
 
 class Library(Binary):
-    """An FMU with the functions of FMI 2.0, and callbacks that count."""
+    """An FMU with the functions of FMI 2.0, and callbacks that count memory blocks."""
 
     def __init__(self, fmu: str, folder: str | None = None, mode: int = ctypes.RTLD_LOCAL) -> None:
-        """Unzip and load it."""
+        """Unzip the FMU and load its binary."""
         super().__init__(fmu, folder, mode)  # messages: instance, status, category, text
-        self.unfinished = ERROR if self.fmi3 else DISCARD  # status of a step that cannot be finished
+        self.unfinished = ERROR if self.fmi3 else DISCARD  # status of an unfinished step
         outputs = [node for node in self.nodes if node.get("causality") == "output"]
-        if self.fmi3:  # the scalars, which are those of FMI 2.0
+        if self.fmi3:  # the scalar variables, which are equal to those of FMI 2.0
             from as_fmi2 import Functions
 
             self.reals = [n.get("name") for n in outputs if n.tag == "Float64" and len(n) == 0]
@@ -96,7 +96,7 @@ class Library(Binary):
             self.c.fmi2Instantiate.restype = c_void_p
             self.c.fmi2GetVersion.restype = self.c.fmi2GetTypesPlatform.restype = c_char_p
         self.blocks: dict[int, Any] = {}
-        self.left = -1  # so many more blocks of memory can be had; any number if negative
+        self.left = -1  # number of memory blocks that can still be allocated; unlimited if negative
         self.callbacks = Callbacks(Logger(self._log), Allocate(self._allocate), Free(self._free))
 
     @property
@@ -105,7 +105,7 @@ class Library(Binary):
         return (self.folder / "resources").as_uri().encode()
 
     def _log(self, _environment: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
-        # pythonfmu's wrapper has no category for a refusal
+        # pythonfmu's wrapper has no category for refusals
         self.messages.append((name.decode(), status, (category or b"").decode(), text.decode()))
 
     def _allocate(self, count: int, size: int) -> int | None:
@@ -118,10 +118,10 @@ class Library(Binary):
 
     def _free(self, address: int | None) -> None:
         if address is not None:
-            del self.blocks[address]  # an error, if it was not had from here
+            del self.blocks[address]  # raises an error for a block that was not allocated here
 
     def instantiate(self, **changes: Any) -> int | None:
-        """Call fmi2Instantiate, with some other arguments than the usual ones."""
+        """Call fmi2Instantiate; arguments can replace the usual ones."""
         usual = {
             "name": b"one",
             "type": CO_SIMULATION,
@@ -136,7 +136,7 @@ class Library(Binary):
 
 
 class States(NamedTuple):
-    """Names of the functions that keep a state and go back to it."""
+    """Names of the functions that get, set and free a state."""
 
     get: str
     set: str
@@ -147,18 +147,18 @@ class States(NamedTuple):
 
     @classmethod
     def of(cls, state: str, deserialize: str, prefix: str = "") -> States:
-        """Those of a version of the standard."""
+        """Return the names of the functions of a version of the standard."""
         verbs = ("Get{}", "Set{}", "Free{}", "Serialized{}Size", "Serialize{}", f"{deserialize}{{}}")
         return cls(*(prefix + verb.format(state) for verb in verbs))
 
 
 class Instance:
-    """An instance by one of the standards, which says how a function of it is called."""
+    """An instance under either standard, whose subclasses define how its functions are called."""
 
     STATES: States
 
     def __init__(self, library: Any, **changes: Any) -> None:
-        """Instantiate."""
+        """Create the instance."""
         self.library = library
         self.address = c_void_p(library.instantiate(**changes))
         assert self.address.value, library.said()
@@ -168,7 +168,7 @@ class Instance:
         raise NotImplementedError
 
     def state(self) -> c_void_p:
-        """Keep the present state."""
+        """Save the present state within the context."""
         state = c_void_p()
         assert self.call(self.STATES.get, byref(state)) == OK
         return state
@@ -238,7 +238,7 @@ def state_calls(names: States) -> dict[str, Callable[[Any], int]]:
 
 
 class Component(Instance):
-    """An instance; each function returns the status."""
+    """An instance of FMI 2.0; each function returns the status."""
 
     STATES = States.of("FMUstate", "DeSerialize", "fmi2")
 
@@ -261,7 +261,7 @@ class Component(Instance):
         return self
 
     def bring_to(self, phase: str) -> Component:
-        """Bring a new instance to a phase of its life."""
+        """Bring a new instance to a phase of its life cycle."""
         assert self.setup() == OK
         if phase == "step failed":
             assert self.set_real("solver.work_limit", 20.0) == OK
@@ -315,7 +315,7 @@ class Component(Instance):
 
 
 def calls() -> dict[str, Callable[[Component], int]]:
-    """Each function that an instance has, with arguments that are right where it can be called."""
+    """Return each function of an instance with valid arguments."""
     cell, whole, text = c_double(), c_int(), c_char_p()
     reference, nil = c_uint(), c_size_t(0)
 

@@ -1,4 +1,4 @@
-"""The C functions of an FMU for FMI 3.0, called as a tool in C calls them: by ctypes, without fmpy."""
+"""The C functions of an FMU for FMI 3.0, called through ctypes as a tool in C does, without fmpy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p
 from typing import Any
 
-# by its own name, as the clean process finds it
+# imported by the module name that the clean process knows
 from interface import ERROR, OK, Binary, Instance, States, each_call, state_calls  # noqa: F401, for test_fmi3.py
 
 PHASES = ("instantiated", "initialization mode", "event mode", "step mode", "step failed", "terminated")
@@ -20,7 +20,7 @@ class Library(Binary):
     """An FMU with the functions of FMI 3.0."""
 
     def __init__(self, fmu: str) -> None:
-        """Unzip and load it."""
+        """Unzip the FMU and load its binary."""
         super().__init__(fmu)  # messages: status, category, text
         self.shapes = {node.get("name"): [int(size.get("start")) for size in node] for node in self.nodes}
         for kind in ("CoSimulation", "ModelExchange", "ScheduledExecution"):
@@ -32,7 +32,7 @@ class Library(Binary):
         self.messages.append((status, category.decode(), text.decode()))
 
     def instantiate(self, **changes: Any) -> int | None:
-        """Call fmi3InstantiateCoSimulation, with some other arguments than the usual ones."""
+        """Call fmi3InstantiateCoSimulation; arguments can replace the usual ones."""
         usual = {
             "name": b"one",
             "token": self.guid,
@@ -54,7 +54,7 @@ class Library(Binary):
 
 
 class Component(Instance):
-    """An instance; each function returns the status, or what it has to tell."""
+    """An instance of FMI 3.0; each function returns the status, or its output values."""
 
     STATES = States.of("FMUState", "Deserialize")
 
@@ -73,7 +73,7 @@ class Component(Instance):
             assert self.set(name, value) == OK
         assert self.enter() == OK
         assert self.call("ExitInitializationMode") == OK
-        if self.call("EnterEventMode") == ERROR:  # it is there already, if it uses it
+        if self.call("EnterEventMode") == ERROR:  # an instance with event mode is already in event mode
             self.library.said()
             if self.update()[0] == OK:
                 assert self.call("EnterStepMode") == OK
@@ -81,7 +81,7 @@ class Component(Instance):
         return self
 
     def bring_to(self, phase: str) -> Component:
-        """Bring a new instance to a phase of its life."""
+        """Bring a new instance to a phase of its life cycle."""
         if phase == "instantiated":
             return self
         if phase == "step failed":
@@ -181,7 +181,7 @@ NEVER = (
     *("GetEventIndicators", "GetContinuousStates", "GetNominalsOfContinuousStates"),
     *("GetNumberOfEventIndicators", "GetNumberOfContinuousStates", "ActivateModelPartition"),
 )
-"""Functions that this FMU has not: the model description says so."""
+"""Functions that this FMU does not support, according to its model description."""
 ALWAYS = set(PHASES)
 SETTING = ALWAYS - {"step failed", "terminated"}
 ALLOWED = {

@@ -1,4 +1,4 @@
-"""The faults of planted_faults.txt, and FMUs with one of them or another."""
+"""The faults of planted_faults.txt, and FMUs that contain one of the faults."""
 
 import re
 import zipfile
@@ -12,13 +12,13 @@ XML = "modelDescription.xml"
 SUFFIX = PLATFORMS[HOST].suffix
 BINARIES = {"fmi3": f"binaries/{PLATFORMS[HOST].fmi3}/RodDrop{SUFFIX}"}
 BINARY = f"binaries/{HOST}/RodDrop{SUFFIX}"
-FOUND, MISSED, BROKEN = "+-!"  # by FMPy; it ends in an error of its own
+FOUND, MISSED, BROKEN = "+-!"  # FMPy's result: found, missed, or an exception in FMPy
 WHOLE = ["another GUID", "no binary", "a binary that is none", "no resources"]
-"""Faults of the FMU as a whole, of each kind; FMPy finds none."""
+"""Faults of the FMU as a whole, of each kind; FMPy finds none of these faults."""
 
 
 class Fault(NamedTuple):
-    """What FMPy does with it, whether only a run shows it, what is said of it, and what it changes."""
+    """A fault: FMPy's result, whether only a run shows the fault, the expected message, and the changes."""
 
     by_fmpy: str
     runs: bool
@@ -78,7 +78,7 @@ def spoiled(fmu, target, change):
 def edited(*pairs, alone=False):
     """Return a change of the model description by pairs of a pattern, which must occur, and its replacement.
 
-    ``alone``: without the other files.
+    ``alone`` leaves out all other files.
     """
 
     def change(name, content):
@@ -102,7 +102,7 @@ def by_fmpy(path, *, names):
     except ValidationError:
         return FOUND
     except Exception as error:
-        return FOUND if type(error) is Exception else BROKEN  # it has no other class for its sentences
+        return FOUND if type(error) is Exception else BROKEN  # FMPy has no other class for its reports
     return MISSED
 
 

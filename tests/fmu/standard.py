@@ -1,4 +1,4 @@
-"""The header files of the FMI standard, which fmpy brings along."""
+"""The header files of the FMI standard, which fmpy contains."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""FMUs of scenes with points of links, an offset of a centre of mass and a slider."""
+"""FMUs of scenes with points on links, an offset of a centre of mass, and a slider."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from tests.fmu.clean import importing
 from tests.fmu.conftest import scene_of
 from tests.fmu.importer import Instance
 
-STEP = 2.0**-7  # s; sums of such a step are exact
+STEP = 2.0**-7  # s; sums of this step are exact
 STOP = 0.75  # s
 CHANGES = {
     "body": (
@@ -24,7 +24,7 @@ CHANGES = {
     ),
     "cart": ({"slider.angle": 0.125, "slider.mass": 2.5, "slider.max": 0.25}, {"slider.force": 1.5}),
 }
-"""Scene → parameters, and inputs that are held."""
+"""Scene → parameters, and constant inputs."""
 
 
 def trajectory(fmu, values, inputs, stop, step):

@@ -1,4 +1,4 @@
-"""What is in an FMU: valid, complete, reproducible, small, and nothing that an importer has to install."""
+"""The content of an FMU: valid, complete, reproducible, small, and without other packages to install."""
 
 import io
 import zipfile
@@ -33,7 +33,7 @@ from tests.helpers.binaries import binary
 every_model = pytest.mark.parametrize("model", model_names())
 FMIS = {"native": 2, "fmi3": 3}
 AT_ONCE = (".ax", ".ay", "angular_acceleration", "acceleration", "force")
-"""How outputs end on which an input acts at once: forces, too, as rigid walls hold against a torque."""
+"""Name endings of outputs that inputs change at once; forces are included, as rigid walls balance torques."""
 
 
 @pytest.mark.full("more cases", but=1)
@@ -41,7 +41,7 @@ AT_ONCE = (".ax", ".ay", "angular_acceleration", "acceleration", "force")
     "model", ["rod_drop", "four_link_box", "kneed_leg", "ramp", "sliding_rod", "controlled_arm"]
 )
 def test_fmpy_finds_nothing_wrong(strict, model, quick_names):
-    """What is in an FMU of the kind pythonfmu is the same description."""
+    """The description of every kind of FMU is the same as that of pythonfmu."""
     assert validation.validate_fmu(strict[model]) == []
     assert validate_fmu(strict[model]) == []
 
@@ -71,7 +71,7 @@ def test_an_fmu_has_equal_bytes_each_time_and_another_guid_for_another_value(fmu
 @pytest.mark.full("more cases", but=4)
 @every_model
 def test_files(fmus, target, model):
-    """Sorted, not dated, small: a page with every variable, the license, a picture; a lean binary."""
+    """Files are sorted, undated and small: a page with every variable, the license, a picture, a binary."""
     path, name = Path(fmus[model]), load_scene(model).name
     assert path.name == f"{name}.fmu"
     assert path.stat().st_size < 2e6
@@ -86,7 +86,7 @@ def test_files(fmus, target, model):
         assert all(escape(text) in page for text in STATUS_TEXT.values())
         assert fmu.read("documentation/licenses/license.txt").startswith(b"MIT License")
         pixels = pyplot.imread(io.BytesIO(fmu.read(picture)), "png")
-        if target != "pythonfmu":  # of that, test_slave.py
+        if target != "pythonfmu":  # test_slave.py tests the files of pythonfmu's FMU
             library = f"binaries/{'x86_64-linux' if target == 'fmi3' else 'linux64'}/{name}.so"
             found = {one for one in fmu.namelist() if one != FILE}
             assert found == needed | {library, "resources/model.bin"}
@@ -184,7 +184,7 @@ def test_rates_name_what_they_are_the_rate_of(descriptions):
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
 def test_the_nominal_depth_and_force_are_those_of_one_energy(exponent):
-    """All the mass m, one length L a second fast, K δ^(n+1) / (n+1) = m L² / 2, and F = K δ^n."""
+    """The energy is that of the mass m at one length L per second: K δ^(n+1)/(n+1) = m L²/2, F = K δ^n."""
     changes = {"contact.exponent": exponent, "contact.model": "hunt_crossley"}
     scene = load_scene("rod_drop").with_values(changes)
     nodes = {n.get("name"): n[0] for n in model_description(Model(scene), "a tool", 2).iter("ScalarVariable")}
@@ -285,7 +285,7 @@ def responses(fmu, laws):
         instance = Instance(fmu)
         try:
             instance.start(**settings, **{"contact.model": law})
-        except Exception:  # a law for another exponent
+        except Exception:  # a law with another exponent
             continue
         found, names = set(), instance.outputs
         for k in range(375):
@@ -343,7 +343,7 @@ def test_an_invalid_fmu_does_not_appear(tmp_path, monkeypatch, native):
 
 @pytest.mark.full("takes long")
 def test_where_the_fmu_is_a_link_nothing_else_is_left_in_its_folder(tmp_path):
-    """What a link points to is written in place, as /dev/stdout is; the folder is made."""
+    """The target of a link is written in place, as /dev/stdout is; a missing folder is made."""
     folder, kept = tmp_path / "a" / "folder", tmp_path / "kept.fmu"
     assert build_fmu("rod_drop", folder) == folder / "RodDrop.fmu"
     (folder / "RodDrop.fmu").unlink()

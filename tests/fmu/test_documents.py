@@ -1,4 +1,4 @@
-"""What an FMU tells people, without building one: its page, its drawing, its terminals."""
+"""The documentation in an FMU, without a build: its page, its drawing, its terminals."""
 
 from collections import Counter
 from html import escape

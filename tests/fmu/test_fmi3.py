@@ -1,6 +1,6 @@
 """FMI 3.0: its functions one by one, event mode and arrays.
 
-What it has in common with FMI 2.0 is tested with that.
+The tests of FMI 2.0 cover all common features.
 """
 
 from collections import Counter
@@ -44,7 +44,7 @@ def test_what_cannot_be_instantiated_is_refused_in_one_sentence(fmu):
     refused("resourcePath  is no path of a folder", resources=b"")
     refused("resourcePath /not/there/ has no file model.bin that can be read", resources=b"/not/there/")
     refused("fmi3InstantiateCoSimulation: resourcePath /xxx", resources=b"/" + b"x" * 100_000)
-    refused("resourcePath /a##1##%s/ has no file", resources=b"/a#1#%s/")  # as the standard escapes a #
+    refused("resourcePath /a##1##%s/ has no file", resources=b"/a#1#%s/")  # the standard escapes # as ##
     some = {"intermediate": byref(c_uint32(0)), "intermediates": c_size_t(1)}
     refused("no variable can be had or set during a step", **some)
     for kind in ("ModelExchange", "ScheduledExecution"):
@@ -67,7 +67,7 @@ def test_the_state_machine(fmu):
 
     functions = {f"fmi3{name}" for name in calls()}
     assert functions < set(all_functions_of_fmi3())
-    # but for three to make an instance, one to free it, and the version
+    # three functions that create an instance, the function that frees it, and the version are exempt
     assert len(functions) == len(all_functions_of_fmi3()) - 5
     for phase, name, status, messages, unchanged in each_call(Library(fmu), Component, calls(), PHASES):
         allowed = phase in ALLOWED.get(name, PHASES)
@@ -78,7 +78,7 @@ def test_the_state_machine(fmu):
 
 @calling3("rod_drop")
 def test_null_pointers_are_refused(fmu):
-    """Every function without an instance; and with one in each mode, but without anything else."""
+    """Call every function with a null instance, and with an instance in each mode and null arguments."""
     library = Library(fmu)
     nobody, stepping = Component(library), Component(library).start()
     in_event = Component(library).bring_to("event mode")
@@ -103,7 +103,7 @@ def test_null_pointers_are_refused(fmu):
 
 @calling3("rod_drop")
 def test_without_early_return_steps_are_plain(fmu):
-    """An importer that does not use event mode; and one that does not allow an early return."""
+    """Cover importers without event mode, and importers that do not allow an early return."""
     library = Library(fmu)
     for event_mode, early_return in ((False, False), (False, True), (True, False)):
         one = Component(library, event_mode=event_mode, early_return=early_return).start()
@@ -144,10 +144,10 @@ def stopping(fmu, size, stop):
                 assert before == left < right
                 assert one.get("impact.last_time", "time") == [time, time]
                 events.append([time, right - left])
-                assert one.update()[0] == OK  # once more: nothing is left to do
+                assert one.update()[0] == OK  # a second update has nothing to do
                 assert count() == right
                 assert one.call("EnterStepMode") == OK
-        # such a difference is exact, and so is the sum, so that both stand at the same bits of a time
+        # the difference and the sum are exact, so that both instances have bit-equal times
         assert plain.step((k - 1) * size, k * size - (k - 1) * size)[0] == OK
         assert one.get(*names) == plain.get(*names)
     return events
@@ -174,7 +174,7 @@ def test_a_step_that_ends_at_an_impact_is_not_early(fmu):
 
 @calling3("rod_drop")
 def test_parameters_set_at_an_impact_hold_for_it(fmu, rigid):
-    """A rod that falls flat; at each impact another restitution, and the speeds before and after it."""
+    """A rod falls flat; at each impact the test sets another restitution, and compares the speeds."""
     one, time = Component(Library(fmu)), 0.0
     one.start(**{"initial.angle[1]": 0.0, "contact.model": rigid, "initial.y": 0.5})
     for restitution in (0.9, 0.25, 0.6):
@@ -184,7 +184,7 @@ def test_parameters_set_at_an_impact_hold_for_it(fmu, rigid):
         left, state = one.get("point[0].vy", "point[1].vy"), one.serialized()
         assert one.update()[0] == OK
         right, after = one.get("point[0].vy", "point[1].vy"), one.serialized()
-        assert one.restore(state) == OK  # in event mode, before the impact
+        assert one.restore(state) == OK  # restores event mode before the impact
         assert one.get("point[0].vy", "point[1].vy") == left
         assert one.update()[0] == OK
         assert one.get("point[0].vy", "point[1].vy") == right
@@ -202,7 +202,7 @@ def rigid():
 
 @calling3("pinned_arm")
 def test_an_input_can_be_set_at_an_impact(fmu):
-    """In event mode, and in step mode just after it."""
+    """The input is set in event mode, and in step mode just after the impact."""
     rows = []
     for mode in ("event", "step"):
         one = Component(Library(fmu)).start()
@@ -254,7 +254,7 @@ def test_arrays_have_the_values_of_their_elements(fmu):
 
 @calling3("rod_drop")
 def test_integers_have_64_bits(fmu):
-    """A choice that only 64 bits can hold."""
+    """Set an enumeration to a value that only 64 bits can hold."""
     one = Component(Library(fmu))
     assert one.set("contact.model", 2**33 + 1) == ERROR
     assert "contact.model = 8589934593 must be one of 1 (hertz)" in one.library.said()[0]

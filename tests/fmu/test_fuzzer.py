@@ -1,4 +1,4 @@
-"""Random sequences of calls to the C interface, with sanitizers: fuzzer.c, seeded and bounded."""
+"""Random sequences of calls to the C interface, with sanitizers; fuzzer.c is seeded and bounded."""
 
 import re
 import shutil
@@ -30,7 +30,7 @@ def fuzzer(request, tmp_path_factory):
     source, program = Path(__file__).with_name("fuzzer.c"), folder / "fuzzer"
     inputs = [*(f"-I{place}" for place in INCLUDES), source, *interface_sources(), "-lm", "-g"]
     inputs += ["-fno-omit-frame-pointer", "-o", program]
-    if request.param == "zig":  # it would take long to make the library that says what is undefined
+    if request.param == "zig":  # zig would need long to build its library of sanitizer messages
         kernel = kernel_library(links)
         zig(folder, *inputs, kernel, f"-Wl,-rpath,{kernel.parent}")
     else:

@@ -1,4 +1,4 @@
-"""The inputs of the FMU: torques at the joints; in a clean process."""
+"""The inputs of the FMU in a clean process: torques at the joints."""
 
 import itertools
 
@@ -9,7 +9,7 @@ from tests.fmu.clean import importing
 from tests.fmu.conftest import scene_of
 from tests.fmu.importer import Instance
 
-# The functions without an assertion run in the clean process: they hold all that they use.
+# The functions without assertions run in the clean process, so they contain all their imports.
 
 
 def driven(fmu, torques, period, steps):
@@ -112,7 +112,7 @@ def test_a_base_and_walls_move_as_those_of_a_chain_in_python(fmus, clean):
 
 @importing("pinned_arm")
 def test_setting_what_is_already_set_changes_nothing(fmu):
-    """The torque at every step, and once; and a parameter to what it is."""
+    """Set the same torque at every step or once, and a parameter to its present value."""
     often, once = Instance(fmu).start(), Instance(fmu).start()
     for instance in (often, once):
         instance.set({"joint[1].torque": 1.0})

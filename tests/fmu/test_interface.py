@@ -1,7 +1,7 @@
-"""The C interface of FMUs, held against the FMI standard 2.0.5, section by section.
+"""The C interface of FMUs against the FMI standard 2.0.5, section by section.
 
-Called through ctypes in a clean process, as a tool in C calls it: tests/fmu/interface.py. What the standard's
-importers do not do, such as passing null pointers, is in here; test_fuzzer.py does it at random.
+The tests call it through ctypes in a clean process, as a tool in C does (tests/fmu/interface.py). They
+include calls that common importers do not make, such as null pointers; test_fuzzer.py makes random calls.
 """
 
 import ctypes
@@ -48,7 +48,7 @@ from tests.fmu.zig import WARNINGS, zig
     "platform", ["linux64", "win64", "aarch64-linux", "aarch64-darwin", "standard's headers"]
 )
 def test_it_compiles_without_a_warning(platform, tmp_path):
-    """With the standard's own headers, too: so each function has the type that the standard gives it."""
+    """The standard's own headers are included, so that each function has the type of the standard."""
     target, _ = ZIG_TARGETS.get(platform, ZIG_TARGETS[HOST])
     headers = INCLUDES if platform in ZIG_TARGETS else (HEADERS, *INCLUDES)
     options = ["-target", target, *WARNINGS, *(f"-I{folder}" for folder in headers)]
@@ -134,7 +134,7 @@ def test_the_folder_of_the_resources_can_be_given_in_every_form(fmu):
 
 @calling("rod_drop", kinds="strict")
 def test_only_what_is_wanted_is_logged(fmu):
-    """With debug logging off, what is refused is; in FMI 3.0 an error in any case."""
+    """Without debug logging only refusals are logged; in FMI 3.0 every error is logged."""
     library, error, discard = Library(fmu), "logStatusError", "logStatusDiscard"
     for logging, setting, wanted in (
         (1, None, True), (0, None, True), (1, (0, []), False), (0, (1, []), True), (0, (1, [error]), True),
@@ -156,7 +156,7 @@ def test_only_what_is_wanted_is_logged(fmu):
 
 @calling("rod_drop")
 def test_null_pointers_are_refused(fmu):
-    """Every function without an instance; and with one, but without anything else."""
+    """Call every function with a null instance, and with an instance and null arguments."""
     from standard import co_simulation_functions
 
     library = Library(fmu)
@@ -197,7 +197,7 @@ def test_the_table_of_allowed_calls(fmu):
 
 @calling("rod_drop", kinds="pythonfmu")
 def test_the_table_of_allowed_calls_but_for_the_limits_of_pythonfmu(fmu):
-    """A step that failed was fatal here, after which an instance may only be freed."""
+    """A failed step is fatal in pythonfmu's FMU; afterwards its instance may only be freed."""
     phases = [phase for phase in PHASES if phase != "step failed"]
     for phase, name, status, messages, unchanged in each_call(Library(fmu), Component, calls(), phases):
         allowed = phase in ALLOWED.get(name, PHASES)
@@ -223,7 +223,7 @@ def test_the_experiment_is_set_up_before_initialization(fmu):
 
 @calling("rod_drop")
 def test_a_value_reference_behind_the_last_variable_is_refused(fmu):
-    """The table says one variable less than it has: what lies behind the last one looks like a variable."""
+    """The table declares one variable too few, so that the data behind its end look like a variable."""
     library, value = Library(fmu), c_double(0.5)
     file = library.folder / "resources" / "model.bin"
     content = file.read_bytes()
@@ -238,7 +238,7 @@ def test_a_value_reference_behind_the_last_variable_is_refused(fmu):
 
 @calling("pinned_arm", kinds="fmus")
 def test_what_can_be_set_when(fmu, target):
-    """pythonfmu's FMU has only fatal errors, and so no phase after a step that failed."""
+    """pythonfmu's FMU has only fatal errors, so the phase after a failed step does not exist."""
     before, tunable = ("instantiated", "initialization mode"), "step complete"
     when = {"box.x_max": before, "energy.total": ()}
     when |= dict.fromkeys(("contact.restitution", "joint[1].torque"), (*before, tunable))
@@ -267,7 +267,7 @@ def test_of_several_values_all_are_set_or_none(fmu):
 
 @calling("sliding_rod", kinds="strict")
 def test_outputs_come_with_a_warning_where_what_was_set_cannot_act(fmu):
-    """Static friction below that of sliding."""
+    """The warning: a static friction below the kinetic friction."""
     one = Component(Library(fmu)).start()
     one.step(0.0, 0.3)
     assert one.set_real("wall.y_min.static_friction", 0.01) == OK
@@ -277,7 +277,7 @@ def test_outputs_come_with_a_warning_where_what_was_set_cannot_act(fmu):
 
 @calling("rod_drop", kinds="fmi2")
 def test_a_count_that_is_too_large_is_the_largest_integer(fmu):
-    """A count that has more bits than an fmi2Integer has: in a state, with a checksum that is right."""
+    """A state with a valid checksum holds a count that exceeds an fmi2Integer."""
     one = Component(Library(fmu)).start()
     one.step(0.0, 0.5)
     data, steps, found = one.serialized(), one.integer("solver.steps"), set()
@@ -307,7 +307,7 @@ def test_the_memory_of_states(fmu):
     assert one.call("fmi2SerializeFMUstate", state, buffer, c_size_t(size.value - 1)) == ERROR
     assert buffer.raw == bytes(size.value + 8)
     assert one.call("fmi2SerializeFMUstate", state, buffer, c_size_t(size.value + 8)) == OK
-    for left in (blocks - 1, blocks - 1):  # the second time there is nothing to free
+    for left in (blocks - 1, blocks - 1):  # the second time there is no state to free
         assert one.call("fmi2FreeFMUstate", byref(state)) == OK
         assert (state.value, len(library.blocks)) == (None, left)
     nothing = ctypes.create_string_buffer(200)
@@ -342,7 +342,10 @@ def test_no_byte_of_a_state_can_change(fmu):
 
 @calling("rod_drop", kinds="fmus")
 def test_no_state_leads_out_of_the_record(fmu):
-    """States with a right checksum, one word of whose record is huge, negative or small; then a step."""
+    """States with a valid checksum have one huge, negative or small word in their record.
+
+    Then a step follows.
+    """
     one = Component(Library(fmu)).start()
     one.step(0.0, 0.5)
     data, before, refused = one.serialized(), one.outputs(), 0
@@ -362,7 +365,7 @@ def test_no_state_leads_out_of_the_record(fmu):
 
 @calling("rod_drop", kinds="fmus")
 def test_states_with_an_odd_head_are_refused(fmu):
-    """With a right checksum."""
+    """The states have a valid checksum."""
     one = Component(Library(fmu)).start(0.0, 5.0)
     one.step(0.0, 0.5)
     data, head = one.serialized(), struct.Struct("<40sqqdd")
@@ -379,7 +382,8 @@ def test_states_with_an_odd_head_are_refused(fmu):
     assert [status(), one.step(0.5, 0.1)] == [OK, OK]
     other = Component(one.library)
     assert other.restore(data) == OK
-    assert [other.step(0.5, 4.75), other.step(0.5, 4.5)] == [refusal, OK]  # the stop time is one of the state
+    # the stop time belongs to the state
+    assert [other.step(0.5, 4.75), other.step(0.5, 4.5)] == [refusal, OK]
 
 
 # --- 4.2.2 and 4.2.3: steps ------------------------------------------------------------------------------
@@ -387,7 +391,7 @@ def test_states_with_an_odd_head_are_refused(fmu):
 
 @calling("rod_drop", kinds="fmus")
 def test_clocks_may_differ_by_round_off_and_no_step_goes_beyond_the_stop_time(fmu):
-    """Sums of steps that are no binary fractions, up to a stop time."""
+    """The times are sums of steps that are no binary fractions, up to a stop time."""
     library = Library(fmu)
     for size in (1e-3, 1e-2, 0.1, 0.3, 1.0 / 3.0):
         one, time = Component(library).start(7.7, 7.7 + 30 * size), 7.7
@@ -399,7 +403,10 @@ def test_clocks_may_differ_by_round_off_and_no_step_goes_beyond_the_stop_time(fm
 
 @calling("rod_drop", kinds="fmus")
 def test_the_clock_of_an_importer_may_be_rounded(fmu):
-    """To 1 us, also at a stop time that is no multiple of it; a step that is skipped or repeated is told."""
+    """The clock is rounded to 1 µs, also at a stop time between two multiples.
+
+    Skipped and repeated steps are reported.
+    """
     library, stop = Library(fmu), 0.1
     exact = Component(library).start(0.0, stop)
     assert exact.step(0.0, stop) == OK
@@ -449,7 +456,7 @@ def test_a_step_that_cannot_be_finished_is_discarded_and_can_be_taken_back(fmu):
 
 @calling("rod_drop", kinds="fmus")
 def test_a_reset_instance_is_as_a_new_one_to_the_last_bit(fmu, target):
-    """From each phase."""
+    """The instance is reset in each phase."""
     library, first = Library(fmu), None
     for phase in (None, *PHASES):
         one, rows = Component(library), []
@@ -474,7 +481,7 @@ def test_a_reset_instance_is_as_a_new_one_to_the_last_bit(fmu, target):
 
 @calling("four_link_box", "rod_drop", kinds="strict")
 def test_fmus_do_not_mix_where_symbols_are_global(fmu, other):
-    """Two FMUs whose symbols are visible to all, and an instance of each."""
+    """Load two FMUs whose symbols are global, and run an instance of each."""
 
     def run(library):
         one = Component(library).start()
@@ -492,7 +499,7 @@ def fates_of_tables(fmu):
 
 
 def test_no_number_in_the_table_does_harm(native, clean):
-    """With a checksum that is right, a number that is not is refused, or of no harm."""
+    """With a valid checksum, a wrong number is refused, or harmless."""
     found, sizes = clean(fates_of_tables, native["rod_drop"], module="broken_tables")
     assert found.pop("none") == 0
     assert not {what: code for what, code in found.items() if code not in (0, 1)}

@@ -1,4 +1,4 @@
-"""Many instances in a process: of several FMUs, one after the other, in threads; and in several processes."""
+"""Many instances in a process: of several FMUs, in sequence and in threads; and in several processes."""
 
 import subprocess
 import sys
@@ -38,7 +38,7 @@ def foreign(tmp_path_factory):
     return str(folder / "Foreign.fmu")
 
 
-# The functions without an assertion run in the clean process: they hold all that they use.
+# The functions without assertions run in the clean process, so they contain all their imports.
 
 
 def in_turns(fmus, lots):
@@ -62,7 +62,7 @@ def in_turns(fmus, lots):
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("backwards", [False, True])
 def test_fmus_of_all_kinds_and_a_foreign_one_do_not_mix(all_fmus, foreign, clean, backwards):
-    """Each gives the digits that it gives alone, in its own process."""
+    """Each FMU gives the same digits as alone in its own process."""
     ours = [all_fmus[target][model] for model in ("rod_drop", "four_link_box") for target in all_fmus]
     fmus = [*ours[:2], foreign, *ours[2:]]
     if backwards:
@@ -90,7 +90,8 @@ def growth(fmu, warm_up, cycles):
     for k in range(warm_up + cycles):
         if k == warm_up:
             before = memory()
-        one.fmu.fmi2FreeInstance(one.fmu.component)  # without unloading the binary, as a tool does it
+        # the instance is freed while the binary stays loaded, as in common tools
+        one.fmu.fmi2FreeInstance(one.fmu.component)
         one.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
         one.start().step(0.01)
         one.fmu.terminate()
@@ -104,22 +105,22 @@ def test_native_instances_leave_nothing_behind(strict, clean):
 
 @pytest.mark.full("takes long")
 def test_pythonfmu_instances_leave_no_more_behind_than_those_of_an_empty_slave(all_fmus, foreign, clean):
-    """pythonfmu's wrapper executes the script for every instance and keeps its code and its names."""
+    """pythonfmu's wrapper executes the script for every instance and never frees its code and names."""
     ours = clean(growth, all_fmus["pythonfmu"]["rod_drop"], 200, 1000)
     empty = clean(growth, foreign, 200, 1000)
     assert ours < empty + 1.0
-    assert ours < 2.0  # kB; it were 49 if the script held the slave's class
-    assert empty > 3.0  # so the measure sees what is left behind
+    assert ours < 2.0  # kB; 49 kB would be left if the script contained the slave's class
+    assert empty > 3.0  # so the measure detects leaks
 
 
 @importing("rod_drop")
 def test_instances_in_threads_give_what_they_give_one_by_one(fmu):
-    """Four threads, in each the lives of three instances; then the same one after the other."""
+    """Four threads run the lives of three instances each; then the same instances run in sequence."""
     import sys
     from concurrent.futures import ThreadPoolExecutor
 
     sys.setswitchinterval(1e-5)
-    first = Instance(fmu)  # the others share its folder, and thus its binary
+    first = Instance(fmu)  # the other instances use the same folder, and thus the same binary
     instances = [first, *(Instance(fmu, f"instance {n}", first.folder) for n in (1, 2, 3))]
 
     def lives(n):
@@ -147,7 +148,7 @@ def whole_scene(fmu, stop, step):
 
     import fmpy
 
-    fmpy.read_model_description(fmu)  # what fmpy itself imports late
+    fmpy.read_model_description(fmu)  # load the modules that fmpy imports late
     before = set(sys.modules)
     instance = Instance(fmu).start()
     rows = instance.run([i * step for i in range(round(stop / step) + 1)])
@@ -174,7 +175,7 @@ def test_a_state_goes_on_in_another_process(native, clean):
 
 @pytest.mark.full("takes long")
 def test_a_long_chain(tmp_path, clean):
-    """With the kernel for any number of links."""
+    """Run the kernel for any number of links."""
     scene = {"name": "Long", "chain": {"links": [{"length": 0.2, "mass": 0.3}] * 12}, "box": {"y_min": 0.0}}
     scene["initial"] = {"position": [0.1, 0.3], "angles": [0.01 * i for i in range(12)]}
     scene = scene_from_dict(scene, "long")

@@ -1,6 +1,6 @@
-"""A value that an FMU for FMI 2.0 refuses, in libcosim, a master in C++ with threads of its own.
+"""A value that an FMU for FMI 2.0 refuses, under libcosim, a multithreaded master in C++.
 
-What masters give for FMUs that they connect is in tests/scenarios/test_controlled_arm.py.
+tests/scenarios/test_controlled_arm.py tests the results of masters that connect FMUs.
 """
 
 import subprocess
@@ -43,7 +43,7 @@ print("lives on")
 @needs_interop
 @pytest.mark.parametrize("when", ["start", "run"])
 def test_libcosim_says_which_value_was_refused_and_lives_on(fmi2, when):
-    """And runs the FMU again; before the first step its threads catch no error, and it ends the process."""
+    """libcosim runs the FMU again. Before the first step its threads catch no error, and the process ends."""
     variables = {v.name: v for v in fmpy.read_model_description(fmi2["rod_drop"]).modelVariables}
     reference = str(variables["contact.restitution"].valueReference)
     command = [sys.executable, "-c", PROGRAM, fmi2["rod_drop"], reference, when]

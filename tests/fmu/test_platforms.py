@@ -1,4 +1,4 @@
-"""Native FMUs for other platforms: what their binaries ask for; they run where there is an emulator."""
+"""Native FMUs for other platforms: the dependencies of their binaries, and runs in emulators."""
 
 import os
 import re
@@ -34,7 +34,7 @@ OF_THE_SYSTEM = {
     "darwin64": r"/usr/lib/libSystem\.B\.dylib",
     "aarch64-darwin": r"/usr/lib/libSystem\.B\.dylib",
 }
-MOST = 300e3  # bytes of a platform, packed
+MOST = 300e3  # bytes; limit of the compressed size of a platform
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def test_binaries_run_on_old_systems(binaries):
 
 
 def test_the_binary_for_apple_silicon_is_signed(binaries):
-    """That processor runs nothing else; the signature needs no identity."""
+    """Apple silicon runs only signed code; the signature needs no identity."""
     data = binaries["aarch64-darwin"][1]
     assert signed_without_identity(data)
     changed = bytearray(data)
@@ -98,7 +98,7 @@ NAMES = ["point[0].y", "link[1].angle", "energy.total", "energy.dissipated", "im
 
 
 class Machine(NamedTuple):
-    """How programs for a platform are run: by an emulator, with paths as it takes them."""
+    """The way to run programs for a platform: an emulator, and the form of its paths."""
 
     platform: str
     emulator: tuple[str | Path, ...] = ()

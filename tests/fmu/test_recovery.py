@@ -1,4 +1,4 @@
-"""No importer loses an impact: what each sees of them, at any step, is the list of simulate()."""
+"""No importer loses an impact: at any step, each importer recovers the list of simulate()."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,10 @@ def assert_recovered(record, impacts):
     [("pythonfmu", 9000359, 0.125), ("native", 9000193, 0.25), ("fmi3", 8000264, 0.0625)],
 )
 def test_impacts_do_not_depend_on_the_communication_step(kind, tmp_path, clean, seed, stop):
-    """Dry friction, stops and rigid walls; the times are binary fractions, which no step rounds."""
+    """The model has dry friction, stops and rigid walls.
+
+    The times are binary fractions, exact at every step.
+    """
     scene = random_scene(seed).with_values({"outputs.impacts": 16})
     fmu = str(build_fmu(scene, tmp_path, **KINDS[kind]))
     records = [clean(recorded, fmu, stop / steps, False, stop) for steps in (1, 64, 1024)]
@@ -65,7 +68,7 @@ def test_impacts_do_not_depend_on_the_communication_step(kind, tmp_path, clean, 
 def test_fmpy_in_event_mode_sees_every_impact_whatever_the_step(all_fmus, clean, expected, model, size):
     record, impacts = clean(recorded, all_fmus["fmi3"][model], size, True), expected[model].impacts
     assert_recovered(record, impacts)
-    # at an event fmpy records the time twice: before the impact, and after it
+    # fmpy records the time of an event twice: before and after the impact
     times, counts = np.array(record["time"]), np.array(record["impact.count"])
     twice = times[1:][(np.diff(times) == 0.0) & (np.diff(counts) > 0)]
     np.testing.assert_array_equal(twice, np.unique(impacts["onset"]))

@@ -1,4 +1,4 @@
-"""Reference results in FMUs: what they say holds, and what is wrong with spoiled ones is found."""
+"""Reference results in FMUs: their statements hold, and faults in damaged results are found."""
 
 import csv
 import io
@@ -32,7 +32,7 @@ def table_of(path):
 
 @pytest.fixture
 def spoil(native, tmp_path):
-    """Change the table in the FMU of a model by a function of its text."""
+    """Change the table in the FMU of a model by a function on its text."""
     return lambda change, model="four_link_box": spoiled(
         native[model],
         tmp_path / "x.fmu",
@@ -56,7 +56,7 @@ def test_every_model_keeps_to_its_reference_which_is_small(fmus, model):
 @pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "ramp"])
 def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, model):
-    """The explicit method with the reference's tolerance, in steps of its own."""
+    """The other method is the explicit one, with the reference's tolerance and its own steps."""
     columns = table_of(native[model])
     exact = simulate(load_scene(model), tolerance=EXACT, method="explicit")
     recorded = exact
@@ -66,7 +66,7 @@ def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, mo
     times = columns["time"][1][here]
     rows = np.searchsorted(exact.time, times - 1e-9)
     for name in compared:
-        # a tenth of what is tolerated is what the FMU's own tolerance may take
+        # the FMU's own tolerance may use a tenth of the tolerated error
         allowed, values = columns[name]
         error = np.abs(recorded.columns[name][rows] - values[here]).max()
         assert error <= allowed / 5 + 1e-10, name
@@ -76,7 +76,7 @@ def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, mo
 
 @pytest.mark.full("takes long")
 def test_the_times_are_those_that_can_be_relied_on():
-    """None is close to the begin or end of a contact; of 1000 s that amplify every error some 2 are left."""
+    """No time is close to the begin or end of a contact; chaotic motion leaves about 2 of 1000 s."""
     scene = load_scene("four_link_box")
     usual, long, fine, coarse = (
         reference(Model(scene.with_values(changes)))
@@ -142,7 +142,7 @@ def test_a_result_that_is_left_out_is_not_compared(spoil):
 
 
 def test_another_model_is_found(native, tmp_path):
-    """The FMU of a softer wall with the results of the right one: the first row after the first impact."""
+    """The FMU of a softer wall with the stiff wall's results fails in the first row after an impact."""
     soft = load_scene("four_link_box").with_values({"contact.stiffness": 0.99e8})
     with zipfile.ZipFile(native["four_link_box"]) as right:
         path = spoiled(

@@ -1,4 +1,4 @@
-"""FMUs in a host that has set the processor's floating-point registers: registers.c, and one in Python."""
+"""FMUs in hosts that change the processor's floating-point registers: registers.c, and a Python host."""
 
 import platform
 import re
@@ -20,9 +20,9 @@ pytestmark = pytest.mark.skipif(
 )
 SOURCE = Path(__file__).with_name("registers.c")
 ROOT = Path(__file__).parents[2]
-# a law of contact and a vectorised division; rigid walls; dry friction; a kernel for any number of links
+# the models use a contact law with vectorised division, rigid walls, dry friction, and the general kernel
 MODELS = ["four_link_box", "kneed_leg", "sliding_rod", "triple_pendulum"]
-WAYS = 16  # traps or none, denormal numbers are kept or not, four roundings
+WAYS = 16  # traps on or off, denormal numbers on or off, four rounding modes
 USUAL = "1f80"
 STACK = 64  # KiB, of the thread in which the host calls the FMU
 STEPS = 300  # of 1/512 s
@@ -61,7 +61,7 @@ def ways(request, strict, hosts):
 
 @needs_compilers
 def test_the_bits_are_the_same_whatever_a_host_has_set(ways):
-    """The program itself ends if a call ends with other registers than before, or in a signal."""
+    """The program ends with an error if a call changes the registers, or with a signal."""
     assert len(ways) == WAYS
     _, usual = ways[USUAL]
     assert len(set(usual)) > STEPS
@@ -75,7 +75,7 @@ def test_the_stack_of_a_thread_that_the_docs_tell_is_enough(ways):
     assert max(stack for stack, _ in ways.values()) < 1024 * int(told)
 
 
-# The function before the test runs in the clean process: it holds all that it uses.
+# The function before the test runs in the clean process, so it contains all its imports.
 
 
 def rows_with(fmu, library, ways, step, steps):

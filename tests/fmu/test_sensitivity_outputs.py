@@ -1,4 +1,4 @@
-"""Derivatives as outputs of the FMU, in a clean process: those of ``simulate``, and states that hold them."""
+"""Derivatives as outputs of the FMU, in a clean process: equal to ``simulate``'s, and stored in states."""
 
 import fmpy
 import pytest
@@ -37,7 +37,7 @@ def stepped(fmu, names, times, values):
     [
         ("derivatives", ASKED, {}),
         ("derivatives", ASKED, {"contact.restitution": 0.5, "link[2].mass": 0.9}),
-        # joints slide and stick
+        # joints slide and stick in this model
         ("dry_derivatives", [("point[4].x", f"link[{i}].joint_friction") for i in (1, 3)], {}),
     ],
 )
@@ -73,7 +73,7 @@ def test_a_state_holds_them(fmu, names):
 
 @importing("derivatives")
 def test_a_parameter_that_is_tuned_has_derivatives_of_its_new_value(fmu, names):
-    """Before 0.4 s no wall is touched: what is set there counts as if it had been so from the start."""
+    """No wall is touched before 0.4 s, so a value set then acts like a value set at the start."""
     tuned, given = Instance(fmu).start(), Instance(fmu).start(**{"contact.restitution": 0.55})
     for one in (tuned, given):
         one.step(0.4)
@@ -85,7 +85,7 @@ def test_a_parameter_that_is_tuned_has_derivatives_of_its_new_value(fmu, names):
 
 @importing("flat_derivatives")
 def test_they_are_nan_once_they_cannot_be_trusted(fmu):
-    """All points of a chain that lies flat arrive at one moment at a rigid floor."""
+    """All points of a horizontal chain arrive at a rigid floor at the same moment."""
     one = Instance(fmu).start()
     (name,) = (name for name in one.outputs if name.endswith("restitution.point[0].vy"))
     one.step(0.01)

@@ -1,4 +1,4 @@
-"""FMUs of scenes with signals: they drive themselves, and carry their tables."""
+"""FMUs of scenes with signals: such an FMU contains its tables and needs no external input."""
 
 import zipfile
 

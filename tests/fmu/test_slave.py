@@ -1,4 +1,4 @@
-"""What is of the pythonfmu FMU only: the slave, and what its wrapper makes of faults."""
+"""Features of the pythonfmu FMU only: the slave, and faults in its wrapper."""
 
 import ast
 import os
@@ -45,7 +45,7 @@ def test_only_the_files_that_are_needed_and_another_script_for_another_value(pat
 
 def test_the_slave_imports_the_standard_library_and_pythonfmu_only():
     imported = set()
-    # as of Python 3.8, the oldest for which pythonfmu's wrapper works
+    # Python 3.8 is the oldest version for pythonfmu's wrapper
     for node in ast.walk(ast.parse(slave_source(), feature_version=(3, 8))):
         if isinstance(node, ast.Import):
             imported |= {alias.name for alias in node.names}
@@ -71,7 +71,7 @@ def test_it_needs_the_standard_library_only(fmu):
 
     import fmpy
 
-    fmpy.read_model_description(fmu)  # what fmpy itself imports late
+    fmpy.read_model_description(fmu)  # load the modules that fmpy imports late
     before = set(sys.modules)
     instance = Instance(fmu).start()
     instance.step(0.25)
@@ -85,7 +85,7 @@ def test_it_needs_the_standard_library_only(fmu):
 
 @importing("rod_drop", **in_python)
 def test_an_instance_can_be_freed_after_a_fault(fmu):
-    """Of 100 that refuse no slave is left."""
+    """No slave of 100 refused instances stays in memory."""
     import gc
     import sys
 
@@ -106,7 +106,8 @@ def test_an_instance_can_be_freed_after_a_fault(fmu):
     before = references()
     for call in 20 * calls:
         refused(fmu, call)
-    assert references() - before == 100  # the wrapper keeps one for each instance, with or without a fault
+    # the wrapper keeps one reference for each instance, with or without a fault
+    assert references() - before == 100
 
 
 def raised(fmu, values):
@@ -153,7 +154,7 @@ def described_anew(name, content):
     ],
 )
 def test_an_fmu_that_is_not_whole_is_refused_at_once(path, clean_python, tmp_path, change, reason):
-    """In a process that has not seen it before."""
+    """The process has not seen this FMU before."""
     spoilt = str(spoiled(path, tmp_path / "RodDrop.fmu", change))
     program = f"import sys; sys.path.insert(0, {str(HERE)!r}); from importer import *; Instance({spoilt!r})"
     done = subprocess.run([clean_python, "-I", "-c", program], capture_output=True, text=True, check=False)
@@ -176,7 +177,7 @@ def test_an_instance_needs_a_name(fmu):
 
 @importing("rod_drop", **in_python)
 def test_a_reason_is_a_format_for_the_wrapper_and_a_sentence_for_people(fmu):
-    """As the wrapper takes what it is told for a printf format."""
+    """The wrapper uses the message as a printf format."""
     import contextlib
     import io
     import sys
@@ -204,9 +205,9 @@ print(Instance(one).start()["solver.status"])
 
 
 def test_ctrl_c_ends_a_long_step(all_fmus, clean_python):
-    """The importer learns of it as of any other fault, and goes on with other instances."""
+    """The importer gets an error as for any other fault, and continues with other instances."""
     one = all_fmus["pythonfmu"]["simple_pendulum"]
-    # a shell that starts a job in the background lets it ignore Ctrl-C
+    # a shell that starts a background job lets the job ignore Ctrl-C
     heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     lines = [
         heard,
@@ -257,7 +258,7 @@ for instance in instances:
 CYCLES = "for path in (one, other) * 5: fmpy.simulate_fmu(path, stop_time=0.01)"
 REFUSED = 'assert "not > 0" in refused(one, Instance.start, lambda i: i.fmu.doStep(0.0, -1.0))'
 RAISING = 'instance = Instance(one).start(); print("right", flush=True); sys.exit(1)'
-NOT_RELEASED = f"{FREED}; import atexit; atexit._clear()"  # as it would be without the slave's doing
+NOT_RELEASED = f"{FREED}; import atexit; atexit._clear()"  # without the slave's release at exit
 
 
 PROGRAMS = {"freed": FREED, "several": SEVERAL, "kept": KEPT, "cycles": CYCLES, "refused": REFUSED}
@@ -268,11 +269,11 @@ CODES = {"raising": 1, "not released": -signal.SIGSEGV}
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_process_ends_well_and_the_guard_sees_where_it_does_not(guard, clean_python, all_fmus, name):
-    """Guarded, in a process of its own."""
+    """The test runs the guard in a separate process."""
     one, other = (all_fmus["pythonfmu"][model] for model in ("rod_drop", "pinned_arm"))
     lines = ["import shutil, sys", f"sys.path.insert(0, {str(HERE)!r})", "from importer import *"]
     lines += [f"one, other = {one!r}, {other!r}", PROGRAMS[name], 'print("right")']
-    # The value is a list that spaces separate, and a temporary folder may have one in its name.
+    # LD_PRELOAD separates names by spaces, and the name of a temporary folder may contain spaces
     environment = os.environ | {"LD_PRELOAD": f"./{guard.name}"}
     command = [clean_python, "-I", "-c", "\n".join(lines)]
     done = subprocess.run(

@@ -1,4 +1,4 @@
-"""The FMU at work, in a process that knows an importer and not this package; and what it refuses there."""
+"""The use of the FMU in a process with an importer and without this package, and its refusals there."""
 
 import numpy as np
 import pytest
@@ -11,11 +11,11 @@ from tests.fmu.conftest import scene_of
 from tests.fmu.importer import MESSAGES, FMICallException, Instance, refused
 from tests.helpers.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 
-STEP = 2.0**-7  # s; sums of such a step are exact, so that all clocks agree to the last bit
+STEP = 2.0**-7  # s; sums of this step are exact, so that all clocks are bit-equal
 STOPS = {"knee": 2.0, "thrown": 1.5, "finger": 0.75, "servo": 1.0}  # s; 1 s for all others
 RIGID = CONTACT_LAWS["newton_impact"].number
 
-# The functions that importing() makes tests of, and those without an assertion, run in the clean process.
+# The functions without assertions, and those for importing(), run in the clean process.
 
 
 # --- parameters ------------------------------------------------------------------------------------------
@@ -25,7 +25,7 @@ TUNED = {
     "thrown": (0.25, {"wall.y_min.friction": 0.05, "contact.restitution": 0.1}),
     "servo": (0.5, {"link[1].joint_stiffness": 40.0, "link[2].joint_damping": 0.0}),
 }
-"""Scene → time [s], after the first impact or while a contact slides, and what is set there."""
+"""Scene → time [s], after the first impact or during a sliding contact, and the values set then."""
 CASES = [
     *(("finger", changes) for changes in PARAMETER_CHANGES),
     ("four_link_box", {"contact.model": "flores", "contact.restitution": 0.5}),
@@ -60,7 +60,7 @@ def test_parameters_act_as_they_do_in_the_scene(fmus, clean, model, values):
     laws = {name: CONTACT_LAWS[law].number for name, law in values.items() if name == "contact.model"}
     names, rows = clean(trajectory, fmus[model], values | laws, stop, STEP)
     found = dict(zip(names, np.transpose(rows), strict=True))
-    # the very same machine code
+    # the FMU and the scene use the same machine code
     for name, column in result.model.series(result.outputs).items():
         np.testing.assert_array_equal(found[name], column, err_msg=name)
     for name in ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps", "status"):
@@ -201,7 +201,7 @@ def test_counts_and_codes_are_those_of_the_time_whatever_is_read_first(fmu):
 
 @importing("four_link_box")
 def test_steps_of_any_size_from_any_start(fmu):
-    """And a start that is not 0."""
+    """Also test a start time that is not 0."""
     import random
 
     even, uneven = Instance(fmu).start(start_time=5.0), Instance(fmu).start(start_time=5.0)
@@ -217,13 +217,17 @@ def test_steps_of_any_size_from_any_start(fmu):
 @pytest.mark.parametrize("model", ["pushed_leg", "pushed_rigid_arm"])
 @importing()
 def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(fmu):
-    """An importer sets something, reads outputs and sets it back; the run goes on as without."""
+    """An importer sets a value, reads outputs and resets the value.
+
+    The run continues as without the trial.
+    """
     import fmpy
 
     description = fmpy.read_model_description(fmu)
     parameter = next(v.name for v in description.modelVariables if v.name.endswith(".restitution"))
     outputs = [one for one in description.outputs if not one.variable.dimensions]
-    held = [one.variable.name for one in outputs if not one.dependencies]  # no input acts at once on these
+    # no input acts at once on these outputs
+    held = [one.variable.name for one in outputs if not one.dependencies]
     assert held
     one, two = Instance(fmu).start(), Instance(fmu).start()
     for k in range(1, 17):
@@ -253,7 +257,10 @@ def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(fmu):
 )
 @importing()
 def test_a_saved_state_goes_on_to_the_last_bit(fmu, save_at):
-    """In the same instance, in one that is not even initialized, and as without saving."""
+    """The state is restored in the same instance and in an uninitialized instance.
+
+    Both continue like a run without saving.
+    """
     one, two, never = Instance(fmu).start(), Instance(fmu), Instance(fmu).start()
     in_contact = isinstance(save_at, str)
     for instance in (one, never):
@@ -297,7 +304,7 @@ def test_a_state_can_be_saved_before_initialization(fmu):
 def test_damaged_and_foreign_states_are_refused(fmu, other):
     one = Instance(fmu).start()
     data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
-    # in the envelope, in the head of what it holds, and here and there in the record
+    # changes in the envelope, in the head of the content, and at places of the record
     places = [*range(0, 96, 4), *range(96, len(data), len(data) // 16), len(data) - 1]
     pieces = [data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :] for place in places]
     pieces += [data[:-8], data + b"12345678", b"", b"nonsense", data[:24], bytes(len(data))]
@@ -310,7 +317,7 @@ def test_damaged_and_foreign_states_are_refused(fmu, other):
 
 @importing("rod_drop")
 def test_a_refused_start_leaves_the_state_as_it_was(fmu):
-    """Inside a wall, and with infinite energy."""
+    """The start is refused for a point inside a wall, and for infinite energy."""
     for values, said in (
         ({"initial.y": -1.0}, "a contact point starts beyond a wall"),
         ({"initial.vx": 1e160}, "the state or its energy is no longer finite"),
@@ -383,7 +390,7 @@ def test_calls_out_of_order_are_refused(fmu, target):
 
     law = Instance(fmu).variables["contact.model"].valueReference
     again = "fmi2EnterInitializationMode cannot be called after initialization"
-    # FMI 3.0 sets up as it enters initialization mode
+    # FMI 3.0 sets the experiment up on entering initialization mode
     twice = again if target == "fmi3" else "fmi2SetupExperiment cannot be called after initialization"
     for calls, text in (
         ([step(0.0, 0.1)], "fmi2DoStep cannot be called before initialization"),
@@ -468,7 +475,7 @@ def test_static_friction_below_that_of_sliding_is_refused_during_a_run(fmu):
 
 @importing("rod_drop")
 def test_reading_an_output_says_that_what_was_set_cannot_act(fmu, within):
-    """A value that the solver cannot go on with; another one may still be set."""
+    """The set value stops the solver; another value may still be set."""
     time, law, rigid = within
     one, seen = Instance(fmu).start(), []
     one.step(time)
@@ -506,7 +513,7 @@ def test_the_tolerance_is_the_parameter(fmu):
 
 
 def test_why_a_native_fmu_cannot_start_or_go_on_is_seen_on_the_command_line(native, capsys):
-    """With what it gave until then."""
+    """The command line shows the reason, and the results before the failure."""
     assert cli.main(["simulate", native["rod_drop"], "--set", "initial.y=-1"]) == 3
     assert "the simulation cannot start: a contact point starts beyond a wall" in capsys.readouterr().err
     assert cli.main(["simulate", native["four_link_box"], "--set", "solver.work_limit=2000"]) == 3

@@ -1,4 +1,4 @@
-"""Faults planted in FMUs of ours, each of which is found with its place; and no fault in sound ones."""
+"""Faults planted in our FMUs: each is found with its place, and valid FMUs have none."""
 
 import itertools
 import re
@@ -65,7 +65,7 @@ def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
         "another GUID": "Instantiate gives no instance: ",
         "no binary": f"so there is no binary for {HOST}: it has no folder binaries",
         "a binary that is none": "the loader fails: ",
-        # pythonfmu's wrapper reads a file without a look whether it is there
+        # pythonfmu's wrapper reads a file without testing whether the file exists
         "no resources": "crashes the process: " if target == "pythonfmu" else "gives no instance: ",
     }
     assert sentence[fault] in line
@@ -79,7 +79,7 @@ CASES = [(version, name) for version, faults in FAULTS.items() for name in fault
 @pytest.mark.full("more cases", but=10)
 @pytest.mark.parametrize(("version", "name"), CASES)
 def test_a_planted_fault_is_found_with_its_place(all_fmus, quick_names, tmp_path, version, name):
-    """Without the rest of the FMU, but where only a run shows it."""
+    """Only the fault's own file is checked, except for faults that only a run shows."""
     fault, fmu = FAULTS[version][name], all_fmus["native" if version == "2" else "fmi3"]["rod_drop"]
     path = spoiled(fmu, tmp_path / "x.fmu", edited(*fault.pairs, alone=not fault.runs))
     lines = said(path) if fault.runs else validate_fmu(path)
@@ -92,7 +92,7 @@ def test_a_planted_fault_is_found_with_its_place(all_fmus, quick_names, tmp_path
 DATA = ("constant", "fixed", "tunable")
 VARIABILITIES = (*DATA, "discrete", "continuous")
 SETTLED, GUESSED, ANY = ("exact",), ("calculated", "approx"), ("calculated", "exact", "approx")
-# FMI 2.0.4, table in 2.2.7, and FMI 3.0, table 22: the initials that can be given, the usual one first
+# FMI 2.0.4, table in 2.2.7, and FMI 3.0, table 22: the permitted values of initial, default first
 INITIALS = (
     {("parameter", one): SETTLED for one in DATA[1:]}
     | {("calculatedParameter", one): GUESSED for one in DATA[1:]}
@@ -168,7 +168,7 @@ def test_terminals_name_variables_that_are_there(native, tmp_path, folder):
     "names", ["min > max, a continuous parameter", "an output that is not there, two units of one name"]
 )
 def test_a_fault_does_not_hide_another(native, tmp_path, names):
-    """FMPy ends at the first of some faults, and with an error of its own at others."""
+    """FMPy stops at the first of some faults, and crashes at others."""
     faults = [FAULTS["2"][name] for name in names.split(", ")]
     change = edited(*(pair for fault in faults for pair in fault.pairs))
     lines = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
@@ -176,7 +176,7 @@ def test_a_fault_does_not_hide_another(native, tmp_path, names):
 
 
 def test_an_alias_is_no_fault(native, tmp_path):
-    """Two outputs of one value, with one unit, are what FMI 2.0 calls an alias."""
+    """FMI 2.0 calls two outputs with equal value and unit an alias."""
 
     def change(name, content):
         if name != XML:
@@ -197,7 +197,7 @@ def test_a_bomb_is_refused_by_its_declared_sizes(native, tmp_path, monkeypatch):
     with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as fmu:
         fmu.writestr("extra/bomb.csv", bytes(1000))
     raw = path.read_bytes()
-    # the central directory says how large it is, unpacked
+    # the central directory declares the unpacked size
     at = raw.rindex(b"extra/bomb.csv") - 46
     assert raw[at : at + 4] == b"PK\1\2"
     path.write_bytes(raw[: at + 24] + struct.pack("<I", 4_294_000_000) + raw[at + 28 :])
@@ -278,7 +278,7 @@ def test_a_binary_that_does_not_come_back_is_found(found, body, sentence):
 
 @needs_compilers
 def test_a_state_that_does_not_restore_is_found(found):
-    """Each value is the number of steps, which no restored state changes."""
+    """Each value is the number of steps, which no restored state resets."""
     restored = "is 2 after a step, and 3 after the same step from the restored state (SetFMUState)"
     lines = found(COUNTER, 0)
     assert any(line.endswith(restored) for line in lines), lines

@@ -1,4 +1,4 @@
-"""The C compiler of the project, for programs of the tests."""
+"""The project's C compiler for test programs."""
 
 import os
 import subprocess
@@ -13,10 +13,10 @@ WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-unused-paramete
 
 
 def zig(folder: Path, *arguments: object) -> None:
-    """Run zig's C compiler in a folder, where it keeps its scratch files; what it says is an error.
+    """Run zig's C compiler in a folder that holds its scratch files; any message is an error.
 
     A program ends at a trap where its behaviour is undefined.
-    The usual target, and some optimisation, spare it to make its own libraries once more, which takes 15 s.
+    The default target and an optimised build reuse zig's own libraries, whose build takes 15 s.
     """
     folders = {"ZIG_GLOBAL_CACHE_DIR": str(linker_folder()), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
     command = [sys.executable, "-m", "ziglang", "cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1"]

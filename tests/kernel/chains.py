@@ -1,4 +1,4 @@
-"""Chains without any symmetry as records in plain Python, and what dense algebra needs of them."""
+"""Asymmetric chains as records in plain Python, and their quantities for dense algebra."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.helpers.plain import Plain, begun, pack
 from tests.helpers.reference import point_jacobian
 
-FAR = 1e3  # m, how far the walls are off
+FAR = 1e3  # m, distance of the walls
 ANGLES = (0.4, 2.9)  # rad, of the walls besides the box
 
 
@@ -95,19 +95,19 @@ def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
 
 
 def touch(d: Plain, candidates: Iterable[int]) -> None:
-    """Let these candidates be in contact, as the solver packs them, and no others."""
+    """Let exactly these candidates be in contact, listed as the solver lists contacts."""
     d.touch.active[:] = 0
     d.touch.active[[int(c) for c in candidates]] = 1
     pack(d)
 
 
 def press_in(d: Plain, c: int, depth: float) -> None:
-    """Put the wall of candidate c where its point, as it is located, is ``depth`` [m] deep in it."""
+    """Move the wall of candidate c so that its located point is ``depth`` [m] inside the wall."""
     d.candidate.offset[c] = along(normal(d, c), d.work.position) - d.contact.radius + depth
 
 
 def struck(rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth: float = 1e-3) -> np.ndarray:
-    """Locate some state, at which these candidates are in contact, as deep as that; returns the state."""
+    """Locate a random state with these contacts at this depth, and return the state."""
     y = random_state(rng, d)
     locate_points(d, y)
     touch(d, candidates)
@@ -148,7 +148,7 @@ def located(d: Plain) -> np.ndarray:
 def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:
     """Return the derivatives of the potential energy by central differences, shape (N+2,).
 
-    The points of ``d`` are left located beside y.
+    Afterwards ``d`` holds the points of a state near y.
     """
     h = 1e-6
 

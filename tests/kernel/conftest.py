@@ -1,4 +1,4 @@
-"""For the functions of the kernel as plain Python: the arithmetic of the compiled kernel."""
+"""For kernel functions in plain Python: the floating-point behaviour of the compiled kernel."""
 
 import numpy as np
 import pytest

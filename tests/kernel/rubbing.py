@@ -1,4 +1,4 @@
-"""Chains with dry friction as records in plain Python, and what dense algebra needs of them."""
+"""Chains with dry friction as records in plain Python, and their quantities for dense algebra."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def mobility(scene: Scene, d: Plain, y: np.ndarray, rows: np.ndarray) -> tuple[n
 class AtRest:
     """A chain whose elements do not move along t, with dense algebra for the accelerations t·a.
 
-    ``bias`` is t·a without friction, ``mobility`` W, by which a force of each changes t·a of all.
+    ``bias`` is t·a without friction, and ``mobility`` W gives the change of t·a by the elements' forces.
     """
 
     def __init__(self, seed: int, base: str, contacts: int, joints: bool, holding: float = 1.0) -> None:
@@ -125,7 +125,7 @@ class AtRest:
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Of its elements."""
+        """The modes of the chain's elements."""
         return tuple(int(mode) for mode in self.d.element.mode[self.elements])
 
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
@@ -160,7 +160,7 @@ class AtRest:
 
 
 class Doubled(AtRest):
-    """A chain of which two contacts, the ``twins``, are at one point and one wall: W is singular."""
+    """A chain with two contacts, the ``twins``, at one point and one wall, so that W is singular."""
 
     def __init__(self, seed: int) -> None:
         super().__init__(seed, "free", 3, True)

@@ -1,4 +1,4 @@
-"""Last steps with motions that are known in closed form: polynomials in the variable of the step."""
+"""Last steps with motions in closed form: polynomials in the variable of the step."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def basis(theta: np.ndarray | float) -> np.ndarray:
 
 
 class Motion:
-    """y(s), with coefficients of the powers of s, shape (degree + 1, len(y)), of a degree of 7 at most."""
+    """A motion y(s): coefficients of the powers of s, shape (degree + 1, len(y)), degree at most 7."""
 
     def __init__(self, coefficients: np.ndarray) -> None:
         self.coefficients = coefficients
@@ -50,7 +50,7 @@ def free_motion(rng: np.random.Generator, d: Plain, *, speed: float = 2.0, bend:
 
 
 def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regularized: int = -1) -> None:
-    """Let the last step be the first ``size`` of the motion, with all that is known of such a step.
+    """Let the last step be the first ``size`` of the motion, with all stored quantities of a step.
 
     The points are located and accelerated at its end.
     """
@@ -98,7 +98,7 @@ def along_normals(d: Plain, y: np.ndarray, candidates: list[int]) -> np.ndarray:
 
 
 def wall_at(d: Plain, c: int, y: np.ndarray, clearance: float) -> None:
-    """Put the wall of candidate c where its point has this clearance [m] in a state."""
+    """Move the wall of candidate c so that its point has this clearance [m] in a state."""
     d.candidate.offset[c] = along_normals(d, y, [c])[0] - d.contact.radius - clearance
 
 
@@ -124,7 +124,7 @@ def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
 
     The force is a polynomial.
 
-    The force [N] is given as powers of the fraction of the step, from the lowest, which begins at 0 s.
+    The force [N] is a polynomial of the fraction of the step, lowest power first; the step begins at 0 s.
     """
     _, d = chain(np.random.default_rng(2), 1, "pinned", inputs=True, model="newton_impact")
     motion = translation(d, [0.0], [0.0])

@@ -1,4 +1,4 @@
-"""The loop of steps: what makes it try again, and what ends it."""
+"""The loop of steps: reasons for another trial, and reasons for the end of a run."""
 
 import math
 
@@ -44,7 +44,7 @@ def test_a_run_ends_where_no_size_of_a_step_will_do(monkeypatch, error, status):
     monkeypatch.setattr(loop, "attempt", lambda d, _h: conclude(d, error, 1.0))
     assert advance(d, 0.2) == status
     assert advance(d, 0.3) == status
-    # it stands at the last time that it has reached
+    # the run stands at the last accepted time
     assert [float(d["step"][name]) for name in ("time", "end")] == [reached, reached]
     np.testing.assert_array_equal(d["step"]["state_end"][:-1], state[:-1])
 
@@ -68,18 +68,18 @@ def test_a_call_pauses_after_its_work_and_goes_on():
 
 @pytest.mark.parametrize(("logged", "full"), [(0, False), (6, False), (7, True), (8, True), (100, True)])
 def test_the_log_of_changes_is_full_where_one_more_of_each_element_has_no_room(logged, full):
-    d = begun(pendulum())  # of two elements, whose modes both change at the start
+    d = begun(pendulum())  # a pendulum of two elements, whose modes both change at the start
     assert (d.elements, d.changes.count, len(d.changes.time)) == (2, 2, 8)
     d.changes.count = logged
     assert loop.log_is_full(d, 10) == full
     steps = int(d.statistics.steps)
     assert loop.advance(d, 1e-3, 5, UNLIMITED) == (LOG_FULL if full else OK)
     assert (d.statistics.steps > steps) != full
-    # for a caller that does not collect, the oldest are overwritten
+    # without a caller that collects, new changes overwrite the oldest changes
     assert loop.advance(d, 2e-3, UNLIMITED, UNLIMITED) == OK
     d.changes.count = 0
     assert loop.advance(d, 3e-3, 5, UNLIMITED) == OK
-    # a record without dry friction has none that could be full
+    # a record without dry friction has no log of changes
     d = started()
     assert (d.elements, len(d.changes.time)) == (0, 0)
     assert not loop.log_is_full(d, 10)
@@ -90,7 +90,7 @@ ORDER = 8
 
 
 class Trials:
-    """A solver whose errors are told in advance, and whose steps lose no energy."""
+    """A solver with prescribed errors, whose steps lose no energy."""
 
     def __init__(self, monkeypatch, errors, limit=math.inf):
         _, self.d = chain(np.random.default_rng(1), 2)
@@ -126,18 +126,18 @@ INF, NAN = math.inf, math.nan
 
 
 @pytest.mark.parametrize(
-    ("errors", "longest", "sizes", "next_size"),  # sizes over that which is proposed
+    ("errors", "longest", "sizes", "next_size"),  # sizes over the proposed size
     [
         *(([error], INF, [1.0], suggested(error)) for error in (1e-4, 0.1, 1.0)),
         *(([error], INF, [1.0], 6.0) for error in (0.0, 1e-16)),
-        # after a refused one the next does not grow
+        # after a refused step the next step does not grow
         ([20.0, 1e-9], INF, [1.0, suggested(20.0)], suggested(20.0)),
         ([1.05, 0.5], INF, [1.0, suggested(1.05)], suggested(1.05) * suggested(0.5)),
-        # without a finite error it is a tenth
+        # without a finite error the step is reduced to a tenth
         *(([bad, bad, 0.5], INF, [1.0, 0.1, 0.01], 0.01 * suggested(0.5)) for bad in (NAN, INF)),
-        # the end of an input says nothing about the size after it
+        # a step cut by the end of an input keeps the size for the next step
         ([0.5], 0.1, [0.1], 1.0),
-        # unless the step was still too long, or could have been longer than was wanted
+        # unless the step was still too long, or could have been longer than proposed
         ([20.0, 0.5], 0.1, [0.1, 0.1 * suggested(20.0)], 0.1 * suggested(20.0) * suggested(0.5)),
         ([1e-9], 0.5, [0.5], 3.0),
     ],
@@ -261,7 +261,7 @@ def test_after_an_impact_on_a_rigid_wall_a_step_is_not_longer_than_in_flight(
         d.step.next_size = size
         assert loop.begin_step(d) == events
         assert d.step.next_size == (min(size, 1e-3) if right else size)
-    d.step.next_size, d.step.method = 1e-2, IMPLICIT  # it measures the size itself
+    d.step.next_size, d.step.method = 1e-2, IMPLICIT  # the implicit method measures the size itself
     loop.begin_step(d)
     assert d.step.next_size == 1e-2
 
@@ -283,7 +283,7 @@ def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatc
     monkeypatch.setattr(loop, "advance_one_step", lambda _: status)
     assert loop.event_update(d) == status
     assert len(due) == (0 if status == OK else 2)
-    # a change that is refused ends it
+    # a refused change ends the run
     monkeypatch.setattr(loop, "reinit_if_changed", lambda *_: STEP_TOO_SMALL)
     assert loop.event_update(d) == STEP_TOO_SMALL
 
@@ -334,11 +334,11 @@ def test_what_rigid_walls_hold_is_found_anew_after_a_change(monkeypatch, held):
     assert done == (found if held[0] else [])
 
 
-KEPT = 2.5, 3.5  # J: the energies at the end of a tried step
+KEPT = 2.5, 3.5  # J: the energies at the end of a trial step
 
 
 class Landing:
-    """A step whose event, repeats and energies are told in advance; its own error is the first one."""
+    """A step with prescribed event, repeats and energies; the step's own error is the first of the errors."""
 
     def __init__(
         self, monkeypatch, *, bends, method=EXPLICIT, errors=(0.2, 0.5), onset=-1.0, keeps=True, loss=0.0
@@ -393,26 +393,26 @@ def of(theta):
 @pytest.mark.parametrize(
     ("told", "theta", "error", "done"),
     [
-        # without an event a step is only checked
+        # a step without an event is only checked
         ({"bends": True, "loss": 0.3}, -1.0, 0.3, [("energy", -1.0)]),
         ({"bends": True, "loss": 0.1}, -1.0, 0.2, [("energy", -1.0)]),
-        # it is cut where the force does not bend
+        # the step is cut at a smooth force
         ({"bends": False}, 0.4, 0.2, of(0.4)),
         ({"bends": True}, 0.0, 0.2, of(0.0)),
-        # and repeated up to where it bends, or if it is implicit, up to an onset before its end
+        # the step is repeated up to a kink, and an implicit step up to an onset before its end
         ({"bends": True}, 0.4, 0.2, [*REPEATED, ("energy", -1.0)]),
         ({"bends": False, "method": IMPLICIT}, 0.4, 0.2, [*REPEATED, ("energy", -1.0)]),
         ({"bends": True, "onset": 0.9}, 0.4, 0.2, [*REPEATED, *of(0.9)]),
-        # at the ends the interpolant of an implicit step is right
+        # the interpolant of an implicit step is accurate at the ends
         *(({"bends": False, "method": IMPLICIT}, theta, 0.2, of(theta)) for theta in (0.0, 1.0)),
-        # what cannot be located or repeated is refused, and rolled back, also if its repeat has been
+        # a step whose event cannot be located or repeated is refused and undone, also after a repeat
         ({"bends": True}, None, FAR_OFF, BACK),
         ({"bends": True, "onset": None}, 0.4, FAR_OFF, [*REPEATED, *BACK]),
         *(
             ({"bends": True, "errors": [0.2, bad]}, 0.4, FAR_OFF, [*REPEATED[:2], *BACK])
             for bad in (1.5, NAN)
         ),
-        # as is what does not keep the energy
+        # a step that changes the total energy is refused and undone
         *(
             ({"bends": False, "keeps": False, "loss": loss}, 0.4, FAR_OFF, [of(0.4)[0], *BACK])
             for loss in (0.0, 1.0)
@@ -421,7 +421,7 @@ def of(theta):
     ],
 )
 def test_a_step_ends_at_its_event(monkeypatch, told, theta, error, done):
-    """The next size follows from the error of the whole step, and from the cost of the repeated one."""
+    """The next size follows from the error of the whole step, and from the cost of the repeated step."""
     landing = Landing(monkeypatch, **told)
     assert landing.run(theta) == (error, done)
     assert error > 1.0 or landing.d.trial.cost_factor == (0.7 if REPEATED[1] in done else 1.0)

@@ -1,4 +1,4 @@
-"""The energies of a chain with springs and contacts, and the ledger that no motion changes."""
+"""The energies of a chain with springs and contacts, and their balance, which no motion changes."""
 
 import numpy as np
 import pytest
@@ -57,7 +57,7 @@ def test_what_is_stored_is_that_of_the_springs_and_of_the_contacts_that_are_pres
     springs = joints.spring_energy(d, y)
     contacts = [contact_force.elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
     assert stored_energy(d, y) == pytest.approx(springs + sum(contacts), rel=1e-9)
-    press_in(d, first, -1e-3)  # it has left, and its end has not been found yet
+    press_in(d, first, -1e-3)  # the point has left its wall, and the end of its contact is not located yet
     assert stored_energy(d, y) == pytest.approx(springs + contacts[1], rel=1e-9)
     d.model.sprung = 0
     assert stored_energy(d, y) == pytest.approx(contacts[1], rel=1e-9)
@@ -72,7 +72,7 @@ def test_what_is_stored_is_that_of_the_springs_and_of_the_contacts_that_are_pres
 @BASES
 @pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
 def test_no_motion_changes_the_ledger(base, count, law):
-    """By a central difference along ẏ, under gravity, springs, dampers, inputs and contacts."""
+    """The reference is a central difference along ẏ, under gravity, springs, dampers, inputs and contacts."""
     _, d, y, _ = prepared(base, count, model=law, stiffness=1e5)
     if d.contact.any_rigid:
         touch(d, [])
@@ -84,7 +84,7 @@ def test_no_motion_changes_the_ledger(base, count, law):
         ends.append(energy_balance(d, moved))
         scale.append(sum(mechanical_energy(d, moved)))
     assert (ends[0] - ends[1]) / (2 * h) == pytest.approx(0.0, abs=2e-5 * max(1.0, abs(ends[0])))
-    # of which the motion alone does change something
+    # the motion changes each energy by itself
     assert abs(scale[0] - scale[1]) / (2 * h) > 1e-2
     y[2 * count + 4] += 3.0
     y[2 * count + 5] += 10.0

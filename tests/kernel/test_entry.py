@@ -1,4 +1,4 @@
-"""The functions for callers: runs of an instance over and over, rows of outputs, and peaks."""
+"""The functions for callers: repeated runs of an instance, rows of outputs, and peaks."""
 
 import numpy as np
 import pytest
@@ -142,7 +142,7 @@ def test_a_call_returns_awhile_before_its_time(monkeypatch):
 
 
 def test_what_is_set_is_tried_until_a_step_takes_it():
-    """The status says what is refused, with the outputs before, and the run can go on with another value."""
+    """The status names the refused value; the outputs keep the earlier state, and the run can continue."""
     runs = Runs()
     d = runs.d
     initialize(d, 0.0)

@@ -1,4 +1,4 @@
-"""The equations of motion: what each kind of load adds, and which of them hold for a state."""
+"""The equations of motion: the terms of each kind of load, and the loads that are valid for a state."""
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
 @BASES
 @pytest.mark.parametrize("sprung", [0, 1])
 def test_moments_of_the_joints_act_on_both_links_and_their_powers_are_theirs(base, count, sprung):
-    """Gᵀ (u − c G ω), with G ω the rates of the joints; lost is Σ c (G ω)², supplied u·G ω + f·v."""
+    """Gᵀ (u − c G ω) with the rates G ω of the joints; dissipated Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
     d.model.sprung = sprung
     dissipated, supplied = equations.joint_moments(d, y)
@@ -106,7 +106,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     np.testing.assert_allclose(rates(d, rate), expected, rtol=0, atol=1e-10 * np.abs(expected).max())
     assert rate[state.dissipated_at(count)] == pytest.approx(1.5 + powers[0], rel=1e-13)
     assert rate[state.supplied_at(count)] == powers[1]
-    # a step in time: there is no root, and time goes on
+    # in a step in time u has no rate, and the rate of time is one
     assert (rate[state.sundman_u_at(count)], rate[state.time_at(count)]) == (0.0, 1.0)
 
 
@@ -124,7 +124,7 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
     assert (vectors(d.work.load) == loads).all()
     equations.state_rate(d, y, whole)
     np.testing.assert_array_equal(whole[:-2], rate[:-2])
-    # as if the walls were not there: rigid ones without their forces
+    # without the walls: rigid walls have no forces here
     make_rigid(d)
     contact.clear_loads(d)
     only_inputs = vectors(d.work.load)
@@ -139,7 +139,7 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
 @pytest.mark.parametrize("touching", [0, 1, 2])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_rigid_walls_hold_what_touches_them_by_forces_that_do_no_work(base, touching):
-    """Which are those of the constraints, as tested there."""
+    """Their forces are the constraint forces, tested in test_holding.py."""
     rng = np.random.default_rng(touching)
     _, d = chain(rng, 4, base, model="newton_impact")
     candidates = [5, 14][:touching]
@@ -168,13 +168,13 @@ def test_in_free_flight_no_point_is_located():
     kinematics.locate_points(d, y)
     equations.located_rate(d, y, other)
     np.testing.assert_array_equal(rate[:-2], other[:-2])
-    # an input acts on the tip, whose speed its power takes
+    # an input acts on the tip, whose speed gives the input's power
     d.model.driven, d.inputs.tip_force[0] = 1, 2.0
     d.work.velocity.x[:] = 77.0
     equations.state_rate(d, y, rate)
     assert rate[state.supplied_at(3)] == pytest.approx(2.0 * d.work.velocity.x[3])
     assert d.work.velocity.x[3] != 77.0
-    # as does one contact, though nothing drives
+    # a contact also needs located points, without any input
     d.model.driven = 0
     touch(d, [2])
     d.work.velocity.x[:] = 77.0

@@ -1,4 +1,4 @@
-"""What rests: quotients, powers and roots of numbers that have faded, down to denormal ones, are finite."""
+"""Decayed motions: quotients, powers and roots of tiny, even denormal numbers stay finite."""
 
 from types import SimpleNamespace
 
@@ -108,7 +108,7 @@ def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
 
 @small
 def test_a_passage_of_faded_values_is_located(size):
-    """Values that halve until they vanish: the bracket is halved then."""
+    """The values halve until they vanish; then the bracket is bisected."""
     find = crossing.first_passage(lambda _d, _c, theta: np.float64(size) * (0.3 - theta), lambda _d: 4, 1e-12)
     d = SimpleNamespace(step=SimpleNamespace(size=1.0))
     with np.errstate(all="ignore"):
@@ -172,7 +172,7 @@ def test_what_sticks_with_a_faded_speed_is_stopped(size, contacts, base):
 @small
 @pytest.mark.parametrize("scale", [0.0, 5e-324, 1e-170, 1e-100])
 def test_contradictions_that_have_faded_leave_no_force(size, scale):
-    """Two constraints on one motion, of which no rigid wall is one."""
+    """Two constraints demand contradictory motions, and neither is a rigid wall."""
     _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 0, True)
     for e in d.element.index[: d.friction.count]:
         d.element.mode[e] = STICKS
@@ -193,7 +193,7 @@ def test_contradictions_that_have_faded_leave_no_force(size, scale):
 
 @pytest.mark.parametrize("rate", [*SMALL, -5e-324, -1e-170, -2.0, 0.5, -np.inf])
 def test_the_time_of_an_event_has_finite_derivatives(monkeypatch, rate):
-    """−φ′/φ̇; where φ̇ is 0 there are none."""
+    """−φ′/φ̇; where φ̇ is 0 no derivative exists."""
     found = duals.reciprocal(rate)
     assert finite(found)
     assert found * rate == pytest.approx(1.0) if 1e-300 < abs(rate) < np.inf else found == 0.0

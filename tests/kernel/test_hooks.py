@@ -1,4 +1,4 @@
-"""The hooks: they do nothing in a plain kernel, and carry derivatives in one that has them."""
+"""The hooks: without effect in a plain kernel, and carriers of derivatives in a kernel with derivatives."""
 
 import inspect
 import math
@@ -16,7 +16,7 @@ from tests.helpers.plain import record_of
 
 SIZES = {"links": 4, "candidates": 20, "elements": 24, "loads": 8, "channels": 4, "signals": 2, "knots": 6}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
-# what each does with every instance of dual numbers: the functions of the kernel, in their order
+# calls of each hook for every instance of dual numbers: the kernel's functions, in their order
 DONE = {
     hooks.on_observe: ["set_own_output_time", "fill_outputs", "trusted"],
     hooks.on_observe_trial: ["return_to_kept_state", "refill_motion", "trusted"],
@@ -25,7 +25,7 @@ DONE = {
     hooks.words_behind: [],
 }
 ANSWERS = {hooks.indices_valid: 1, hooks.words_behind: 0}
-# those that do one thing with each
+# the hooks that make one call for each instance
 ONE = {hooks.on_start: start_tangent, hooks.on_reinit: reinit_tangent, hooks.on_step: replay}
 
 
@@ -66,7 +66,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     monkeypatch.setattr(entry, "share_reason", lambda t, other: shared.append((id(t), id(other))))
     answer = HOOKS[function](d)
     first, *others = map(id, tangents)
-    # the earliest end of all gets to the first one, and from there to the others
+    # the first instance gets the earliest end of all, and the other instances get it from the first
     pairs = [(first, other) for other in others] + [(other, first) for other in others]
     assert shared == ([] if function in ANSWERS else pairs)
     assert answer == {hooks.indices_valid: 1, hooks.words_behind: 15}.get(function)
@@ -93,7 +93,7 @@ def test_one_that_does_not_fit_is_not_sound(monkeypatch):
     ("trusted", "status", "kept"), [(True, 0, True), (False, 0, False), (True, 3, False)]
 )
 def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypatch):
-    """Their values are."""
+    """The values of these outputs remain."""
     words = [float(k) for k in range(2 * (1 + DIRECTIONS))]
     t = SimpleNamespace(output=SimpleNamespace(words=words), trust=SimpleNamespace(split=0))
     d = SimpleNamespace(tangents=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))

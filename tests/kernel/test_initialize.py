@@ -1,4 +1,4 @@
-"""From parameters to the start: what is derived, what is forgotten, and what is refused."""
+"""From parameters to the start: derived values, reset values, and refused values."""
 
 import math
 
@@ -122,7 +122,7 @@ def test_nothing_of_an_earlier_run_is_left():
 
 
 def test_a_run_begins_anew_whatever_went_before(monkeypatch):
-    """The record of a second start is that of the first, but for what nobody reads before it is set."""
+    """The record of a second start equals the first, except for values that are set before any reading."""
     _, d = prepared(springs=True, dampers=True)
     told = []
     assert initialize(d, 2.0) == OK
@@ -154,7 +154,7 @@ def test_the_initial_values_are_the_state():
 
 @pytest.mark.parametrize("method", SOLVER_METHODS)
 def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
-    """Not for implicit steps, which are stable however fast dampers are."""
+    """Implicit steps have no such limit, because they are stable for any damper."""
     _, d = prepared(springs=True, dampers=True)
     d.given.joint_damping[:] = 1e4
     d.solver.method = list(SOLVER_METHODS).index(method) + 1
@@ -185,7 +185,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
     shape = prepared()[1][record]._record.dtype[field].shape
     for i in range(shape[0]) if shape else [None]:
         _, d = prepared()
-        # of what may be derived, first the value in use, and what is given at last
+        # of derived parameters, first the effective value and then the given value
         for name in (field, f"given_{field}")[: 1 + (f"given_{field}" in d[record]._record.dtype.names)]:
             if i is None:
                 d[record][name] = value
@@ -266,7 +266,7 @@ def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
     assert check_parameters(d) == OK
     d.stops[name] = bad
     assert check_parameters(d) == PARAMETER_OUT_OF_RANGE
-    d.model.stopped = 0  # without stops nobody asks
+    d.model.stopped = 0  # without stops the value is not used
     assert check_parameters(d) == OK
 
 

@@ -1,4 +1,4 @@
-"""Loads in joints and on walls, against Newton's and Euler's laws for the public motion of each link."""
+"""Loads in joints and on walls, against Newton's and Euler's laws for the simulated motion of each link."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def cross(one, other):
 
 
 class Links:
-    """What is public of a run: motion of the links and forces at their points, each of shape (T, 2).
+    """The public outputs of a run: motion of the links and forces at their points, each of shape (T, 2).
 
     ``push`` is the force on the tip [N].
     """
@@ -115,12 +115,12 @@ def test_forces_and_moments_are_those_of_the_laws_of_newton_and_euler(name):
 
 
 def test_they_hold_in_random_scenes():
-    """With walls at any angle, stops, springs, dry friction and rigid walls."""
+    """The scenes have walls at any angle, stops, springs, dry friction and rigid walls."""
     complete = 0
     for seed in (*range(4), *(first + k for first in (SLANTED, STOPPED, RUBBED, DRIVEN) for k in range(8))):
         try:
             result = simulate(with_values(random_scene(seed), {"outputs.loads": True}))
-        except SimulationError as error:  # which has the rows until then
+        except SimulationError as error:  # the error contains the rows before the failure
             result = error.result
         else:
             complete += 1
@@ -177,7 +177,7 @@ def assert_momentum_holds(chain):
 
 
 def test_an_impulse_is_the_integral_of_the_force():
-    """By Simpson's rule, where no force has a kink."""
+    """The reference is Simpson's rule where no force has a kink."""
     sharp = {"solver.tolerance": 1e-10, "link[3].joint_min": -9.0, "link[3].joint_max": 9.0}
     result = run("driven, stops", 1e-4, **sharp)
     flight = result.time <= result.impacts["onset"][0]
@@ -215,11 +215,11 @@ def test_an_impact_has_the_largest_force_in_a_joint_while_it_lasts(name):
         if end == onset or not joints:
             assert (impact["joint_force"], impact["joint"]) == (0.0, 0)
             continue
-        # without the rows at its ends, where the force of a rigid wall jumps
+        # without the rows at the ends of the impact, where the force of a rigid wall jumps
         rows = sizes[:, (fine.time > onset) & (fine.time < end)]
         assert rows.max(initial=0.0) <= impact["joint_force"] * (1.0 + 1e-7)
-        if rows.shape[1] > 60:  # so that one is near the peak
-            # a force that jumps, at an onset or with a mode of friction, falls until the next row
+        if rows.shape[1] > 60:  # enough rows for one near the peak
+            # a force that jumps at an onset or at a mode change may be smaller in the next row
             near = 1e-3 if name in ("box", "pinned") else 0.03
             assert impact["joint_force"] == pytest.approx(rows.max(), rel=near)
             assert impact["joint"] == joints[rows.max(axis=1).argmax()]
@@ -298,7 +298,8 @@ def test_derivatives_are_those_of_differences(name, output):
     )
     right = (high[output] - low[output]) / (2.0 * change)
     found = result.sensitivity(output, parameter)
-    quiet = np.abs(right) < 50.0 * np.median(np.abs(right))  # a row just at an impact says nothing
+    # the difference is not valid in a row just at an impact
+    quiet = np.abs(right) < 50.0 * np.median(np.abs(right))
     assert quiet.sum() > 20
     assert np.abs(found - right)[quiet].max() < 1e-5 * np.abs(right[quiet]).max()
 

@@ -1,4 +1,4 @@
-"""What an observer sees within a step, on motions in closed form."""
+"""Observations within a step, on motions in closed form."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ from tests.kernel.steps import (
     walls_away,
 )
 
-IN, OUT = 5, 10  # candidates in contact: one in its wall, and one that has left it already
+IN, OUT = 5, 10  # candidates in contact: one in its wall, and one outside
 COUNT, SIZE = 3, 0.4
 
 
@@ -79,7 +79,7 @@ def test_outputs_are_those_of_the_state_at_the_communication_point(theta):
     velocity = (ends[0][0] - ends[1][0]) / (2 * h)
     np.testing.assert_allclose(out.point_velocity @ [1.0, 1j], velocity, rtol=0, atol=1e-8)
 
-    # contacts, as the solver holds them
+    # contacts, with the solver's stored values
     rates = (ends[0][1] - ends[1][1]) / (2 * h)
     force, _ = law_force(d, IN, 1e-3, -rates[IN])
     expected = np.zeros((4, d.candidates))
@@ -89,7 +89,7 @@ def test_outputs_are_those_of_the_state_at_the_communication_point(theta):
     for name, values in zip(("force", "penetration", "penetration_rate", "impulse"), expected, strict=True):
         np.testing.assert_allclose(out[name], values, rtol=1e-6, atol=1e-7)
 
-    # the motion goes on as the equations say, not as the interpolant
+    # the motion follows the equations, not the interpolant
     angles, omega = y[2:half], y[half + 2 : 2 * half]
     loads, joints = np.zeros((COUNT + 1, 2)), np.diff(omega, prepend=omega[0])
     loads[d.candidate.point[IN]] = force * np.array([d.candidate.normal_x[IN], d.candidate.normal_y[IN]])
@@ -114,7 +114,7 @@ def test_outputs_are_those_of_the_state_at_the_communication_point(theta):
     assert out.total == pytest.approx(out.kinetic + out.potential + out.elastic, rel=1e-13)
     assert out.dissipated == pytest.approx(3.0 + 0.5 * theta * SIZE, rel=1e-12)
     assert out.supplied == pytest.approx(4.0 - 0.7 * theta * SIZE, rel=1e-12)
-    # a look is no work
+    # an observation counts no work
     assert (d.statistics.rhs_evaluations, d.limits.other_work) == work
 
 
@@ -145,7 +145,7 @@ def test_contacts_that_last_are_noted_and_what_goes_on_beside_is_observed(monkey
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_the_outputs_of_stops_are_those_of_their_joints(base):
-    """Moments and angles, at the first stop of each joint: negative moments are those at joint_max."""
+    """Moments and angles, at the first stop of each joint; moments at joint_max are negative."""
     rng = np.random.default_rng(5)
     _, d = stopped_chain(3, base)
     out, size, stops = d.output, d.model.size, stops_of(d)
@@ -175,7 +175,7 @@ def test_the_outputs_of_stops_are_those_of_their_joints(base):
 def test_a_joint_with_one_stop_has_its_outputs_there():
     _, d = stopped_chain(3)
     first, second, third, fourth = stops_of(d)
-    # joint 2 only at joint_max, joint 3 at both sides, as they were
+    # joint 2 only at joint_max, joint 3 at both sides as before
     d.candidate.point[first], d.candidate.stop[first] = 1, -1
     assert [first_stop(d, c) for c in (first, second, third, fourth)] == [first, second, third, third]
     for name in ("force", "impulse", "penetration", "penetration_rate"):
@@ -187,7 +187,7 @@ def test_a_joint_with_one_stop_has_its_outputs_there():
 
 
 def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
-    """With the force law of the angle, at a joint beyond its joint_max."""
+    """The force law of angles applies to a joint beyond its joint_max."""
     _, d = stopped_chain(2, dampers=True)
     motion = free_motion(np.random.default_rng(3), d)
     low, high = stops_of(d)
@@ -209,7 +209,7 @@ def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
     assert d.output.penetration[low] == pytest.approx(0.02, rel=1e-9)
     assert d.output.penetration_rate[low] == pytest.approx(rate, rel=1e-9)
     assert not d.output.force[high]
-    # the moment acts on both links of the joint: the momentum of the chain does not change
+    # the moment acts on both links of the joint, so the momentum of the chain does not change
     before = vectors(d.work.load)
     assert not before.any()
     assert d.work.load.x[d.links + 2] == pytest.approx(-force, rel=1e-9)

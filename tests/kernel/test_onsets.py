@@ -1,4 +1,4 @@
-"""A caller that stops at every onset: where it stops, what it sees, and that the motion is the same."""
+"""A caller that stops at every onset: the times, the outputs, and an unchanged motion."""
 
 import numpy as np
 import pytest
@@ -94,7 +94,7 @@ def test_who_does_not_handle_an_onset_goes_on_all_the_same():
 
 
 def test_the_restitution_set_at_an_onset_is_that_of_its_impact():
-    """A rod that falls flat bounces with the law's restitution of the impact; each bounce has another."""
+    """A rod falls flat; each bounce has another restitution, set at its onset."""
     stopping = Stopping(dropped(0.1, 0.0, model="newton_impact"))
     ratios = []
     for restitution in (0.9, 0.5, 0.7):
@@ -114,7 +114,7 @@ def test_the_restitution_set_at_an_onset_is_that_of_its_impact():
 
 
 def test_a_law_set_at_an_onset_is_that_of_its_impact():
-    """A rigid wall at the first impact, a compliant one at the second, under which the contact lasts."""
+    """The first impact has a rigid wall, and the second a compliant wall under which the contact lasts."""
     stopping = Stopping(dropped(0.1, 0.0))
     lasting = []
     for law in (CONTACT_LAWS[name].number for name in ("newton_impact", "hunt_crossley")):

@@ -1,4 +1,4 @@
-"""The layout of an instance: what lies where in the record."""
+"""The layout of an instance: the offsets of all fields in the record."""
 
 import numpy as np
 import pytest

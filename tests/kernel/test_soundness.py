@@ -1,4 +1,4 @@
-"""Records that came from outside: what would lead out of them, or keep a caller waiting, is refused."""
+"""Records from outside: refuse values that would cause invalid memory accesses or endless runs."""
 
 import numpy as np
 import pytest
@@ -57,7 +57,7 @@ def test_each_candidate_has_a_law_once_a_run_has_started(d):
     assert sound(d) == 1
 
 
-# the least and the most of each index of a chain of N links with C candidates and 7 impacts
+# lower and upper bound of each index of a chain of N links with C candidates and 7 impacts
 BOUNDS = {
     ("model", "middle"): (0, 3),
     ("step", "regularized"): (NO_CONTACT, 15),
@@ -83,8 +83,8 @@ BOUNDS = {
 }
 
 
-# the least and the most of a chain of 4 links with 20 candidates, so 24 elements: of 2 contacts and 3 joints
-# all have friction, and 2 of them stick
+# lower and upper bounds for a chain of 4 links with 20 candidates and 24 elements: 2 contacts and 3 joints
+# have friction, and 2 of them stick
 OF_FRICTION = {
     ("friction", "used"): (0, 1),
     ("friction", "count"): (2, 24),
@@ -127,7 +127,7 @@ def test_each_index_has_its_least_and_its_most(record, field):
         _, d = chain(np.random.default_rng(0), 3)
         d.impact.count = 7
         if field == "stop":
-            d.candidate.point[:] = 1  # a stop is in a joint, and these are counted from 1
+            d.candidate.point[:] = 1  # stops belong to joints, and joints are counted from 1
     assert within_bounds(d)
     shape = np.shape(d[record][field])
     for i in range(shape[0]) if shape else [None]:
@@ -148,7 +148,7 @@ def test_a_law_may_be_missing_only_before_a_start_and_where_nothing_touches():
     _, d = chain(np.random.default_rng(0), 3)
     d.law.number[5] = 0
     assert not within_bounds(d)
-    d.model.size = 0.0  # it is derived at the start
+    d.model.size = 0.0  # the start derives the size
     assert within_bounds(d)
     touch(d, [1])
     assert not within_bounds(d)
@@ -163,7 +163,7 @@ def test_a_law_is_copied_from_a_candidate_that_is_not_later():
 
 
 def test_only_stops_have_the_numbers_after_those_of_walls():
-    """Their joints begin at 1: the base, point 0, has no link before it."""
+    """Joints begin at 1, because the base, point 0, has no preceding link."""
     d = stopped_chain(3)[1]
     last, stop = 4 + d.candidates - 1, stops_of(d)[0]
     assert within_bounds(d)
@@ -208,13 +208,13 @@ def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
     [
         (2, ("candidates",), 1 << 20),
         (12, ("candidates",), 1 << 20),
-        (12, ("links",), 1 << 20),  # in a kernel for any number
+        (12, ("links",), 1 << 20),  # in the kernel for any number of links
         (2, ("touch", "active_count"), -2),
         (12, ("step", "method"), 7),
     ],
 )
 def test_nor_is_one_behind_it(links, path, value):
-    """Of the instances of dual numbers: by the compiled kernel, which would read beyond the record."""
+    """The compiled kernel would read instances of dual numbers beyond the record."""
     scene = table(
         [{"length": 0.1, "mass": 1.0}] * links, box={"y_min": 0.0}, initial={"angles": [1.0] * links}
     )

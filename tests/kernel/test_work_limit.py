@@ -1,4 +1,4 @@
-"""Bounds on work and on events: what is counted, over which time, and when it is too much."""
+"""Bounds on work and events: the counted work, the window of time, and the end of a run."""
 
 import math
 
@@ -67,7 +67,7 @@ def test_too_many_events_in_a_short_time_are_a_storm(d):
     assert d.limits.event_count == limit
     assert status.check_events(d, 0) == OK
     assert status.check_events(d, 1) == EVENT_STORM
-    # a new window
+    # a new window begins
     d.step.end = math.nextafter(5.0 + status.EVENT_WINDOW, 0.0)
     assert status.check_events(d, 0) == EVENT_STORM
     d.step.end = 5.0 + status.EVENT_WINDOW

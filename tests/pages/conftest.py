@@ -1,4 +1,4 @@
-"""A Chromium for the tests of the pages, and the kernel in it without its page."""
+"""A Chromium for the tests of the pages, with the page, or with the kernel alone."""
 
 import base64
 import json
@@ -35,7 +35,7 @@ RUN = """async ({ module, file, kit, values, stop, step }) => {
 
 
 SCENE = ("unpacked", "changes", "signals", "scene_file", "model")
-"""The modules that make a scene of a file, beside those of the worker."""
+"""The modules that read a scene file, besides the worker's modules."""
 COMPILED = """
 const modules = new Map();
 async function compiled(text) {
@@ -47,11 +47,11 @@ const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"""
 
 @pytest.fixture(scope="module")
 def browser():
-    from playwright.sync_api import sync_playwright  # the quick tier does without it
+    from playwright.sync_api import sync_playwright  # the quick tier does not need playwright
 
     with sync_playwright() as playwright:
-        # In a container there is no sandbox for root, and the page is our own. Without the other switches,
-        # Chromium tells a script of its memory that it is 10 MB, whatever it is.
+        # In a container root has no sandbox; the page is our own. Without the other switches, Chromium always
+        # reports 10 MB of memory.
         told = ["--enable-precise-memory-info", "--js-flags=--expose-gc"]
         started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *told])
         yield started
@@ -67,7 +67,7 @@ def address(tmp_path_factory):
 
 @pytest.fixture
 def open_page(browser):
-    """Open a page, which must not complain, nor ask for anything; its clock may be ``stopped``."""
+    """Open a page, which must not report errors or load files; its clock may be ``stopped``."""
     said, opened, local = [], [], ["data:", "blob:"]
 
     def open_page(address, begins=True, stopped=False, **options):
@@ -94,7 +94,7 @@ def open_page(browser):
 
 @pytest.fixture
 def show(open_page, address, tmp_path):
-    """Open the page that simulates: the box with four links, or a scene with other values."""
+    """Open the simulating page with the four-link box, or with other values."""
 
     def show(model="", changes=None, hash_="", **options):
         if not model:
@@ -107,7 +107,7 @@ def show(open_page, address, tmp_path):
 
 
 def until(page, condition):
-    """Wait for a condition that the page works out."""
+    """Wait for a condition that the page evaluates."""
     page.wait_for_function(condition)
 
 

@@ -1,4 +1,4 @@
-"""What axe finds on the pages: nothing."""
+"""Accessibility of the pages: axe reports nothing."""
 
 import pytest
 
@@ -10,7 +10,7 @@ SCHEMES = pytest.mark.parametrize("scheme", ["light", "dark"])
 
 
 def assert_clean(page, where):
-    from axe_playwright_python.sync_playwright import Axe  # the quick tier does without it
+    from axe_playwright_python.sync_playwright import Axe  # the quick tier does not need axe
 
     found = Axe().run(page).response["violations"]
     assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in found] == [], where

@@ -1,4 +1,4 @@
-"""The page of a recording in a browser: it plays, jumps, is slow at impacts, on a phone and in the dark."""
+"""A recording's page in a browser: playback, jumps, slow motion at impacts, a phone and the dark theme."""
 
 import io
 import math
@@ -103,12 +103,12 @@ def test_it_plays_on_its_own_and_pauses(show):
     stopped = time_after(page, 50)
     assert stopped > 0.1
     assert time_after(page, 500) == stopped
-    page.keyboard.press("Space")  # the button has the focus and takes it
+    page.keyboard.press("Space")  # the focused button receives the key
     assert time_after(page, 100) > stopped
 
 
 def test_it_stands_still_for_who_asked_for_less_motion_and_its_clock_passes_as_it_says(show):
-    """In a third of a second: some tenths of a millisecond at an impact, else as long or twice."""
+    """In 1/3 s: a fraction of a millisecond at an impact, otherwise as long or twice as long."""
     page = show(stopped=True)
     assert time_after(page, 500) == 0.0
     page.get_by_role("button", name="Play").click()
@@ -132,7 +132,7 @@ def test_it_stands_still_for_who_asked_for_less_motion_and_its_clock_passes_as_i
 
 
 def test_positions_alone_make_a_page(show):
-    """Of a table with nothing but positions: no walls, no impacts, no energies."""
+    """The table has positions only: no walls, no impacts, no energies."""
     time = np.linspace(0.0, 1.0, 20)
     columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
     columns |= {"point[1].x": np.cos(time), "point[1].y": np.sin(time)}
@@ -186,7 +186,7 @@ def test_arrow_keys_step_in_time_on_the_screen(show):
     page = show()
     assert press(page, "ArrowRight") == pytest.approx(1 / 30, rel=0.01)
     assert press(page, "ArrowLeft") == 0.0
-    # nothing is kept of steps beyond either end: the next one back is seen at once
+    # steps beyond either end have no effect: the next step back is visible at once
     assert [press(page, "ArrowLeft") for _ in range(3)] == [0.0] * 3
     assert press(page, "ArrowRight") == pytest.approx(1 / 30, rel=0.01)
     end = press(page, "End")
@@ -241,7 +241,7 @@ def named(page):
 
 
 def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show, recording):
-    """Before its onset it is the next one, from the middle of the time since the end of the one before."""
+    """From halfway between two impacts, the next impact is named before its onset."""
     page = show()
     second, third = recording.impacts[1:3]
     middle = (second["end"] + third["onset"]) / 2
@@ -275,7 +275,7 @@ def twins(until_next=1e-3, force=1.0):
 
 @pytest.mark.parametrize("until_next", [1e-3, 0.0])
 def test_of_contacts_that_overlap_the_latest_is_named(show, until_next):
-    """Where both begin at once, it is the one whose button was pressed."""
+    """If two contacts begin at the same time, the page names the contact whose button was pressed."""
     page = show(twins(until_next))
     for number in (1, 2, 1):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
@@ -438,7 +438,7 @@ def test_the_chain_never_comes_under_the_scale_bar_and_a_pinned_base_stands_on_g
     lines = [line.bounding_box() for line in page.locator(".pin").all()]
     left, right = min(b["x"] for b in lines), max(b["x"] + b["width"] for b in lines)
     assert (left + right) / 2 == pytest.approx(joint["x"] + joint["width"] / 2, abs=3.0)
-    assert max(b["y"] + b["height"] for b in lines) < joint["y"] + joint["height"]  # above a chain that hangs
+    assert max(b["y"] + b["height"] for b in lines) < joint["y"] + joint["height"]  # above a hanging chain
     press(page, "End")
     bar, trace, mark = (page.locator(kind).first.bounding_box() for kind in (".bar", ".trace", ".pin"))
     lowest = bar["y"] + bar["height"]

@@ -1,4 +1,4 @@
-"""The chart of outputs: what is chosen is drawn with the numbers of `simulate()`, and stays in the link."""
+"""The chart of outputs: chosen outputs are drawn with the numbers of `simulate()`, and stored in the link."""
 
 import numpy as np
 import pytest

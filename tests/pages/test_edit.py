@@ -1,4 +1,4 @@
-"""Scenes that the page makes itself: of files that are opened, and of what is edited in its dialog."""
+"""Scenes that the page reads itself: opened files, and text from its edit dialog."""
 
 import json
 import re
@@ -53,7 +53,7 @@ def assert_as_python(found, scene):
 
 @pytest.mark.parametrize("model", model_names())
 def test_the_file_of_every_model_makes_the_record_of_its_scene(worker, model):
-    """With its counts of links, angles in degrees and of joints, normals and defaults."""
+    """The record has the right counts of links, angles in degrees and of joints, normals and defaults."""
     text = scene_path(model).read_text(encoding="utf-8")
     scene = load_scene(model)
     assert_as_python(made(worker, scene, text), scene)
@@ -351,7 +351,7 @@ def test_links_walls_and_stops_are_added_and_removed_and_the_page_has_the_number
     assert scene.chain.links[2].joint_max == pytest.approx(np.radians(80))
     assert scene.box.x_min is None
     assert [wall.name for wall in scene.walls] == ["wall1"]
-    assert scene.contact.restitution == float(restitution) != 0.7  # the change from before the edit is in it
+    assert scene.contact.restitution == float(restitution) != 0.7  # the change before the edit is kept
     assert_same_motion(page, scene)
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Remove wall wall1").click()

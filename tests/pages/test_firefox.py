@@ -1,4 +1,4 @@
-"""The page in Debian's Firefox: the bits of `simulate()`, a start by hand, and a map."""
+"""The page in Debian's Firefox: bit-equal results of `simulate()`, a manual start, and a map."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from chain_impact.scene.models import scene_path
 from tests.tiers import FIREFOX, needs_browser
 
 pytestmark = needs_browser
-# Marionette's scripts see the page's own objects from outside only: this runs a function's body in the page.
+# Marionette's scripts cannot use the page's own objects: this code runs a function body inside the page.
 ANSWER = """const [body, done] = arguments;
 const page = window.wrappedJSObject;
 page.eval(`delete window.answer; (async () => { ${body} })()
@@ -25,7 +25,7 @@ UNTIL = "while (!({})) await new Promise((go) => setTimeout(go, 20)); return tru
 
 
 class Firefox:
-    """A Firefox, and what the tests ask of it."""
+    """A Firefox with the requests of the tests."""
 
     def __init__(self):
         from marionette_driver.marionette import Marionette
@@ -70,7 +70,7 @@ class Firefox:
 @pytest.fixture(scope="module")
 def firefox():
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the driver uses what is deprecated, and leaves sockets open
+        warnings.simplefilter("ignore")  # the driver uses deprecated functions, and leaves sockets open
         started = Firefox()
     yield started
     with warnings.catch_warnings():

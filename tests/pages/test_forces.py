@@ -1,4 +1,4 @@
-"""The scale of the arrows of forces, and texts in the scene beside each other."""
+"""The scale of force arrows, and the placement of texts in the scene."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ ON_OTHERS = """() => {
   const others = [...texts, ...seen('circle.joint, circle.tip, circle.site')];
   return texts.flatMap((one, k) => others.slice(k + 1).filter((other) => meet(one, other))
     .map((other) => [one[0], other[0]])); }"""
-"""Pairs of a text and what it is on. The boxes of texts have room above the letters."""
+"""Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""An input is held while the motion plays: from then on, in the link, the command and the scene file."""
+"""Changed inputs during playback: they act from then on, also in the link, the command and the scene file."""
 
 import shlex
 
@@ -47,9 +47,10 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
     slider = page.get_by_role("slider", name=SLIDER)
     for key in ("PageUp", "PageUp", "ArrowLeft"):
         slider.press(key)
-        until(page, f"{shown} > {page.evaluate(shown) + 1e-3}")  # each at a time of its own
+        until(page, f"{shown} > {page.evaluate(shown) + 1e-3}")  # each change at its own time
     page.get_by_role("button", name="Pause").click()
-    until(page, "decodeURIComponent(location.hash).split(':').length === 4")  # three steps, once all rests
+    # three steps, after the motion has settled
+    until(page, "decodeURIComponent(location.hash).split(':').length === 4")
     page.wait_for_function(HELD)
     assert page.evaluate("chainImpact.parameters['joint[1].torque']") == before, (
         "at the start, it is as it was"
@@ -85,5 +86,5 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
     page.wait_for_function(HELD)
     page.get_by_role("button", name=f"Reset {SLIDER}").first.click()
     until(page, "document.getElementById('inputs-over-time').closest('section').hidden")
-    exec(words[2])  # which prints the result
+    exec(words[2])  # the script prints the result
     assert f"{len(simulate(path).impacts)} impact" in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""The page in a browser, by real events: knobs, list, console, link, files, maps, runs that fail or last."""
+"""The page in a browser, by real events: controls, list, console, link, files, maps, and failing runs."""
 
 import csv
 import functools
@@ -40,7 +40,7 @@ PIXELS = """async ([chart, colour]) => {
     if (data[k + 3] > 200 && wanted.every((part, c) => Math.abs(part - data[k + c]) < 30)) count += 1;
   }
   return count; }"""
-"""How many pixels of a chart have a colour of the style sheet."""
+"""Number of pixels of a chart with a colour of the style sheet."""
 
 
 def impacts_of(changes):
@@ -472,7 +472,7 @@ def test_the_motion_before_a_change_is_a_ghost_and_pinned_ones_stay(show):
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
         until_told(page, impacts_of({"contact.restitution": value}))
-        page.wait_for_timeout(900)  # changes that follow each other faster are one
+        page.wait_for_timeout(900)  # changes at shorter intervals are merged into one change
     assert page.locator("polyline.ghost").count() == 3
     for chart in ("energy", "force"):
         assert page.evaluate(PIXELS, [chart, "pin-2"]) > 20
@@ -488,7 +488,7 @@ def test_the_motion_before_a_change_is_a_ghost_and_pinned_ones_stay(show):
 
 
 def draw_map(page):
-    """Ask for a map, and wait for it."""
+    """Request a map, and wait for the map."""
     page.get_by_role("button", name="Simulate 41 × 41 runs").click()
     page.locator("#map-text").get_by_text("1681 runs in").wait_for()
 
@@ -577,7 +577,7 @@ def test_a_map_that_is_closed_stops_and_another_takes_the_place_of_one_that_is_n
     assert len(page.workers) > 1
     page.keyboard.press("Escape")
     until(page, "document.getElementById('map-text').textContent.startsWith('Stopped after')")
-    while len(page.workers) > 1:  # but that of the motion, they end
+    while len(page.workers) > 1:  # all workers except the worker of the motion end
         page.wait_for_timeout(50)
     page.evaluate("chainImpact.show({ 'simulation.stop_time': 0.2 })")
     page.get_by_role("button", name="Map…").click()
@@ -610,8 +610,8 @@ MANY = """async () => {
 def test_many_runs_leave_the_memory_as_it_was(show):
     before, after, holding, same, _ = show().evaluate(MANY)
     assert same
-    assert after - before < 0.4e6  # a thousand bytes a run
-    assert holding - after > 5e6  # this is how 8 MB would be seen
+    assert after - before < 0.4e6  # 1000 bytes per run
+    assert holding - after > 5e6  # a leak of 8 MB would be detected here
 
 
 def test_a_long_run_does_not_freeze_the_page_and_gives_way_to_the_next(show):
@@ -623,7 +623,7 @@ def test_a_long_run_does_not_freeze_the_page_and_gives_way_to_the_next(show):
       const tick = (now) => { longest = Math.max(longest, now - before); before = now;
         if (now - began > 600) done(longest); else requestAnimationFrame(tick); };
       requestAnimationFrame(tick); })""")
-    assert frames < 400  # ms, on a machine that does other work, too
+    assert frames < 400  # ms, on a busy machine
     page.get_by_role("button", name="Reset all").click()
     until(page, "!document.body.classList.contains('computing')")
     until_told(page, "14 impacts in 2 s")

@@ -1,4 +1,4 @@
-"""The page's worker: the bits of `simulate()` and `sweep()`, the frames of an animation, what it refuses."""
+"""The page's worker: bit-equal `simulate()` and `sweep()`, the frames of an animation, refused requests."""
 
 import numpy as np
 import pytest
@@ -68,7 +68,7 @@ def test_what_the_scene_derives_follows_changed_parameters(kernel, changes):
 
 @pytest.mark.parametrize(("model", "changes"), CHANGES)
 def test_changed_parameters_give_the_bits_of_the_changed_scene(kernel, model, changes):
-    """The page sets words of the record, and the kernel derives the rest; Python makes another record."""
+    """The page sets words of the record and the kernel derives the rest; Python makes a new record."""
     scene = load_scene(model)
     changed = scene.with_values(changes)
     values = {name: numbers(changed).get((name, value), value) for name, value in changes.items()}
@@ -84,7 +84,7 @@ def test_a_table_drives_the_page_to_the_bits_of_simulate(kernel, tmp_path):
 
 @pytest.mark.parametrize("stop_time", [0.406, 1.69])
 def test_a_contact_that_lasts_at_the_end_is_that_of_simulate(kernel, stop_time):
-    """At a stop and at a wall."""
+    """Contacts at a stop and at a wall last at the end."""
     scene = knee(**{"simulation.stop_time": stop_time})
     result = simulate(scene)
     assert np.isnan(result.impacts["end"][-1])
@@ -115,7 +115,7 @@ def test_a_start_that_cannot_be_has_a_status_and_no_rows(kernel):
 
 
 def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
-    """It does not allocate: runs of one scene, with and without rows, and studies of it."""
+    """The module allocates no memory in runs with and without rows, and in studies."""
     scene = page_contents(load_scene("four_link_box"))
     before, after, same = worker.evaluate(
         """async ([module, contents]) => {
@@ -139,7 +139,7 @@ def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
 
 
 def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
-    """Its hyperbolic sine is not that of the machine's C library: some last digits differ."""
+    """The page's hyperbolic sine is not the machine's C library: some last digits differ."""
     (tmp_path / "mine.py").write_text(SINH)
     scene = load_scene("rod_drop").with_values(
         {"contact.law_file": str(tmp_path / "mine.py"), "contact.model": "mine"}
@@ -151,7 +151,7 @@ def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
     for here, there in zip(found["impacts"], known.impacts, strict=True):
         assert float(here["peak_force"]) == pytest.approx(there["peak_force"], rel=1e-7)
     other = simulate(load_scene("rod_drop"))
-    assert abs(other["point[1].y"] - known["point[1].y"]).max() > 1e-4  # by another law it is another motion
+    assert abs(other["point[1].y"] - known["point[1].y"]).max() > 1e-4  # another law gives another motion
 
 
 # --- studies, and what the page works out itself: frames, view, what follows from what ---------------------
@@ -181,7 +181,7 @@ def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
     for place, name in enumerate(outputs):
         column = np.ascontiguousarray(known[name])
         np.testing.assert_array_equal(found[:, place], column.view(np.int64), name)
-    assert rows_after == 11  # the memory has grown, and other runs go on as before
+    assert rows_after == 11  # the memory has grown, and other runs continue as before
 
 
 @pytest.fixture(scope="module")
@@ -231,7 +231,7 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
     np.testing.assert_allclose(found["loads"], loads, rtol=0.02)
     assert found["radius"] == pytest.approx(radius, abs=1e-9)
     assert [one["joint"] for one in found["stops"]] == list(known.stops)
-    # of walls only: moments of stops are drawn on a scale of their own
+    # forces of walls only: moments of stops have their own scale
     peak = known.impacts["peak_force"][~known.at_stops].max(initial=0.0)
     assert found["peakForce"] == pytest.approx(peak, rel=1e-3, abs=1e-200)
     assert (found["time"][0], found["time"][-1]) == (known.time[0], known.time[-1])
@@ -280,7 +280,7 @@ def begun(worker, scene, changes):
     ],
 )
 def test_parameters_that_do_not_go_together_are_refused_as_by_a_scene(worker, model, changes, expected):
-    """By the page, before it simulates, or else by the kernel, with a status."""
+    """The page refuses them before a simulation, or else the kernel with a status."""
     scene = load_scene(model)
     if model == "kneed_leg":
         scene = scene.with_values({"link[3].joint_min": -2.9})
@@ -313,12 +313,12 @@ def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
         {"link[1].length": 0.6, "link[2].mass": 0.2},
         {"contact.restitution": 0.45, "contact.exponent": 1.25},
         {"link[1].length": 0.6, "link[1].inertia": 0.02, "stop.restitution": 0.9, "contact.restitution": 0.4},
-        {"link[1].length": 0.6, "link[1].center_of_mass": 0.25},  # as it would be in the scene
+        {"link[1].length": 0.6, "link[1].center_of_mass": 0.25},  # as in the scene
     ],
     ids=str,
 )
 def test_what_follows_from_others_is_shown_as_in_the_edited_file(worker, changes):
-    """And follows them again once it is set back."""
+    """A derived value follows its sources again after a reset."""
     expected = edited(FINGER, changes)
     shown, text, back, starts = worker.evaluate(
         """([contents, given]) => {

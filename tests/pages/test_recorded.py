@@ -1,4 +1,4 @@
-"""The pages: they stand alone and are small, hold what they are made of, and their parts are those of npm."""
+"""The pages: small, without other files, made from their sources, with the parts of npm's packages."""
 
 import base64
 import hashlib
@@ -16,7 +16,7 @@ from tests.helpers.friction import pendulum, sled
 from tests.helpers.page_data import data_of
 from tests.helpers.stops import knee
 
-# file → version of its package of npm
+# file → version of its package in npm
 VENDORED = {"uPlot.iife.min.js": "1.6.32", "uPlot.min.css": "1.6.32", "uPlot.LICENSE": "1.6.32"}
 VENDORED |= {"svg.min.js": "3.2.8", "svg.LICENSE": "3.2.8"}
 VENDORED |= {"smol-toml.cjs": "1.9.1", "smol-toml.LICENSE": "1.9.1"}
@@ -121,7 +121,7 @@ def test_of_very_many_rows_those_stay_that_are_shown_and_those_beside_impacts(mo
     for moment in (*whole.impacts["onset"], *whole.impacts["end"]):
         after = int(np.searchsorted(whole.time, moment))
         assert np.isin(whole.time[after - 1 : after + 1], found.time).all()
-    # as motion and forces between the rows that stay are shown
+    # rows stay where the motion and the forces between the rows are shown
     hit = "contact[2].y_min.force"
     assert np.diff(found.time).max() < 2.1 * np.ptp(whole.time) / 1000
     assert found.columns[hit].max() > 0.9 * whole[hit].max()

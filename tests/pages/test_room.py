@@ -1,4 +1,4 @@
-"""No label runs into a control on small screens: by the boxes that are drawn."""
+"""No label overlaps a control on small screens, by the drawn boxes."""
 
 import pytest
 
@@ -51,7 +51,7 @@ CLASHES = """() => {
     others.slice(k + 1).filter((b) => clash(a, b)).map((b) => `${a.name} on ${b.name}`));
   const wider = document.documentElement.scrollWidth - innerWidth;
   return wider > 0 ? [...found, `the page is ${wider} pixels too wide`] : found; }"""
-"""Pairs of controls and texts whose boxes meet, of those that scroll together."""
+"""Overlapping pairs of controls and texts among elements that scroll together."""
 
 
 @pytest.mark.parametrize("model", SCENES)

@@ -1,4 +1,4 @@
-"""What stands on the screen and is taken by hand: grips, the room, the trace, small screens, fingers."""
+"""The screen and its handles: dragging, the room, the trace, small screens, touch."""
 
 import re
 
@@ -17,7 +17,7 @@ STILL = "!document.body.classList.contains('computing')"
 
 
 def settle(page):
-    """Wait until what has been done is drawn, and the run that follows from it."""
+    """Wait until the page has drawn the last change and finished the following run."""
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     until(page, STILL)
 
@@ -37,7 +37,7 @@ def parameters(page):
     return {name: float(text) for name, text in texts if re.fullmatch(r"[-+.\de]+", text)}
 
 
-# where a grip is, if nothing covers it
+# the position of a handle, if no other element covers the handle
 REACHABLE = """(name) => {
   const grip = document.querySelector(`[data-grip="${name}"]`), box = grip?.getBoundingClientRect();
   const at = box && [box.x + box.width / 2, box.y + box.height / 2];
@@ -73,7 +73,7 @@ def drag(page, grip, by, origin=None):
     ],
 )
 def test_what_is_dragged_changes_what_it_stands_for(show, grip, by, signs):
-    """A joint turns its link, the base takes the chain along, a wall moves along its normal."""
+    """A joint rotates its link, the base moves the chain, and a wall moves along its normal."""
     page, scene = show(), load_scene("four_link_box")
     before = {name: value for name, value in parameters(page).items() if name in scene.values}
     after = drag(page, grip, by)
@@ -155,7 +155,7 @@ def test_a_closed_box_is_drawn_closed_unless_it_is_much_larger_than_the_motion(s
 
 
 def test_the_trace_has_corners_at_impacts_only(show):
-    """A rod that spins about its pin: with 5 turns in a second, it turns by 30° from frame to frame."""
+    """A rod rotates about its pin at 5 turns per second: 30° from frame to frame."""
     spin = {"gravity": (0.0, 0.0), "initial.angular_velocities": (30.0,), "simulation.stop_time": 0.15}
     page = show("simple_pendulum", spin)
     page.locator("#scrub").press("End")
@@ -183,7 +183,7 @@ def test_on_a_phone_on_its_side_all_of_the_chain_is_seen(show, model):
 
 
 def touch(page, kind, *points):
-    """Let fingers touch the screen at points; what they did before goes on."""
+    """Touch the screen with fingers at points, in continuation of earlier touches."""
     page.touches = getattr(page, "touches", None) or page.context.new_cdp_session(page)
     given = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(points)]
     page.touches.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": given})
@@ -229,7 +229,7 @@ def test_a_finger_reads_a_run_of_a_map_and_then_opens_it(show):
 
 @pytest.mark.parametrize("size", [(1100, 640), (900, 640), (1366, 640), (1000, 1000)])
 def test_the_controls_cover_no_part_of_the_motion(show, size):
-    """Such as in the frame of a notebook."""
+    """The page has the size of a frame in a notebook."""
     page = show(viewport=dict(zip(("width", "height"), size, strict=True)))
     ends = "[document.getElementById('view').getBoundingClientRect().bottom, "
     view, controls = page.evaluate(ends + "document.querySelector('footer').getBoundingClientRect().top]")
@@ -247,6 +247,6 @@ def test_on_a_phone_controls_take_a_tenth_of_the_height_and_fingers_meet_them(sh
         page.evaluate("document.querySelector('footer').getBoundingClientRect().height / innerHeight") <= 0.1
     )
     assert page.evaluate(SMALL, 32) == []
-    page.locator("#loop").scroll_into_view_if_needed()  # beside the others, in the same line
+    page.locator("#loop").scroll_into_view_if_needed()  # in the same line as the other buttons
     page.locator("#loop").tap()
     assert page.locator("#loop").is_checked()

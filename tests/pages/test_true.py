@@ -1,4 +1,4 @@
-"""The page that simulates shows nothing that is not so, and takes what its reader means."""
+"""The simulating page shows correct values only, and reads input as its user intends."""
 
 import itertools
 import math
@@ -29,7 +29,7 @@ def test_angles_in_degrees_are_taken_in_every_field(show):
         field.press("Enter")
         number = math.radians(float(re.match(r"-?\d+", text)[0]))
         assert float(page.evaluate(f"chainImpact.parameters['{name}']")) == pytest.approx(number, rel=1e-15)
-    field.fill("90 deg")  # is no angular velocity
+    field.fill("90 deg")  # a wrong unit for an angular velocity
     field.press("Enter")
     assert "must be a finite number" in page.locator(".parameter .refusal:not(:empty)").inner_text()
     page.get_by_role("button", name="Map…").click()

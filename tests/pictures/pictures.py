@@ -1,4 +1,4 @@
-"""Recordings to draw, and the pictures of them."""
+"""Recordings for pictures, and the pictures."""
 
 import functools
 
@@ -32,7 +32,7 @@ def hit(time, point, wall, speed):
 def swing(impacts=(), walls=None, rows=50, slopes=None, parameters=None):
     """Return a rod of 1 m that rotates by half a turn about the origin, from right to left through y > 0.
 
-    The walls of the box and those at any angle as ``half_planes`` takes them.
+    The walls are given as for ``half_planes``.
     """
     time = np.linspace(0.0, 2.0, rows)
     angle = np.pi / 2 * time
@@ -65,13 +65,14 @@ def crowd(count=60):
 def drawn(recording):
     """Return the page with a recording, and its axes: motion, time, energy, impact speeds.
 
-    It is drawn once and then only looked at.
+    The page is drawn once and cached.
     """
     if id(recording) not in _PAGES:
         page = Figure(figsize=SIZE, layout="constrained")
         fill(page, recording)
         page.draw_without_rendering()
-        _PAGES[id(recording)] = recording, page  # with the recording itself, so that no other takes its id
+        # the recording is kept, too, so that no other recording gets the same id
+        _PAGES[id(recording)] = recording, page
     page = _PAGES[id(recording)][1]
     return page, *page.axes
 

@@ -1,4 +1,4 @@
-"""The pictures of models in the docs are what the code draws: they keep what is written in them."""
+"""The committed pictures of models: their texts equal the texts that the code draws."""
 
 import re
 from pathlib import Path
@@ -11,7 +11,7 @@ from chain_impact.scene.scene import model_names
 from tests.pictures.pictures import drawn, recorded
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
-# drawn by programs of their own
+# drawn by separate scripts
 OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
 LEFT_OUT = "Impacts without room for their numbers"
 NUMBERS = re.compile(r"[\d, +]+")

@@ -1,4 +1,4 @@
-"""Any outputs over time, drawn."""
+"""Pictures of any outputs over time."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""Dry friction in pictures: phases over time, what sticks at the end, energies, and what is told."""
+"""Dry friction in pictures: phases over time, sticking elements at the end, energies, and texts."""
 
 import numpy as np
 import pytest

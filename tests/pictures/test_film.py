@@ -1,4 +1,4 @@
-"""Films: what their readers find in them."""
+"""Films: their content as their viewers see them."""
 
 import itertools
 
@@ -170,7 +170,7 @@ def test_there_is_more_in_the_colour_of_forces_where_something_sticks(scene, wit
 
 @pytest.mark.parametrize("size", [(240, 180), (320, 240), (480, 270), (640, 360), (960, 540), (900, 300)])
 def test_no_text_runs_out_of_a_film(size):
-    """With dry friction there are most energies."""
+    """Scenes with dry friction have the most energies."""
     recording = record_slowly(load_scene("sliding_rod").with_values({"simulation.stop_time": 0.1}))
     with mpl.rc_context(STYLE):
         dpi = resolution(size)

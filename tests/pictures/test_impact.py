@@ -1,4 +1,4 @@
-"""The picture of one impact, and the course that it shows."""
+"""The picture of one impact, and its data."""
 
 import pickle
 
@@ -14,7 +14,7 @@ from tests.pictures.test_overview import WIDTHS, check_texts
 
 
 def test_the_loop_encloses_the_lost_energy_and_has_the_peak_of_the_list():
-    """Nothing but the contact dissipates; an independent quadrature of its force gives the loss."""
+    """Only the contact dissipates energy; an independent quadrature of its force gives the loss."""
     result = recorded("four_link_box")
     impact = result.impacts[2]
     course = course_of(result.model, result.rerun, impact)
@@ -28,7 +28,7 @@ def test_the_loop_encloses_the_lost_energy_and_has_the_peak_of_the_list():
 @pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", ["bouncing_table", "stick_slip_belt", "four_link_box", "carried_arm"])
 def test_the_run_is_the_same_once_more(model):
-    """Also with motions and inputs, at other rows, and of a result that has been pickled."""
+    """Also test motions and inputs, other rows, and an unpickled result."""
     result = pickle.loads(pickle.dumps(recorded(model)))
     rows = np.arange(1, len(result.time), 7)
     np.testing.assert_array_equal(result.rerun(result.time[rows]), result.outputs[rows])
@@ -91,7 +91,7 @@ def test_a_comparison_draws_itself_at_any_width_and_into_axes(tmp_path):
 
 
 def test_of_a_contact_that_lasts_the_impact_is_shown_and_that_it_lasts_is_told():
-    """Its peak is not squeezed into a line, and the loop is open."""
+    """The peak stays visible, and the loop is open."""
     result = simulate(driven(stop_time=1.0))
     number = 1 + int(np.flatnonzero(np.isnan(result.impacts["end"]))[0])
     lasting = 1.0 - result.impacts["onset"][number - 1]
@@ -106,7 +106,7 @@ def test_of_a_contact_that_lasts_the_impact_is_shown_and_that_it_lasts_is_told()
     assert time[-1] == pytest.approx(1e3 * lasting)
     assert any("lasts to the end" in text.get_text() for text in force.texts)
     assert "lasts to the end" in page.texts[1].get_text()
-    assert not loop.patches  # no area is the energy that is lost
+    assert not loop.patches  # no area, which would be the dissipated energy
     check_texts(page)
 
 

@@ -1,4 +1,4 @@
-"""Labels stand beside their places, and none meets another, a line or a mark."""
+"""Labels stand beside their places, and never overlap another label, a line or a mark."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""The headline of a picture says what happened, in numbers that are those of the recording."""
+"""The headline of a picture summarises the run with numbers of the recording."""
 
 import re
 
@@ -24,7 +24,7 @@ def test_the_numbers_are_those_of_the_recording(model):
     columns = recording.columns
     if found := re.search(r"([\d.]+) J dissipated", said):
         assert float(found[1]) == pytest.approx(columns["energy.dissipated"][-1], rel=5e-3)
-    else:  # an elastic wall takes nothing
+    else:  # an elastic wall dissipates nothing
         assert abs(columns["energy.dissipated"]).max() < 1e-9
 
 

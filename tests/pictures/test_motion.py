@@ -34,7 +34,7 @@ def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model
     )
     for pose, impact in zip(at_impacts, hardest, strict=True):
         place = pose[impact["point"]]
-        # the point touches the wall, but for its radius and the way between two communication points
+        # the point touches the wall within its radius and its motion between two communication points
         gap = recording.wall_of(impact).clearance(*place) - recording.parameters["contact.radius"]
         assert abs(gap) < 1.1e-3 * impact["impact_speed"]
 
@@ -74,7 +74,8 @@ def test_a_chain_is_a_line_that_can_be_moved():
 def test_impacts_are_ringed_where_the_point_was_and_numbered():
     impacts = [hit(0.5, 1, "x_max", 3.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 0, "y_min", 1.0)]
     s = np.sqrt(0.5)
-    walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}  # of the second, a point with a radius of 0.1 m
+    # walls of the second model, a point with a radius of 0.1 m
+    walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}
     _, motion, *_ = drawn(swing(impacts, walls, rows=2001))
     np.testing.assert_allclose(ring_places(motion), [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
     assert texts(motion) == ["1", "2", "3"]

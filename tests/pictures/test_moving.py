@@ -1,4 +1,4 @@
-"""Walls and a base that move, in the picture of a motion."""
+"""Moving walls and a moving base in the picture of a motion."""
 
 import functools
 
@@ -13,7 +13,7 @@ from chain_impact.pictures.room import AT_TIMES_COLOUR
 from chain_impact.scene.scene import scene_from_dict
 from tests.pictures.pictures import drawn
 
-START, SPEED = 0.45, 0.3  # m, m/s: the wall comes from the right to the left
+START, SPEED = 0.45, 0.3  # m, m/s: the wall moves from right to left
 
 
 @functools.cache
@@ -63,7 +63,7 @@ def test_the_wall_that_was_hit_is_there():
 
 
 def test_the_chain_stands_in_what_is_free_at_its_time():
-    """White is free all the time, pale what is free at times: no pose is in the grey beyond."""
+    """White is always free, and pale is free at times: no pose lies in the grey area."""
     recording = ram()
     _, motion, *_ = drawn(recording)
     at_times, always = (
@@ -72,7 +72,8 @@ def test_the_chain_stands_in_what_is_free_at_its_time():
     )
     assert at_times.get_xy()[:, 0].max() == pytest.approx(START)
     assert always.get_xy()[:, 0].max() == pytest.approx(START - SPEED)
-    assert recording.points[0, :, 0].max() > START - SPEED  # it would stand beyond the wall at its end
+    # this point lies beyond the final position of the wall
+    assert recording.points[0, :, 0].max() > START - SPEED
     assert recording.points[..., 0].max() < START
 
 
@@ -91,7 +92,7 @@ def test_a_wall_has_a_trace_from_its_start_to_its_end():
 
 
 def test_a_wall_that_comes_from_far_is_in_view_where_it_starts():
-    """As long as it is not farther than the motion is wide; a wall that stays there is not."""
+    """The wall starts no farther away than the width of the motion; a resting wall there is not in view."""
     _, motion, *_ = drawn(ram(box=0.7, way=lambda t: 0.5 * t))
     assert motion.get_xlim()[1] > 0.7
     _, motion, *_ = drawn(ram(box=0.7, way=lambda t: 0.0 * t))

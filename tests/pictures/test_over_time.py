@@ -1,4 +1,4 @@
-"""The pictures over time: energies, and the speeds of the impacts."""
+"""Pictures over time: energies, and the speeds of the impacts."""
 
 import re
 

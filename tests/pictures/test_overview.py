@@ -1,4 +1,4 @@
-"""The page with a recording: its files, its headline, and that nothing hides anything else."""
+"""The page with a recording: its files, its headline, and no overlaps."""
 
 import itertools
 import re
@@ -21,7 +21,7 @@ from tests.pictures.pictures import MODELS, boxes, crowd, drawn, recorded, swing
 BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
 PICTURES = [*MODELS, "sixty impacts"]
 WIDTHS = [width / 25.4 for width in (84, 120, 190)]  # inches
-COLOURS = 10  # the most that a picture tells apart
+COLOURS = 10  # maximal number of distinguishable colours
 
 
 def picture(name):
@@ -96,7 +96,7 @@ def test_a_picture_has_few_colours_besides_those_of_time(name):
 @pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", ["four_link_box", "rod_drop", "pinned_arm"])
 def test_the_motion_fills_its_panel(name):
-    """It is nearly as high as the panels beside it, or takes two fifths of the page's width."""
+    """The motion is nearly as high as the panels beside it, or as wide as two fifths of the page."""
     page, motion, clock, energy, _ = drawn(recorded(name))
     box = motion.get_window_extent()
     height = energy.get_window_extent().y1 - clock.get_window_extent().y0
@@ -176,7 +176,7 @@ def check_rules(page):
 def check_ink(page):
     """Check that no text in the axes covers a line or a mark."""
     inside = [text for axes in page.axes for text in axes.texts]
-    boxes = [Text.get_window_extent(text) for text in inside]  # without the lines that lead to them
+    boxes = [Text.get_window_extent(text) for text in inside]  # without the lines to their marks
     for text in inside:
         text.set_visible(False)
     ink = Ink(page)
@@ -189,7 +189,7 @@ def check_ink(page):
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("model", ["sliding_rod", *model_names()])
 def test_texts_fit_a_page_of_any_width(model, width):
-    """84, 120 and 190 mm, as journals have them: laid out anew, not scaled."""
+    """84, 120 and 190 mm, the widths of journals: the layout is made for the width, not scaled."""
     height = {"thrown_brick": 6.75, "sphere_on_wall": 7.25}.get(model, 6.5)  # what these need
     page = recorded(model).plot(size=(width, height))
     assert tuple(page.get_size_inches()) == (width, height)
@@ -218,7 +218,7 @@ def test_fonts_follow_the_settings_of_matplotlib():
 
 
 def test_files_have_text_and_no_type_3_fonts(tmp_path):
-    """Whether the package writes them, or the user of a figure."""
+    """Both the package and the user of a figure can write the files."""
     result = recorded("rod_drop")
     for name in ("own", "users"):
         result.plot(tmp_path / "own.pdf")

@@ -1,4 +1,4 @@
-"""When a motion rests: it is shaded and named, and most of a long rest is left out and told."""
+"""Phases of rest: pictures shade and name them, and shorten long phases with a note."""
 
 import dataclasses
 

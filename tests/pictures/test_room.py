@@ -1,4 +1,4 @@
-"""The walls, the free side of them, and what is in view."""
+"""The walls, their free sides, and the visible region."""
 
 import matplotlib as mpl
 import numpy as np
@@ -34,7 +34,7 @@ def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     recording = recorded(model)
     _, motion, *_ = drawn(recording)
     ends = wall_lines(motion)
-    # walls that move are drawn in their own way (test_moving.py), ends of a slider's line with the line
+    # test_moving.py tests moving walls; the ends of a slider's line belong to the line
     others = {*STOPS, *SLIDER_STOPS, *recording.moved_walls}
     hit = {recording.wall_names[wall] for wall in recording.impacts["wall"]} - others
     assert len(hit) <= len(ends) <= len(recording.walls)
@@ -47,9 +47,9 @@ def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
 def test_walls_end_where_they_meet():
     _, motion, *_ = drawn(recorded("four_link_box"))
     corners = {tuple((end + 0.0).round(12) + 0.0) for line in wall_lines(motion) for end in line}
-    assert (3.0, 0.0) in corners  # the floor and the right wall; the others are far from the motion
+    assert (3.0, 0.0) in corners  # the floor and the right wall; the other walls are far from the motion
     assert len(corners) == 3
-    # those of the ramp meet at the origin, and its top and its stop end where the picture does
+    # the ramp's walls meet at the origin; its top and its stop end at the border of the picture
     _, motion, *_ = drawn(recorded("ramp"))
     view = [
         (value, axis) for axis, ends in enumerate((motion.get_xlim(), motion.get_ylim())) for value in ends
@@ -61,7 +61,7 @@ def test_walls_end_where_they_meet():
 
 
 def test_the_room_is_white_and_all_beyond_it_grey():
-    """Three walls, one of them at a slant, and a fourth that is hidden behind the others."""
+    """Three walls, one of them inclined, and a fourth wall hidden behind the others."""
     walls = {"y_min": -0.2, "x_max": 1.1}
     slopes = {"slope": (-0.9, 0.0, -1.0), "hidden": (-2.4, 0.0, -1.0)}
     recording = swing(walls=walls, slopes=slopes)
@@ -88,7 +88,7 @@ def test_what_moves_beyond_a_wall_is_in_view():
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("angle", np.linspace(-3.0, 3.0, 7))
 def test_a_wall_at_any_angle_is_seen_from_both_sides(angle):
-    """A band beyond it is in view."""
+    """A strip behind the wall is in view."""
     foot = np.array([0.0, 0.5]) + 0.8 * np.array([np.sin(angle), -np.cos(angle)])
     recording = swing(slopes={"slope": (*foot, angle)})
     _, motion, *_ = drawn(recording)

@@ -1,4 +1,4 @@
-"""The look of all pictures: colours that can be told apart, and a headline over the panels."""
+"""The style of all pictures: distinguishable colours, and a headline over the panels."""
 
 import pytest
 from matplotlib.figure import Figure
@@ -58,7 +58,7 @@ def test_a_headline_and_its_conditions_are_broken_into_lines_that_fit_the_page(w
     for box in boxes:
         assert page.bbox.x0 <= box.x0 < box.x1 <= page.bbox.x1
     below, above = boxes[1].y1, boxes[0].y0
-    if width < 6.0:  # the conditions are at the foot
+    if width < 6.0:  # the conditions are at the bottom of a narrow page
         assert below < axes.get_tightbbox().y0
     else:
         assert axes.get_tightbbox().y1 < boxes[1].y0

@@ -59,5 +59,5 @@ def test_a_film_shows_it_up_to_the_present_tip():
         shown = np.transpose(film.trace.get_data())
         np.testing.assert_array_equal(shown[-1], film.points[frame, -1])
     assert len(shown) > 100  # of 13 frames
-    # smooth but at the two impacts
+    # smooth except at the two impacts
     assert np.sort(turns(shown[np.append(True, np.hypot(*np.diff(shown, axis=0).T) > 1e-3)]))[-6] < 0.1

@@ -1,4 +1,4 @@
-"""Tables as recordings: the same as what they were written from, and what is wrong with others."""
+"""Tables as recordings: equal to their source, and errors in other tables."""
 
 import math
 from dataclasses import replace
@@ -43,7 +43,7 @@ def test_the_table_of_a_scene_has_its_impacts_exactly(tmp_path, scene, settings)
     read = read_csv(tmp_path / "box.csv", scene)
     for name in ("point", "wall", "onset", "impact_speed"):
         np.testing.assert_array_equal(read.impacts[name], written.impacts[name])
-    whole = "outputs.impacts" not in settings  # else the FMU, and so the table, shows the onsets only
+    whole = "outputs.impacts" not in settings  # otherwise the FMU and its table contain the onsets only
     for name in ("peak_force", "end"):
         values = written.impacts[name] if whole else np.full(len(written.impacts), math.nan)
         np.testing.assert_array_equal(read.impacts[name], values)

@@ -1,4 +1,7 @@
-"""Results, recordings and comparisons are equal if their numbers are, and are compared without an error."""
+"""Results, recordings and comparisons are equal if their numbers are equal.
+
+The comparison raises no error.
+"""
 
 import math
 from dataclasses import replace

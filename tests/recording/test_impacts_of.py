@@ -1,4 +1,4 @@
-"""The table of impacts from an FMU's record is that of simulate(), whatever the communication step."""
+"""The table of impacts from an FMU's record equals that of simulate() for any communication step."""
 
 import numpy as np
 import pytest
@@ -76,7 +76,7 @@ def test_what_an_importer_returns_is_taken_as_it_is():
 
 
 def test_impacts_have_the_names_of_their_walls():
-    """From columns of contacts or as given; those of the box are known without."""
+    """The names come from columns of contacts, or from the caller; the box's walls have fixed names."""
     scene = load_scene("sliding_rod").with_values({"outputs.impacts": 16})
     expected = simulate(scene).impacts
     names = [scene.wall_names[wall] for wall in expected["wall"]]
@@ -97,7 +97,7 @@ def test_a_record_without_impacts_is_refused():
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("stop", [0.49, 0.5, 2.0])  # before an impact, within one, after many
+@pytest.mark.parametrize("stop", [0.49, 0.5, 2.0])  # before an impact, within an impact, after many impacts
 def test_the_columns_of_a_simulated_scene_are_those_of_its_fmu(stop):
     scene = load_scene("four_link_box").with_values({"simulation.stop_time": stop})
     result = simulate(scene)

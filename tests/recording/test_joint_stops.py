@@ -1,4 +1,4 @@
-"""The stops of joints in results: units, ranges, and what pictures, tables and animations show of them."""
+"""Joint stops in results: units, ranges, and their display in pictures, tables and animations."""
 
 import cmath
 import functools
@@ -55,7 +55,7 @@ def test_the_lines_of_a_range_begin_where_the_link_is_at_its_stop():
     for place, angle in ((arc[0], -0.5), (arc[-1], 1.0), (marks[0].mean(0), -0.5), (marks[1].mean(0), 1.0)):
         assert complex(*place) == pytest.approx(3 + 4j + cmath.rect(2.0 * ARC, along + angle), abs=1e-14)
     first, _ = range_lines(points, {1: JointRange(-math.inf, 0.0, 5.0)})
-    assert complex(*first[-1]) == pytest.approx(5.0 * ARC)  # a pinned base: from +x
+    assert complex(*first[-1]) == pytest.approx(5.0 * ARC)  # a pinned base: measured from +x
     place, direction = touching_place(points, 2)
     assert (place.tolist(), direction.tolist()) == ([3.0, 4.0 + 2.0 * ARC], [0.0, 1.0])
 

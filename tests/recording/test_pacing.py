@@ -1,4 +1,4 @@
-"""The pace of an animation: slow through impacts, real time elsewhere, as measured on the screen."""
+"""The pace of an animation: slow through impacts and real time elsewhere, measured on the screen."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def test_an_impact_takes_its_time_on_the_screen(duration, impact_time):
 
 
 def test_the_slowing_down_takes_the_logarithm_of_how_slow_it_is():
-    """∫ dt / (r + t/τ) from 0 to τ (1 − r) = −τ ln r."""
+    """The logarithm follows from ∫ dt / (r + t/τ) from 0 to τ (1 − r) = −τ ln r."""
     duration, impact_time = 1e-3, 0.6
     times, per_second = frame_times(0.0, 2.0, [(0.7, 0.7 + duration)], impact_time)
     least = duration / impact_time
@@ -71,6 +71,6 @@ def test_a_sine_that_drives_an_input_has_sixteen_frames_in_a_period():
     assert frame_rate(simulate(scene.with_values(late))) == pytest.approx(16 * 70.0), "from its start on"
     assert frame_rate(simulate("simple_pendulum")) == FRAME_RATE
     recorded = record_slowly(scene)
-    # the base goes through all of its way, not through what 60 frames in a second meet of it
+    # the frames show the full amplitude, which 60 frames per second would miss
     assert np.ptp(recorded["point[0].y"]) == pytest.approx(0.02, rel=0.02)
     assert len(recorded.time) == 2 + 0.2 * 640

@@ -1,4 +1,4 @@
-"""Recordings: columns to numbers and back, and files that are whole or not there."""
+"""Recordings: conversion of columns to numbers and back, and files that are complete or absent."""
 
 import csv
 import os
@@ -10,7 +10,7 @@ from chain_impact import Recording, simulate
 from chain_impact.recording.impacts import impacts_shown
 from chain_impact.system import written_whole
 
-# each digit, the ends of the range, a negative zero and what is no number at all
+# every digit, the ends of the range, a negative zero, and values that are no number
 AWKWARD = [0.1 + 0.2, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, np.nan, np.inf, -1e-300]
 
 
@@ -39,7 +39,8 @@ def test_csv_keeps_every_bit_of_the_numbers(tmp_path):
     assert time.tobytes() == given.time.tobytes()
     assert awkward.tobytes() == np.array(AWKWARD).tobytes()
     assert count.tolist() == list(range(8))
-    assert ",3\r\n" in (tmp_path / "out.csv").read_bytes().decode()  # an integer looks like one
+    # an integer is written without a decimal point
+    assert ",3\r\n" in (tmp_path / "out.csv").read_bytes().decode()
 
 
 def test_a_failed_csv_leaves_the_old_one_alone(tmp_path):
@@ -56,7 +57,7 @@ def test_a_file_appears_only_when_it_is_whole(tmp_path):
     with written_whole(path) as fresh:
         fresh.write_text("half")
         assert not path.exists()
-        assert fresh.suffix == ".txt"  # by which matplotlib chooses the format
+        assert fresh.suffix == ".txt"  # matplotlib chooses the format by the suffix
     assert path.read_text() == "half"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -79,7 +80,7 @@ def test_a_file_has_the_mode_of_any_other(tmp_path):
 
 
 def test_what_is_no_plain_file_is_written_through(tmp_path):
-    """Replacing /dev/null or /dev/stdout would be a nasty surprise."""
+    """A replacement of /dev/null or /dev/stdout would damage the system."""
     target, link, pipe = tmp_path / "target", tmp_path / "link", tmp_path / "pipe"
     target.write_text("old")
     link.symlink_to(target)
@@ -96,7 +97,8 @@ def test_what_is_no_plain_file_is_written_through(tmp_path):
 def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
     (tmp_path / "file").write_text("")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(OSError, match="director") as caught:  # is one, is none, or there is none
+    # the path is a directory, has a file as parent, or has no parent
+    with pytest.raises(OSError, match="director") as caught:
         recording().save_csv(tmp_path / place)
     assert caught.value.filename == str(tmp_path / place)
     assert caught.value.strerror
@@ -132,7 +134,8 @@ NONE, FIRST, SECOND = (0, 0.0, -1, 0, 0.0), (1, 0.15, 4, 3, 2.5), (2, 0.35, 0, 1
     ("rows", "impacts"),
     [
         ([NONE, NONE, FIRST, FIRST, SECOND, SECOND], [(0.15, 4, 2, 2.5), (0.35, 0, 0, 0.5)]),
-        ([NONE, (3, 0.19, 2, 4, 1.0)], [(0.19, 2, 3, 1.0)]),  # of several between two rows, the last is known
+        # of several impacts between two rows, only the last is known
+        ([NONE, (3, 0.19, 2, 4, 1.0)], [(0.19, 2, 3, 1.0)]),
         ([(1, 0.0, 0, 2, 1.0)], [(0.0, 0, 1, 1.0)]),  # at the start
         ([NONE] * 3, []),
     ],

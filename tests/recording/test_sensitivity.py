@@ -1,4 +1,4 @@
-"""The derivatives of a result: by name, as columns, and as what a small change of a parameter changes."""
+"""The derivatives of a result: by name, as columns, and against small changes of a parameter."""
 
 import csv
 

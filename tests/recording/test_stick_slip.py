@@ -1,4 +1,4 @@
-"""The phases of dry friction: from a log of changes, from outputs, in results and on the screen."""
+"""Phases of dry friction: from a log of changes, from outputs, in results and on the screen."""
 
 import math
 
@@ -66,7 +66,7 @@ def test_each_contact_with_friction_has_its_phases_from_its_onset_to_its_end():
 
 
 def test_a_log_that_fills_is_collected_in_time():
-    """Modes change more often than the log has room for, within a step of the rows."""
+    """Within a step, modes change more often than the log has room for."""
     result = simulate(thrown(), output_step=math.inf)
     own = result.stick_slip[result.stick_slip["wall"] == -1]
     assert len(result.stick_slip) > 30

@@ -1,4 +1,4 @@
-"""The lines on a result; most of them test_result.py checks."""
+"""The summary lines of a result; test_result.py tests most of the lines."""
 
 import numpy as np
 from rich.table import Table

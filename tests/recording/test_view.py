@@ -1,4 +1,4 @@
-"""What is to be seen of a motion."""
+"""The visible region of a motion."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The arrows of the architecture, kept by the imports themselves; import-linter keeps the layers."""
+"""The import directions inside the layers of the architecture; import-linter checks the layers."""
 
 import ast
 import graphlib
@@ -27,7 +27,7 @@ def nodes(file):
 
 
 def imported(file):
-    """Yield the names of all modules that a file imports, wherever in it."""
+    """Yield the names of all modules that a file imports anywhere."""
     for node in nodes(file):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -57,15 +57,15 @@ def needs(file):
 
 
 def test_no_files_need_each_other_not_even_for_types():
-    """All but the list of the package's public names, which imports what is public."""
+    """Only the list of public names is exempt, because it imports all public modules."""
     found = {
         name: set(needs(file)) - {"chain_impact"} for name, file in FILES.items() if name != "chain_impact"
     }
-    graphlib.TopologicalSorter(found).prepare()  # or raises an error with the circle
+    graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
 
 
 def test_only_the_lowering_imports_numba():
-    """So that who has ready kernels needs no compiler."""
+    """An installation with prebuilt kernels needs no compiler."""
     compilers = ("numba", "llvmlite")
     users = {file.stem for file in MODULES if len(others(file, compilers)) < len([*imported(file)])}
     of_lowering = {"collecting", "dual_numbers", "entry_points", "functions", "law", "record_type"}
@@ -73,7 +73,7 @@ def test_only_the_lowering_imports_numba():
 
 
 def test_it_can_be_imported_where_it_is_not_installed():
-    """As where its wheel is built: the kernel is lowered there, before there is a version."""
+    """The build of a wheel imports the package before a version exists, to lower the kernel."""
     program = f"import sys; sys.path.insert(0, {str(PACKAGE.parent)!r})\n" + (
         "from importlib import metadata\n"
         "distribution = metadata.Distribution.from_name\n"
@@ -99,14 +99,14 @@ def redirections(file):
 
 
 def test_files_are_short_and_redirect_nothing_of_the_process():
-    """As the caller may have other threads."""
+    """The caller may have other threads, so the process-wide streams and folder must stay."""
     files = [*MODULES, SLAVE]
     assert [file.name for file in files if len(file.read_text("utf-8").splitlines()) >= LONGEST] == []
     assert {file.name: found for file in files if (found := [*redirections(file)])} == {}
 
 
 def test_every_module_stands_in_a_layer():
-    """So that import-linter sees it."""
+    """import-linter checks only modules that are listed in a layer."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     rooms, *_ = settings["tool"]["importlinter"]["contracts"]
     layers = {name for layer in rooms["layers"] for name in layer.split(" | ")}
@@ -119,4 +119,4 @@ def test_each_helper_of_the_tests_is_listed_once():
     listed = re.findall(r"\w+", "".join(re.findall(r"^    (.*)", helpers.__doc__, re.MULTILINE)))
     files = {file.stem for file in Path(helpers.__file__).parent.glob("*.py")} - {"__init__"}
     assert files <= set(listed)
-    assert max(listed.count(name) for name in files) <= 2  # a name may be a word, too
+    assert max(listed.count(name) for name in files) <= 2  # a name may also occur once as a word

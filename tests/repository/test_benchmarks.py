@@ -1,4 +1,4 @@
-"""The benchmarks go with the present package, as far as that shows without running one."""
+"""The benchmarks fit the present package, as far as a test without running them can show."""
 
 import ast
 import importlib
@@ -61,7 +61,7 @@ def charts():
 
     def load(name):
         module = importlib.import_module(name)
-        os.environ.clear()  # common.py sets what numba compiles for
+        os.environ.clear()  # common.py sets numba's target processor
         os.environ.update(environment)
         return module
 

@@ -1,4 +1,4 @@
-"""What users read: the commands parse, the snippets run, the tables are complete."""
+"""Documentation for users: commands parse, snippets run, and tables are complete."""
 
 import json
 import os
@@ -23,11 +23,12 @@ from tests.helpers.processes import Processes
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
-MADE = {try_it.PAGE, *(notebook.with_suffix(".md") for notebook in NOTEBOOKS)}  # by the build of the site
+# pages that the build of the site makes
+MADE = {try_it.PAGE, *(notebook.with_suffix(".md") for notebook in NOTEBOOKS)}
 DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page not in MADE)
 PAGES = [*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS]
-PAGES.sort(key=lambda page: (page != ROOT / "README.md", page))  # the first one is in the quick tier
-# what a page may ask a reader to run, besides scripts of the repository
+PAGES.sort(key=lambda page: (page != ROOT / "README.md", page))  # the first page is in the quick tier
+# commands that a page may show, besides scripts of the repository
 KNOWN = re.compile(
     r"(\.venv/bin/)?(chain-impact|python -m pytest|pip|ruff|mypy|lint-imports)\b"
     r"|(apt-get|uv|source|python3 -m venv)\b"
@@ -39,7 +40,7 @@ def parametrized(pages):
 
 
 class Block(NamedTuple):
-    """A fenced block: its language, the file that it is, and its text."""
+    """A fenced block: its language, its file name, and its text."""
 
     language: str
     title: str
@@ -163,9 +164,9 @@ def lines_of(text):
 @pytest.mark.full("needs compilers and other tools", but=1)
 @parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
 def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
-    """Files are written, programs and commands run, in a folder like a reader's; the output is as shown.
+    """Write the files and run the programs and commands in a new folder; compare the output with the page.
 
-    A picture of the docs that stands on several pages is drawn once.
+    A picture of several pages is drawn once.
     """
     printed = ""
     for language, title, text in fenced(page):
@@ -174,7 +175,7 @@ def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
         elif title:
             (folder / title).write_text(text, encoding="utf-8")
         elif language == "python":
-            # as a program of its own, as a reader would
+            # as a separate program, as a reader would run the snippet
             (folder / "snippet.py").write_text(text, encoding="utf-8")
             code, printed, errors = run(folder, "snippet.py")
             assert code == 0, f"{text}\n{errors}"

@@ -1,7 +1,7 @@
-"""The owners of the record's fields, as declared beside the record, against what the kernel's modules write.
+"""The declared owners of the record's fields, against the kernel modules that write the fields.
 
-A write is an assignment to a field of the instance, named ``d`` or ``t``, or of a part of it that has a name.
-What a function fills as its result, an argument, is written by whoever passes it.
+A write is an assignment to a field of the instance ``d`` or ``t``, or of a named part of the instance. If a
+function fills an argument, its caller is the writer.
 """
 
 import ast
@@ -20,9 +20,9 @@ PARTS = {name for name in LAYOUT.names if LAYOUT[name].base.names}
 MODULES = sorted(
     file.relative_to(KERNEL).as_posix() for file in KERNEL.rglob("*.py") if "record" not in file.parts
 )
-# work space and what the functions of a method return (ode/control.py): more than one module writes it
+# fields with several writers: work space and results of a method's functions (ode/control.py)
 SHARED = {
-    "candidate.offset",  # of a wall at rest, and as it moves
+    "candidate.offset",  # of a wall at rest, and of a moving wall
     "step.dense",
     "search.curvature",
     "work.load",

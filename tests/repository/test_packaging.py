@@ -1,4 +1,4 @@
-"""What a release is made with: the wheels, the smoke suite, the container."""
+"""The files of a release: the wheels, the smoke suite, the container."""
 
 import inspect
 import platform
@@ -73,17 +73,17 @@ def test_a_wheel_with_a_wrong_tag_or_kernel_is_refused(wheels, tmp_path, parts, 
 def test_the_smoke_suite_has_every_public_function_and_verb():
     text = (PACKAGING / "smoke.py").read_text(encoding="utf-8")
     public = [name for name in chain_impact.__all__ if inspect.isroutine(getattr(chain_impact, name))]
-    elsewhere = {"with_law"}  # takes compilers; a law in a file does the same
+    elsewhere = {"with_law"}  # needs compilers; a law in a file gives the same result
     assert {name for name in public if f"ci.{name}(" not in text} == elsewhere
     verbs = next(iter(parser()._subparsers._group_actions)).choices
     assert {verb for verb in verbs if not re.search(rf'run\(\s*"{verb}"', text)} == {
         "convert",
         "fit",
-    }  # one takes an extra, the other has a check of its own
+    }  # one needs an extra, and the other has its own check
 
 
 def test_checks_of_the_smoke_suite_pass_here(tmp_path, monkeypatch):
-    """Those that take little time."""
+    """The fast checks of the suite run here."""
     smoke = loaded("smoke")
     monkeypatch.chdir(tmp_path)
     for check in (

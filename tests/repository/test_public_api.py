@@ -1,4 +1,4 @@
-"""Names that other people's files use: they may be added to, never removed or changed.
+"""Public names, used by other people's files: new names may come, but none may go or change.
 
 These are the keys of scenes, variables of FMUs, contact laws, commands and options, and what is exported. All
 else may change until version 1.0. ``public_api.txt`` has them; ``python tests/repository/test_public_api.py``
@@ -32,9 +32,9 @@ BODIES = {
     "inputs": {"slider_force": True},
     "outputs": {"loads": True},
 }
-"""What no model has: a slider, and a link that is more than a line."""
+"""A scene with features that no model has: a slider, and a link with a shape."""
 DRIVES = {"link[2].joint_armature": 0.1, "link[2].joint_torque_limit": 9.0, "inputs.joint_targets": True}
-"""What no model has."""
+"""A scene with drives, which no model has."""
 HINT = "run: python tests/repository/test_public_api.py"
 
 
@@ -47,7 +47,7 @@ def command_line():
 
 
 def names():
-    """Yield every public name, a line each."""
+    """Yield every public name as a line."""
     yield from (f"python: {name}" for name in chain_impact.__all__)
     yield from (f"scene key: {key}" for key, entry in scene_keys())
     yield from (f"contact law: {law.number} {law.id}" for law in CONTACT_LAWS.values())
@@ -67,7 +67,7 @@ def test_nothing_public_is_removed_or_changed_and_every_name_is_listed():
 
 
 def main() -> int:
-    """Add the new names to the file; refuse to take any away."""
+    """Add the new names to the file; refuse to remove names."""
     listed = set(FILE.read_text(encoding="utf-8").splitlines()) if FILE.exists() else set()
     if gone := sorted(listed - set(names())):
         print("removed or changed, not written:", *gone, sep="\n", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""What users import: everything that the reference names comes from the package itself."""
+"""Public imports: the package exports every name of the reference."""
 
 import ast
 import re

@@ -1,4 +1,4 @@
-"""The workflows of GitHub and the hooks before a commit run what there is, on each Python promised."""
+"""GitHub workflows and pre-commit hooks run existing commands, on each supported Python."""
 
 import os
 import re
@@ -13,7 +13,7 @@ import yaml
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 WORKFLOWS = {file.stem: file for file in (ROOT / ".github" / "workflows").glob("*.yml")}
-TOOLS = {"diff", "echo", "pip", "uv"}  # of the machine, or of the step before
+TOOLS = {"diff", "echo", "pip", "uv"}  # programs of the machine, or of an earlier step
 
 
 def read(name):

@@ -1,4 +1,4 @@
-"""The one function: the suffix says which kind, and what it refuses."""
+"""The function animate(): the file suffix selects the kind; refused arguments."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""A wall that gives way by more than the shortest link is long is told, in Python and on the command line."""
+"""A hint, in Python and on the command line, if a wall deforms by more than the shortest link's length."""
 
 import warnings
 

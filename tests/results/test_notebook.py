@@ -1,4 +1,4 @@
-"""A picture in a notebook, which is run by a kernel of its own."""
+"""A picture in a notebook, executed by a separate kernel."""
 
 import nbformat
 import pytest

@@ -1,4 +1,4 @@
-"""Parameters in the order of their effect on a quantity."""
+"""The ranking of parameters by their effect on a quantity."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ def test_parameters_stand_in_the_order_of_their_effect_and_those_without_apart(r
     assert {effect.parameter for effect in found.effects} | {*found.without} == {
         *result.sensitivities.parameters
     }
-    # F ∝ K^(1/(1+n)): 2/5 of the stiffness's change by Hertz's exponent, where nothing else is changed
+    # F ∝ K^(1/(1+n)): by Hertz's exponent, the relative effect is 2/5 of the stiffness's change
     (stiffness,) = (effect for effect in found.effects if effect.parameter == "contact.stiffness")
     assert found.share(stiffness) == pytest.approx(0.01 * 2 / 5, rel=0.01)
     derivative = result.impact_sensitivity("peak_force", "contact.stiffness")[0]

@@ -1,4 +1,4 @@
-"""Results by name, and what they say of themselves; tables are in test_tables.py."""
+"""Results by name, and their texts; test_tables.py tests the tables."""
 
 import html
 import math
@@ -136,7 +136,7 @@ def test_a_result_says_what_happened(result):
     heads = ["#", "time, s", "point", "wall", "speed, m/s", "duration, ms", "peak force, N", "impulse, N·s"]
     assert re.split(r"  +", lines[1]) == heads
     first = result.impacts[0]
-    force = f"{100 * round(first['peak_force'] / 100)}"  # four digits of 19,1xx N, the last of them a 0
+    force = f"{100 * round(first['peak_force'] / 100)}"  # four digits of 19,1xx N, whose last digit is a 0
     lasting = f"{1e3 * (first['end'] - first['onset']):.4g}"
     told = ["1", "0.499446", "2", "y_min", "4.9710", lasting, force, f"{first['impulse']:.4g}"]
     assert lines[2].split() == told

@@ -1,4 +1,4 @@
-"""Dry friction where constraints depend on each other: rest goes on, by forces within all limits."""
+"""Dry friction with dependent constraints: rest continues, with forces within all limits."""
 
 import math
 
@@ -8,7 +8,7 @@ import pytest
 from chain_impact import SimulationError
 from tests.helpers.arches import KINDS, run
 
-# no share of the load in proportion to the limits is within all of them
+# scenes in which no distribution in proportion to the limits is within all limits
 DEPENDENT = [
     *(("arch", seed) for seed in (1, 3, 5, 7, 11, 19, 23, 24, 25, 30, 32)),
     *(("slope", seed) for seed in (16, 28)),
@@ -28,7 +28,7 @@ def wall_of(result):
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize(("kind", "seed"), DEPENDENT)
 def test_rest_goes_on_by_forces_within_their_limits(kind, seed):
-    """Each row has Coulomb's limits, Newton's law along the wall, and the energy that there was."""
+    """Each row fulfils Coulomb's limits, Newton's law along the wall, and the energy balance."""
     result = run(kind, seed, output_step=0.02)
     scene, (wall, along) = result.scene, wall_of(result)
     size, links = max(link.length for link in scene.chain.links), scene.chain.links

@@ -1,4 +1,4 @@
-"""Bodies, points of links and sliders against conserved quantities, closed forms and twins."""
+"""Bodies, points on links and sliders, against conserved quantities, closed forms and equivalent scenes."""
 
 from copy import deepcopy
 
@@ -62,7 +62,7 @@ def test_a_box_comes_to_rest_on_two_of_its_corners():
 
 
 def test_an_offset_of_the_centre_of_mass_is_that_of_a_link_turned_by_it():
-    """The pendulum with the centre of mass at (0.2, 0.1) of its link is one with a straight link to that."""
+    """A pendulum with its centre of mass at (0.2, 0.1) equals a pendulum whose straight link points there."""
     reach, turned = np.hypot(0.2, 0.1), np.arctan2(0.1, 0.2)
 
     def swing(link, angle):
@@ -166,7 +166,7 @@ def test_a_spring_and_a_damper_along_the_line_are_those_of_an_oscillator():
 
 
 def test_a_force_on_the_carriage_that_changes_with_time_does_its_work():
-    """Without gravity the centre of mass follows the integrals of F = 1.5 + 2 t − t²."""
+    """Without gravity the centre of mass follows the double integral of F = 1.5 + 2 t − t²."""
     cart = on_slider(
         {},
         {"mass": 2.0},
@@ -285,7 +285,7 @@ def on_rail(**contact):
 
 
 def test_walls_that_no_point_can_reach_are_none():
-    """The base and a point of its place slide parallel to both walls."""
+    """The base, and a point at its place, slide parallel to both walls."""
     run = simulate(scene(on_rail()), 0.1)
     assert run.wall_names == ("x_min", "x_max", "y_min", "y_max")
     assert not len(run.impacts)
@@ -298,7 +298,7 @@ def test_walls_that_no_point_can_reach_are_none():
 
 
 def test_a_slider_with_a_damper_leaves_no_load_behind_in_implicit_flight():
-    """Rows of the output change no bit of a later impact."""
+    """Output rows change no bit of a later impact."""
     data = on_slider(
         {"center_of_mass_offset": -0.2},
         {"mass": 0.5, "damping": 0.3, "stiffness": 20.0, "max": 0.3},

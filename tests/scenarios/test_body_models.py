@@ -1,4 +1,4 @@
-"""Models of bodies and sliders, each against a solution of its own."""
+"""Models of bodies and sliders, each against an independent solution."""
 
 import math
 
@@ -23,9 +23,9 @@ def test_the_quarter_period_of_the_rocking_block_is_that_of_the_exact_equation_o
 
 
 def test_the_quarter_period_of_the_rocking_block_is_that_of_housner():
-    """Within what is left out: α − θ for its sine, less than α²/6, and the sinking into the floor.
+    """The difference stays within two neglected effects: sin(α − θ) ≈ α − θ, and the penetration.
 
-    A corner sinks by δ = (m g / K)^(2/3), with which the other one hits earlier by about δ/(2 b |ω|).
+    A corner penetrates by δ = (m g / K)^(2/3), so that the other corner hits earlier by about δ/(2 b |ω|).
     """
     scene = load_scene("rocking_block")
     result = simulate(scene, stop_time=0.5, tolerance=1e-10)
@@ -38,7 +38,7 @@ def test_the_quarter_period_of_the_rocking_block_is_that_of_housner():
 
 
 def test_the_rocking_block_keeps_the_share_of_its_speed_that_housner_gives():
-    """The speeds of successive impacts approach his ratio as the floor becomes stiff."""
+    """The ratios of successive impact speeds approach Housner's ratio as the floor becomes stiff."""
     off = []
     for stiffness in (1e9, 1e10, 1e11):
         scene = load_scene("rocking_block").with_values({"contact.stiffness": stiffness})

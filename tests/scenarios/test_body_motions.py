@@ -1,4 +1,4 @@
-"""Bricks, feet, arms with offsets, carts and hoppers beside an independent model of the tests."""
+"""Bricks, feet, arms with offsets, carts and hoppers, against an independent model in the tests."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ ARM = {
 
 
 def hopper() -> Scene:
-    # falling straight down it lands without tangential speed, where the model cannot tell how it slides
+    # a straight fall would land without tangential speed, where the model cannot decide the direction of slip
     return load_scene("hopper").with_values({"initial.angular_velocities": [0.5, -0.8]})
 
 
@@ -50,7 +50,7 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_body_moves_as_an_independent_model_does(name):
-    """Onsets within 1e-9 s, forces and penetrations within 1e-7 of themselves, the end within 1e-8."""
+    """Onsets agree within 1e-9 s, forces and penetrations within a relative 1e-7, and the end within 1e-8."""
     make, end = CASES[name]
     scene, times = make(), tuple(end / 5 * np.arange(1, 6))
     answer = kept(lambda: as_arrays(motion(scene, times)), "tests.helpers.body_model", scene, times)

@@ -1,4 +1,4 @@
-"""The co-simulation of an arm and the carriage that it hangs from: impulses one way, motion the other."""
+"""The co-simulation of an arm on a carriage: impulses to the carriage, motion to the arm."""
 
 import csv
 import subprocess
@@ -12,7 +12,7 @@ from tests.helpers import driven
 from tests.tiers import needs_interop
 
 START = [-2.4, -2.1]  # rad
-IMPACT = 0.49  # s, before the tip hits the wall
+IMPACT = 0.49  # s, before the impact of the tip
 
 
 def co_simulated(folder, *arguments):
@@ -27,7 +27,7 @@ def co_simulated(folder, *arguments):
 @pytest.mark.full("builds two FMUs")
 @pytest.mark.parametrize("target", ["native", "pythonfmu"])
 def test_the_error_before_the_impact_is_proportional_to_the_step(target, tmp_path):
-    """Against carriage and arm as one system."""
+    """The reference is a single simulation of carriage and arm."""
     errors = []
     for step in ("1e-3", "5e-4"):
         columns = co_simulated(tmp_path, "--target", target, "--step", step)
@@ -40,7 +40,7 @@ def test_the_error_before_the_impact_is_proportional_to_the_step(target, tmp_pat
 
 @pytest.mark.full("builds two FMUs")
 def test_no_impulse_is_lost_between_communication_points(tmp_path):
-    """What the joint and the wall give is what the momentum of the arm changes by, impacts included."""
+    """The impulses of joint and wall equal the change of the arm's momentum, impacts included."""
     columns = co_simulated(tmp_path, "--plot", tmp_path / "carriage.png")
     assert (tmp_path / "carriage.png").stat().st_size > 10_000
     momentum = sum(
@@ -50,7 +50,7 @@ def test_no_impulse_is_lost_between_communication_points(tmp_path):
     given = columns["joint[1].impulse.x"] + columns["contact[2].x_max.impulse"] * -1.0
     assert columns["impact.count"][-1] >= 1
     np.testing.assert_allclose(momentum - momentum[0], given, rtol=0, atol=1e-8)
-    # the carriage has been given the same, but for what its last step did not know yet
+    # the carriage has received the same impulse, without the impulse of its last step
     mass, spring, damper = driven.CARRIAGE
     step = columns["time"][1]
     resisted = np.cumsum(spring * columns["base.x"] + damper * columns["base.vx"]) * step

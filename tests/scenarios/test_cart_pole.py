@@ -1,4 +1,4 @@
-"""The co-simulation of a cart with a pole and of the controller that balances it."""
+"""The co-simulation of a cart-pole and the controller that balances the pole."""
 
 import csv
 import subprocess
@@ -16,7 +16,7 @@ STEP, ROWS = 5e-3, 801  # s
 
 @pytest.mark.full("builds two FMUs")
 def test_the_controller_balances_the_pole_also_as_the_cart_hits_its_stop(tmp_path):
-    """The same as a chain that a loop steps with the same gains."""
+    """The reference is a Chain that a Python loop steps with the same gains."""
     options = ["-o", tmp_path, "--plot", tmp_path / "cart.png"]
     subprocess.run([sys.executable, FOLDER / "co_simulation.py", *options], check=True)
     assert (tmp_path / "cart.png").stat().st_size > 10_000
@@ -33,7 +33,7 @@ def test_the_controller_balances_the_pole_also_as_the_cart_hits_its_stop(tmp_pat
         state = {name: chain.get(name) for name in gains}
         angles.append(state["link[1].angle"])
         chain.set("slider.force", force)
-        # what is sampled at the start of a step acts from its end
+        # the value sampled at the start of a step acts from the end of the step
         force = sum(gain * state[name] for name, gain in gains.items()) + 83.7 * np.pi / 2
         chain.step(STEP)
     np.testing.assert_allclose(columns["link[1].angle"], angles, rtol=0.0, atol=1e-6)

@@ -1,4 +1,4 @@
-"""Certificates of single steps: the bound holds, and nothing is proven of an event that is not so."""
+"""Certificates of single steps: the bound holds, and every proven statement about an event is true."""
 
 import math
 
@@ -19,7 +19,7 @@ FIRST = 60  # steps of a run
 
 
 def steps(scene):
-    """Yield the steps of the start of a run, one after the other."""
+    """Yield the first steps of a run."""
     one = Instance(scene)
     for _ in range(FIRST):
         if not one.record["step"]["end"] < scene.simulation.stop_time:
@@ -62,7 +62,7 @@ def test_a_contact_that_a_step_misses_is_never_proven_away():
         (c,) = step.marked
         step.kept, step.marked = 1.0, []
         assert certify(step)[0][c] != NO_EVENT
-        # the polynomial is bent so that it does not reach the wall: the equations do not agree
+        # the polynomial is bent away from the wall, so that it violates the equations of motion
         _, _, nx, ny = step.candidates[c]
         for j, n in enumerate((nx, ny)):
             step.polynomials[j][2] += arb(n)
@@ -90,7 +90,7 @@ def test_a_graze_is_never_proven_away(motion):
         top, height = set_motion(rod.record, random, motion)
         rod.record["model"]["wall"][3] = FAR
         depth = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-14.0, -1.0)
-        # the start of each step is that of a run that never touches
+        # the start of each step comes from a run without contact
         error = abs(run(rod, FAR, top)[0] - height)
         rod.record["model"]["wall"][3] = FAR
         rod.initialize()
@@ -120,7 +120,7 @@ def test_a_wall_between_the_polynomial_and_the_solution_is_undecided():
         while step is None or at(step, step.kept)[2] < 0.5 * math.pi:
             assert rod.advance(np.nextafter(rod.record["step"]["end"], np.inf)) == OK
             step = Step(rod.record)
-        # the middle goes along the wall, and the rod turns at a constant rate
+        # the middle moves along the wall, and the rod rotates at a constant rate
         start = at(step, 0.0)
         x = (0.5 * math.pi - start[2]) / (start[5] * step.size)
         highest = start[1] + half

@@ -1,4 +1,4 @@
-"""Conservation: what flight and impacts keep of energy and momenta."""
+"""Conservation of energy and momenta in flight and impacts."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ def test_energy_never_rises_and_the_ledger_closes(law):
 
 @pytest.mark.parametrize("method", SOLVER_METHODS)
 def test_ledger_closes_to_the_tolerance_when_the_force_ends_before_the_contact(method):
-    """A rod's end leaves a soft, damped wall faster than its surface returns: no force, but depth to lose."""
+    """A rod's end leaves a soft, damped wall faster than the wall recovers: no force, but stored energy."""
     scene = rod(1.0, 1.0, 0.0, gravity=GRAVITY, stop_time=0.55, restitution=0.25, stiffness=1e4)
     result = simulate(scene, tolerance=1e-10, output_step=1e-4, method=method)
     outputs = result.outputs

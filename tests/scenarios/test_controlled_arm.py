@@ -1,4 +1,4 @@
-"""The co-simulation of the arm and its controller, two FMUs with a master of fixed steps."""
+"""The co-simulation of the arm and its controller, two FMUs under a master with fixed steps."""
 
 import csv
 import subprocess
@@ -61,7 +61,7 @@ def replayed(time, columns):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("target", ["native", "pythonfmu"])
 def test_simulate_replays_an_fmu_that_stepped_between_the_same_times(runs, target):
-    """Every output to the last bit; the master of fmpy makes its steps so that they have no round-off."""
+    """Every output is bit-equal; the steps of fmpy's master have no round-off."""
     time, columns = runs(target, "fmpy")
     replay = replayed(time, columns)
     reals = {v.name for v in Model(SCENE).variables if v.place[0] == "output"}
@@ -81,14 +81,14 @@ def differences(columns, others):
 @needs_interop
 @pytest.mark.parametrize("master", ["libcosim", "ecos"])
 def test_every_master_finds_the_same(runs, master):
-    """Their communication points differ by round-off, and the solver's tolerance of 1e-8 does the rest."""
+    """Their communication points differ by round-off, and results within the solver's tolerance of 1e-8."""
     (time, columns), (other_time, others) = runs("native", "fmpy"), runs("native", master)
     assert list(columns) == list(others)
     np.testing.assert_array_equal(time, other_time)
     bounds = {"].x": 1e-9, "].y": 1e-9, ".angle": 1e-9, ".force": 1e-5}  # m, rad, N
     for kind, difference in differences(columns, others).items():
         assert difference < bounds.get(kind, 1e-7), kind
-    # the start, too, which libcosim's observer tells apart
+    # the start, too, which libcosim's observer reports separately
     assert [values[0] for values in columns.values()] == [values[0] for values in others.values()]
 
 

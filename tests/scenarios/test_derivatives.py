@@ -1,7 +1,7 @@
-"""Motions and derivatives of the kernel against the independent model, closed forms and what is conserved.
+"""Motions and derivatives of the kernel, against the independent model, closed forms and conservation.
 
-The independent model (tests/helpers/derivatives.py) gives both. Every law, every kind of parameter, stops,
-and dry friction that slides and sticks.
+The independent model (tests/helpers/derivatives.py) gives motions and derivatives. The scenes cover every
+law, every kind of parameter, stops, and dry friction that slides and sticks.
 """
 
 from __future__ import annotations
@@ -40,10 +40,9 @@ from tests.helpers.problems import ball, flat_rod, rod
 
 ENERGIES = ("energy.total", "energy.dissipated")
 STIFFNESS = "contact.stiffness"
-EXACT = 1e-8  # the error to reach at the tolerance 1e-12
-# of a state where more is not reached: contacts that overlap have no variable of their own in which their
-# force is smooth, the f(e) of Kuwabara and Kono is a root of a numerical solution, and where implicit steps
-# are chosen, or friction drops as sticking ends
+EXACT = 1e-8  # required error at the tolerance 1e-12
+# errors of states above EXACT: overlapping contacts have no variable in which their force is smooth, the f(e)
+# of Kuwabara and Kono is the root of a numerical solution, and implicit steps or falling friction add errors
 STATES = {
     "sprung": 2e-8,
     "stop with wall": 2e-6,
@@ -51,7 +50,7 @@ STATES = {
     "driven": 2e-8,
     "swings, static": 2e-8,
 }
-# of impacts: likewise, and the top of a force that peaks right after the onset is found by parabolas
+# errors of impacts: for the same reasons, and because parabolas locate a peak right after the onset
 IMPACTS = {
     "sprung": 1e-7,
     "pressed": 1e-7,
@@ -63,7 +62,7 @@ IMPACTS = {
     "ye": 3e-7,
     "flores": 3e-7,
 }
-# the laws that take the inertia of the joint, and two that do not
+# two laws that use the joint's inertia, and two laws that do not
 AT_A_STOP = ("hertz", "flores", "kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
 OF_ALL_KINDS = {
     "sprung": sprung_chain(),
@@ -96,8 +95,8 @@ DRY = {
     "three thrown": thrown(3, stop=0.3),
 }
 CASES = SMOOTH | DRY
-# of states and impacts by implicit steps, which follow the tolerance less closely: in an impact the slopes of
-# the force are not smooth at its ends, and the order falls
+# errors of states and impacts by implicit steps, which follow the tolerance less closely: the slopes of an
+# impact's force are not smooth at its ends, so that the order falls
 IMPLICIT = {
     "sprung": (2e-7, 6e-7),
     "pinned": (6e-6, 2e-5),
@@ -107,14 +106,14 @@ IMPLICIT = {
     "driven": (1e-7, math.inf),
     "two dry joints": (2e-8, math.inf),
 }
-# three links that hit a floor and a slope of two materials, with friction at them, or in joints, too
+# three links that hit a floor and a slope of two materials, with friction there, or in joints, too
 THROWN = {
     f"on a slope {seed}, {base}, {joints}": Case(
         thrown_on_a_slope(seed, joints=joints, base=base), (), (0.2, 0.4, 0.6)
     )
     for seed, base in ((1, "free"), (2, "free"), (3, "pinned"), (4, "free"))
     for joints in (False, True)
-    # in two of them both ends of a link stick that lies all but flat, which rigid bodies cannot do
+    # in two scenes both ends of a nearly horizontal link stick, which is impossible for rigid bodies
     if joints or seed in (1, 4)
 }
 OF_FRICTION = ("contact.friction", "contact.static_friction", "wall.y_min.friction", "link[2].joint_friction")
@@ -161,7 +160,7 @@ def impact_errors(case, answer):
     right = exact(case)
     errors = {}
     for field in FIELDS:
-        finite = ~np.isinf(right.impacts[field])  # the peak force of a rigid impact is not
+        finite = ~np.isinf(right.impacts[field])  # the peak force of a rigid impact is infinite
         for k, parameter in enumerate(case.parameters if finite.any() else ()):
             errors[field, parameter] = off(
                 answer.impact_slopes[field][finite, k],
@@ -185,7 +184,7 @@ def test_a_motion_is_that_of_the_independent_model(name):
     case = (CASES | THROWN)[name]
     right = exact(case)
     result = simulate(case.scene, tolerance=1e-13, inputs=case.inputs)
-    # six impacts make an error of the start 5000 times as large
+    # six impacts amplify an error of the start 5000 times
     bound = 3e-11 if name in SMOOTH and name != "six" and "kuwabara_kono" not in name else 1e-9
     for field in ("point", "wall"):
         assert np.array_equal(getattr(right, f"{field}s"), result.impacts[field])
@@ -195,7 +194,7 @@ def test_a_motion_is_that_of_the_independent_model(name):
     rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
     for output in (one for one in result.motion if not one.endswith("sticking")):
         found, kind = result[output][rows], output.split(".")[-1]
-        # an acceleration or a force is as exact as the speed, over the time that a contact takes
+        # an acceleration or a force has the speed's error over the duration of a contact
         largest = max(np.abs(right.values[output]).max(), 1.0)
         fast = kind in ("ax", "ay", "force", "friction_force", "friction_moment", "angular_acceleration")
         assert np.abs(found - right.values[output]).max() <= (100.0 if fast else 1.0) * bound * largest, (
@@ -205,12 +204,12 @@ def test_a_motion_is_that_of_the_independent_model(name):
 
 @pytest.mark.parametrize("name", DRY)
 def test_modes_of_friction_are_those_of_the_independent_model(name):
-    """Each change of a mode at the same time."""
+    """Each change of a mode has the same time."""
     case = DRY[name]
     phases = simulate(case.scene, tolerance=1e-12, inputs=case.inputs).stick_slip
     found = np.sort(phases["start"][phases["start"] <= case.times[-1]])
     begun = [time for time, _, mode in exact(case).modes if mode != 2]
-    # a phase that begins with its contact has no row where that one does not stick before
+    # a phase that begins with its contact has no row if the phase does not start with sticking
     assert len(found) >= 1
     assert all(np.abs(np.array(begun) - time).min() < 1e-7 for time in found)
 
@@ -221,7 +220,7 @@ def test_modes_of_friction_are_those_of_the_independent_model(name):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", ["rigid", "stop, kelvin_voigt", "thrown, kelvin_voigt"])
 def test_a_kept_answer_is_that_of_the_model(name):
-    """But for rounding, which depends on the processor."""
+    """The stored answer and the model agree except for rounding, which depends on the processor."""
     case, kept = CASES[name], exact(CASES[name])
     live = differentiate(case.scene, case.parameters, case.times, case.inputs, 1e-12)
     assert live.points.tolist() == kept.points.tolist()
@@ -267,7 +266,7 @@ def test_implicit_steps_are_differentiated(name):
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_a_constant_of_a_joint_that_is_zero_may_vary(method):
-    """The run works nothing out for joints that do not resist."""
+    """The run computes nothing for joints without stiffness, damping or friction."""
     loose = {"link[2].joint_damping": 0.0, "link[2].joint_stiffness": 0.0, "link[2].joint_rest_angle": 0.0}
     case = struck_twice("zhang_sharf")
     parameters = ("link[2].joint_damping", "link[2].joint_stiffness")
@@ -280,7 +279,7 @@ def test_a_constant_of_a_joint_that_is_zero_may_vary(method):
     "name", ["stops on a slope", "swings, static", "driven", "four dry joints", "thrown"]
 )
 def test_derivatives_of_forces_impulses_and_energy_of_friction(name):
-    """Relative to the largest effect that any parameter has on the output."""
+    """Errors are relative to the largest effect of any parameter on the output."""
     case = CASES[name]
     right, answer = exact(case), found(case)
     units = np.array([size_of(case, parameter) for parameter in case.parameters])
@@ -296,7 +295,7 @@ def test_derivatives_of_forces_impulses_and_energy_of_friction(name):
     "name", ["slides back", "stops by static friction", "swings, static", "driven", "pinned", "sprung"]
 )
 def test_derivatives_are_those_of_differences(name):
-    """A witness beside the complex steps: whole runs with other values."""
+    """Besides complex steps: differences of whole runs with other values."""
     case = CASES[name]
     right, names, tried = exact(case), state_names(case.scene), case.parameters
     if name in DRY:
@@ -309,7 +308,7 @@ def test_derivatives_are_those_of_differences(name):
         for t in range(len(case.times)):
             expected = np.array([right.slopes[one][t, k] for one in names])
             values = np.array([right.values[one][t] for one in names])
-            bound = 5e-5 if name == "sprung" else 1e-6  # where contacts overlap, runs are less smooth
+            bound = 5e-5 if name == "sprung" else 1e-6  # runs with overlapping contacts are less smooth
             assert off(by_state[t], expected, values, size_of(case, parameter)) < bound, parameter
 
 
@@ -317,8 +316,8 @@ def test_derivatives_are_those_of_differences(name):
 
 
 TOLERANCES = (1e-6, 1e-8, 1e-10)
-# Twice the errors of the worst parameter, at these tolerances. It is mostly the stiffness, on which a motion
-# depends so little that errors are large beside its derivative.
+# Twice the errors of the worst parameter at these tolerances. The worst parameter is mostly the stiffness,
+# whose small influence makes relative errors large.
 BOUNDS = {
     "six": (3e-3, 1.2e-5, 3e-7),
     "sprung": (3e-4, 2e-5, 1.6e-6),
@@ -340,7 +339,7 @@ def test_derivatives_follow_the_tolerance(name, which):
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_derivatives_are_as_exact_as_the_run(tolerance):
-    """Through six impacts, those by all but the stiffness."""
+    """The run has six impacts; there all parameters except the stiffness are compared."""
     case = CASES["six"]
     errors, of_run = state_errors(case, found(case, tolerance))
     others = [error for error, name in zip(errors.max(0), case.parameters, strict=True) if name != STIFFNESS]
@@ -366,7 +365,7 @@ def slopes_of_impacts(scene, parameters, time, outputs=("point[0].vy",)):
 
 @pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0])
 def test_the_power_of_any_law_of_the_family(exponent):
-    """By the exponent itself, δⁿ⁺¹ = (n+1) G m v²/K: dδ/dn = δ/(n+1) (1/(n+1) − ln δ)."""
+    """The derivative by the exponent, with δⁿ⁺¹ = (n+1) G m v²/K: dδ/dn = δ/(n+1) (1/(n+1) − ln δ)."""
     scene = ball(1e-3, 2.0, model="flores", stiffness=1e6, exponent=exponent, restitution=0.5, stop_time=0.2)
     value, slope, _ = slopes_of_impacts(scene, [STIFFNESS, "contact.exponent", "contact.restitution"], 0.2)
     depth, slopes = value["max_penetration"][0], slope["max_penetration"][0]
@@ -388,7 +387,7 @@ def test_the_power_of_any_law_of_the_family(exponent):
 
 @pytest.mark.parametrize("name", ["sprung", "pinned", "pressed", "six", "tsuji", "kelvin_voigt", "rigid"])
 def test_the_derivative_of_the_ledger_is_constant(name):
-    """d(total + dissipated − supplied)/dp is what it is at the start."""
+    """d(total + dissipated − supplied)/dp keeps its initial value."""
     case = CASES[name]
     answer = found(case, start=True)
     first = len(state_names(case.scene))
@@ -397,7 +396,7 @@ def test_the_derivative_of_the_ledger_is_constant(name):
     largest = np.maximum(np.abs(parts).max((0, 1)), 1e-30)
     units = np.array([size_of(case, name) for name in case.parameters])
     moved = np.abs(ledger - ledger[0]).max(0)
-    # an energy of 1 J over the parameter is the least that counts
+    # an energy of 1 J over the parameter is the smallest scale
     assert (moved <= 1e-8 * np.maximum(largest, 1e-3 / units)).all(), worst(moved / largest, case.parameters)
 
 
@@ -418,7 +417,7 @@ def grazing():
 
 @pytest.mark.parametrize("make", [slow_touch, grazing])
 def test_a_derivative_is_right_or_not_there(make):
-    """From an impact on at which it cannot be trusted it is NaN, and a sentence says why."""
+    """From the first impact without a reliable derivative on, it is NaN, and a sentence tells why."""
     case = make()
     answer, right = found(case), exact(case)
     assert len(right.points) == 1
@@ -503,7 +502,7 @@ def test_each_reason_has_a_sentence():
 
 @pytest.mark.parametrize(("share", "given"), [(1.0, False), (1.001, True), (0.999, True)])
 def test_a_puck_that_stops_where_it_is_at_the_limit(share, given):
-    """µ = tan α: it stays with more friction and slides back with less; a stiffness changes neither."""
+    """At µ = tan α the puck stays with more friction and slides back with less; stiffness changes neither."""
     assert limits(sloping(share))[0] == ()
     told, result = limits(sloping(share), ["contact.friction"])
     slopes = result.sensitivity("point[0].x", "contact.friction")
@@ -516,7 +515,7 @@ def test_a_puck_that_stops_where_it_is_at_the_limit(share, given):
 
 
 def test_a_joint_at_its_limit_at_the_start():
-    """A pendulum at rest whose weight has just the moment of its friction."""
+    """A pendulum at rest whose weight has exactly the moment of its friction."""
     moment = 0.5 * 9.81 * 0.2
     names = ("link[1].joint_friction",)
     told, result = limits(dry_link(moment), names)
@@ -527,7 +526,7 @@ def test_a_joint_at_its_limit_at_the_start():
 
 
 def test_a_friction_that_is_zero():
-    """It could only be more: from the first contact on there is no derivative with respect to it."""
+    """Friction can only increase from zero: from the first contact on its derivative does not exist."""
     with_two = table(
         [{"length": 0.4, "mass": 0.8}],
         box={"y_min": 0.0, "x_max": 2.0},
@@ -543,7 +542,7 @@ def test_a_friction_that_is_zero():
 
 @pytest.mark.parametrize(("friction", "given"), [(0.35, False), (0.9, True)])
 def test_a_contact_that_begins_without_sliding(friction, given):
-    """A small speed is stopped soon; where the point slides all the same, only if it is backward."""
+    """A small speed is stopped soon; if the point slides in spite of that, then backward."""
     still = {"initial.vx": 0.0, "contact.friction": friction, "simulation.stop_time": 0.1}
     scene = swinging().scene.with_values(still | {"solver.tolerance": 1e-12})
     told, result = limits(Case(scene, (), (0.1,)), ["initial.vx"])
@@ -568,7 +567,7 @@ def test_a_contact_that_begins_without_sliding(friction, given):
 
 @pytest.mark.parametrize(("moment", "given"), [(0.5, False), (1.5, True)])
 def test_a_joint_that_is_released_at_rest(moment, given):
-    """Its weight has a moment of 0.98 N·m: a friction above that stops a small speed, one below does not."""
+    """Its weight has a moment of 0.98 N·m: a larger friction stops a small speed, a smaller one does not."""
     case = dry_link(moment)
     told, _ = limits(case, ["initial.angular_velocity[1]"])
     assert (told == ()) == given
@@ -578,7 +577,7 @@ def test_a_joint_that_is_released_at_rest(moment, given):
 
 @pytest.mark.parametrize("links", [1, 2])
 def test_a_joint_friction_that_is_zero(links):
-    """It could only be more, in each of the blocks of directions."""
+    """Friction can only increase from zero, for parameters in each block of directions."""
     case = dry_joints(2)
     names = [
         *(f"initial.angle[{i}]" for i in (1, 2)),
@@ -599,7 +598,7 @@ def test_a_joint_friction_that_is_zero(links):
 @pytest.mark.parametrize("early", [1e-3, 1e-7])
 @pytest.mark.parametrize("name", ["stops on a slope", "swings, static", "two dry joints"])
 def test_a_change_of_a_parameter_just_before_a_mode_ends_changes_nothing_else(name, early):
-    """The end of the mode has been found already, beyond the communication point, and is found once more."""
+    """The end of the mode, found beyond the communication point, is found once more."""
     case = DRY[name]
     scene = case.scene.with_values({"solver.tolerance": 1e-10, "outputs.sensitivities": ["gravity.y"]})
     nothing = {"joint[2].torque": 1e-15}
@@ -635,7 +634,10 @@ def symmetric(**initial: float) -> Case:
 
 
 def test_two_joints_that_stop_at_one_moment():
-    """What treats both alike has a derivative, what makes one of them stop first has none."""
+    """A parameter that acts on both joints alike has a derivative.
+
+    A parameter that separates them has none.
+    """
     told, result = limits(symmetric(), ["link[2].mass"])
     stops = result.stick_slip["start"][result.stick_slip["mode"] == 0]
     assert len(stops) == 2
@@ -651,7 +653,7 @@ def test_two_joints_that_stop_at_one_moment():
 
 @pytest.mark.parametrize(("less", "given"), [(1e-6, False), (1e-2, True)])
 def test_a_joint_that_stops_slowly(less, given):
-    """A torque almost as large as the friction of the joint: ω falls by its share that is ``less``."""
+    """A torque is almost as large as the joint's friction: ω decreases by the fraction ``less`` of it."""
     friction, inertia = 0.5, 0.5 * 0.4**2 / 3.0
     values = {"gravity": (0.0, 0.0), "inputs.joint_torques": True, "simulation.stop_time": 0.2}
     values["initial.angular_velocities"] = (0.1 * less * friction / inertia,)
@@ -666,7 +668,7 @@ def test_a_joint_that_stops_slowly(less, given):
 
 
 def test_a_chain_that_lies_flat():
-    """All points stop at once and for one reason: derivatives go on."""
+    """All points stop at the same time for the same reason: derivatives continue."""
     link = {"length": 0.3, "mass": 0.5}
     scene = table(
         [link, link | {"joint_damping": 0.05}],

@@ -1,4 +1,4 @@
-"""A changed length is a changed rod: each way to change a value gives the bits of the edited file."""
+"""A changed length changes the rod: each way to change a value gives the bits of the edited file."""
 
 from copy import deepcopy
 
@@ -73,7 +73,7 @@ def test_a_run_of_a_sweep_is_that_of_the_edited_file(changes):
 
 
 def test_a_run_of_a_sweep_forgets_those_before():
-    """Also what was given in these: it is a value of the row."""
+    """Also values that earlier runs have set return to the values of the row."""
     lengths = [0.45, 0.55, 0.5]
     swept = sweep(finger(), {"link[1].length": lengths}, outputs=["point[3].x"])
     ends = [simulate(edited(FINGER, {"link[1].length": one})).columns["point[3].x"][-1] for one in lengths]
@@ -100,7 +100,10 @@ def test_the_command_line_gives_what_the_edited_file_gives(tmp_path, capsys):
     ],
 )
 def test_a_derivative_is_that_of_the_edited_file(name):
-    """Central differences of edited files; a derivative by what is derived is that of giving it."""
+    """The reference: central differences of edited files.
+
+    For a derived value, derivatives of the given value.
+    """
     scene, outputs = finger().with_values({"solver.tolerance": 1e-12}), ["point[3].x", "link[2].angle"]
     text, value, step = FINGER + "\n[solver]\ntolerance = 1e-12\n", scene.values[name], 1e-6
     values = {}
@@ -116,7 +119,7 @@ def test_a_derivative_is_that_of_the_edited_file(name):
 
 
 def test_a_derivative_by_the_length_is_the_sum_of_those_with_the_rest_held():
-    """By the length, half of that by the centre of mass, and m L/6 of that by the inertia."""
+    """The sum: by the length, ½ times by the centre of mass, and m L/6 times by the inertia."""
     given = finger().with_values(finger().values)
     names = ["link[1].length", "link[1].center_of_mass", "link[1].inertia", "link[1].mass"]
     outputs, times = ["point[3].x", "energy.kinetic"], np.linspace(0.0, 0.9, 91)
@@ -133,7 +136,7 @@ def test_a_derivative_by_the_length_is_the_sum_of_those_with_the_rest_held():
 
 
 def test_a_scene_with_all_given_changes_nothing_else():
-    """Its values as they are, given in the file."""
+    """The file gives all values, with their present values."""
     scene = finger().with_values(finger().values)
     longer = scene.with_values({"link[1].length": 0.55})
     assert longer.values == scene.values | {"link[1].length": 0.55}
@@ -160,7 +163,7 @@ def loosened(seed):
 
 @pytest.mark.parametrize("kind", [0, SLANTED, SPRUNG, STOPPED, RUBBED])
 def test_random_scenes_have_the_record_of_the_edited_file(kind):
-    """All of the kernel's memory at the start, so that all that follows is the same."""
+    """All memory of the kernel is equal at the start, so that the whole run is equal."""
     compared = 0
     for seed in range(kind, kind + 20):
         data, changes = loosened(seed)
@@ -170,7 +173,7 @@ def test_random_scenes_have_the_record_of_the_edited_file(kind):
             edited_data["chain"]["links"][int(number) - 1][key] = value
         try:
             before, wanted = (scene_from_dict(one, "Random") for one in (data, edited_data))
-        except SceneError:  # a longer link may begin in a wall, a point mass may turn freely
+        except SceneError:  # a longer link may start in a wall, and a point mass may rotate freely
             continue
         assert before.with_values(changes) == wanted
         model = Model(before)

@@ -1,4 +1,4 @@
-"""Models whose base or walls move, each against its source: a shaken pendulum, a bouncing table, a belt."""
+"""Models with a moving base or walls, against their sources: a shaken pendulum, a bouncing table, a belt."""
 
 import math
 
@@ -28,7 +28,7 @@ def test_the_shaken_pendulum_agrees_with_an_independent_integration():
 
 @pytest.mark.parametrize(("share", "stands"), [(0.97, False), (1.03, True)])
 def test_the_pendulum_stands_above_the_published_threshold(share, stands):
-    """a²ω² > 2 g l (Kapitza 1951; Stephenson 1908); so do Floquet's multipliers of the exact equation."""
+    """a²ω² > 2 g l (Kapitza 1951; Stephenson 1908), and Floquet's multipliers of the exact equation agree."""
     frequency = TURN * 200.0
     amplitude = math.sqrt(share * 2.0 * 9.81 * 0.2) / frequency
     assert driven.stability(amplitude, frequency, 0.2) == stands
@@ -39,7 +39,7 @@ def test_the_pendulum_stands_above_the_published_threshold(share, stands):
 
 
 def test_impacts_on_the_table_are_those_of_the_map():
-    """Ten of them, each to 1e-11 s."""
+    """Ten impacts agree within 1e-11 s each."""
     start = TABLE.initial.position[1], TABLE.initial.velocity[1]
     exact = driven.table_impacts(start, SWING.amplitude, OMEGA, TABLE.contact.restitution, 10)
     found = simulate(TABLE, 1.1, tolerance=1e-12).impacts["onset"]
@@ -48,7 +48,7 @@ def test_impacts_on_the_table_are_those_of_the_map():
 
 @pytest.mark.parametrize(("acceleration", "period"), [(1.3, 1), (1.5, 1), (1.55, 2), (1.6, 2), (1.75, None)])
 def test_the_ball_bounces_with_the_published_periods(acceleration, period):
-    """Period one doubles at Γ² = (π (1 − e)/(1 + e))² + (2 (1 + e²)/(1 + e)²)² (Luck & Mehta 1993)."""
+    """The period doubles at Γ² = (π (1 − e)/(1 + e))² + (2 (1 + e²)/(1 + e)²)² (Luck & Mehta 1993)."""
     e = TABLE.contact.restitution
     doubles = math.hypot(math.pi * (1.0 - e) / (1.0 + e), 2.0 * (1.0 + e**2) / (1.0 + e) ** 2)
     assert (acceleration > doubles) == (period != 1)
@@ -77,12 +77,12 @@ def test_the_belt_agrees_with_an_independent_integration():
     for start, end, solution in phases:
         rows = (result.time >= start) & (result.time <= end)
         np.testing.assert_allclose(angles[rows], solution(result.time[rows])[0], rtol=0, atol=1e-9)
-    _, *begins = result.stick_slip["start"]  # it slides from its onset on
+    _, *begins = result.stick_slip["start"]  # the block slides from its onset on
     np.testing.assert_allclose(begins, changes, rtol=0, atol=1e-8)
 
 
 def test_the_period_of_stick_and_slip_is_that_in_closed_form():
-    """For small angles; the normal force changes by less than 1e-3 of it."""
+    """The closed form holds for small angles; the normal force changes by less than a relative 1e-3."""
     stick = simulate(BELT).stick_slip
     begins = stick["start"][(stick["mode"] == 0) & (stick["start"] > 0.5)]
     assert len(begins) > 10

@@ -1,4 +1,4 @@
-"""Scenes that are hard on the search for events, the count of work and the energy balance."""
+"""Difficult scenes for the search for events, the count of work and the energy balance."""
 
 import math
 
@@ -58,7 +58,7 @@ def test_a_chain_flush_with_a_wall_falls_along_it_as_one_millimetre_away(law, gr
 @pytest.mark.parametrize("gravity", [(0.0, -9.81), (0.0, -1000.0), (0.0, 0.0)])
 @pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
 def test_a_chain_flush_with_a_wall_at_a_slant_falls_along_it_at_little_cost(law, gravity, turn):
-    """Round-off makes its points touch the wall and leave it, some times."""
+    """Round-off makes its points touch and leave the wall several times."""
     start = {"position": [0.0, 2.4], "angles": HANGING, "velocity": [0.0, -1.0]}
     scene = chain(4, start, box=WALL, gravity=gravity, contact={"model": law})
     instance = Instance(turned(scene, turn))
@@ -85,7 +85,7 @@ def thrown(seed, count, damping, tolerance):
 
 @pytest.mark.parametrize("seed", range(60))
 def test_no_tolerance_makes_energy_of_damped_joints(seed):
-    """At a loose tolerance positions and speeds of a step contradict each other by millimetres."""
+    """At a loose tolerance positions and speeds of a step differ by millimetres."""
     count, damping, tolerance = [(2, 1.0, 1e-2), (10, 1000.0, 4e-3), (10, 1000.0, 1e-3)][seed % 3]
     result = simulate(thrown(seed, count, damping, tolerance), stop_time=0.6)
     assert balance(result) < 10 * tolerance
@@ -95,7 +95,7 @@ def test_no_tolerance_makes_energy_of_damped_joints(seed):
 
 
 def test_a_point_is_not_latched_deep_in_a_wall():
-    """It is 8 mm deep at the end of a step, by its position, and has not moved there, by its speed."""
+    """At the end of a step its position is 8 mm inside the wall, while its speed implies no motion there."""
     start = {
         "position": [0.0, 0.5230660473858592],
         "angles": [3.067928601106657, 2.7314651993312498],
@@ -128,7 +128,7 @@ def test_a_point_that_leaves_a_rigid_wall_is_no_impact(restitution, floor):
 
 
 def test_the_search_for_events_counts_as_work():
-    """A limit that the evaluations keep, but not the looks at the points of a long heap."""
+    """The limit permits the evaluations, but not the searches over the points of a long chain at rest."""
     start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
     scene = chain(3, start, contact={"model": "newton_impact", "restitution": 0.9})
     instance = Instance(scene)
@@ -141,7 +141,7 @@ def test_the_search_for_events_counts_as_work():
 
 
 def test_a_search_that_is_given_up_ends_the_run():
-    """Also in a step that is as long as the window of the limit; else the floor would be missed."""
+    """The step is as long as the window of the limit; without the end the search would miss the floor."""
     scene = chain(1, {"position": [0.0, 4.0], "angles": [0.0]}, solver={"work_limit": 14.0})
     with pytest.raises(SimulationError) as caught:
         simulate(scene, stop_time=1.0)
@@ -150,7 +150,7 @@ def test_a_search_that_is_given_up_ends_the_run():
 
 @pytest.mark.full("takes long")
 def test_a_long_call_returns_in_between():
-    """So that Python can look after Ctrl-C; the result is the same."""
+    """Python can handle Ctrl-C in between; the result is the same."""
     start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
     scene = chain(3, start, solver={"method": "explicit"}, contact={"stiffness": 1e12, "restitution": 0.2})
     instance, paused = Instance(scene), 0
@@ -167,7 +167,7 @@ def test_a_long_call_returns_in_between():
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
-    """Kelvin and Voigt's begins at c v₀. The other end of the rod is in contact already."""
+    """The force of Kelvin and Voigt begins at c v₀, while the other end of the rod is already in contact."""
     start = {"position": [0.0, 0.01], "angles": [1e-3], "velocity": [0.0, -1.0]}
     contact = {"model": "kelvin_voigt", "exponent": 1.0, "stiffness": 1e4, "restitution": 0.5}
     instance = Instance(chain(1, start, contact=contact, solver={"method": method}))
@@ -188,14 +188,14 @@ def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
 
 @pytest.mark.parametrize("seed", [54, 106, 1000026, 1000162])
 def test_a_simulation_may_start_late(seed):
-    """Where a step of a picosecond cannot be told from none."""
+    """At this time a step of a picosecond is below the resolution of time."""
     instance, stop = Instance(random_scene(seed)), random_scene(seed).simulation.stop_time
     assert initialize(instance, 1e4) == OK
     assert instance.advance(1e4 + stop) == OK
 
 
 def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
-    """What an input that is set drops of the last step changes nothing."""
+    """An input shortens the last step again and again; the dropped part must change no energy."""
     scene = chain(
         4,
         {
@@ -226,7 +226,7 @@ def test_a_new_stiffness_in_an_impact_is_a_change_of_energy_and_no_error(stiffne
 
 
 def test_far_from_the_origin_round_off_is_no_drift():
-    """The potential energy is a difference of large numbers there."""
+    """The potential energy is a difference of large numbers far from the origin."""
     scene = chain(
         3,
         {"position": [1e6, 1e6 + 1.0], "angles": [0.3, -0.5, 0.7], "angular_velocities": [1.0, -2.0, 1.0]},

@@ -1,4 +1,4 @@
-"""Dry friction at walls and in joints, against closed forms and what the literature says."""
+"""Dry friction at walls and in joints, against closed forms and the literature."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tests.helpers.friction import SLOPE, sled
 from tests.helpers.problems import GRAVITY, contact_table, scene_table
 from tests.helpers.reference import newton_impact, point_jacobian
 
-LATE = np.array([0.3, 0.5, 0.8, 1.1, 1.5, 2.0])  # s, after a body has settled
+LATE = np.array([0.3, 0.5, 0.8, 1.1, 1.5, 2.0])  # s, after the body has settled
 
 
 def run(table, **options):
@@ -53,7 +53,7 @@ def test_a_body_slides_as_coulombs_law_makes_it(body, slope, speed, friction, st
     rows = np.searchsorted(result.time, LATE - 1e-9)
     way, velocity = along(result, slope), along(result, slope, prefix="v")
     for row, time in zip(rows, result.time[rows], strict=True):
-        # 1e-6: the body still settles, by damped oscillations
+        # 1e-6: damped oscillations of the body continue
         assert velocity[row] == pytest.approx(exact.velocity(time), abs=2e-6)
         assert way[row] - way[0] == pytest.approx(exact.way(time), abs=2e-6)
         if abs(time - exact.stop) > 0.05:
@@ -75,7 +75,8 @@ def test_a_body_that_sticks_stays_for_an_hour(stiffness):
     way = along(result, slope)
     assert np.ptp(way[1:]) < 1e-12
     assert result.statistics["steps"] <= 3700
-    # together they hold the weight; of their shares, 3,600 steps have changed the last digits at random
+    # together both contacts hold the weight; 3,600 steps have changed the last digits of their shares at
+    # random
     first, second = (result[f"contact[{k}].ramp.friction_force"][-1] for k in (0, 1))
     assert first + second == pytest.approx(2.0 * forces.tangential, rel=1e-13)
     assert first == pytest.approx(forces.tangential, rel=5e-9)
@@ -94,7 +95,7 @@ def test_a_body_that_sticks_stays_for_an_hour(stiffness):
 def test_a_rod_that_rocks_on_two_rough_ends_comes_to_rest_at_a_loose_tolerance(
     friction, tolerance, restitution, stiffness
 ):
-    """Both ends stick, and as the rod turns they could only approach each other against its length."""
+    """Both ends stick, although the rotating rod would need a shorter distance between them."""
     values = {"friction": friction, "restitution": restitution, "stiffness": stiffness}
     still = {"initial.vx": 0.0, "initial.vy": 0.0, "solver.tolerance": tolerance}
     result = simulate(
@@ -112,7 +113,7 @@ def test_a_rod_that_rocks_on_two_rough_ends_comes_to_rest_at_a_loose_tolerance(
 
 @pytest.mark.parametrize("body", ["rod", "chain"])
 def test_redundant_contacts_share_and_hold_through_ten_pushes(body):
-    begin = 2.0 * SETTLED  # the depths then differ from those at rest by round-off
+    begin = 2.0 * SETTLED  # from then on the depths differ from the equilibrium by round-off
     table, inputs, exact = pushed_flat(BODIES[body], 0.4, 0.5, begin=begin)
     result = run(table, inputs=inputs, tolerance=1e-10)
     start = np.searchsorted(result.time, begin - 1e-9)
@@ -150,14 +151,14 @@ def test_a_motor_breaks_a_joint_loose_and_friction_holds_it():
     for time in (0.25, 0.9, 1.7, 2.4):
         row = np.searchsorted(result.time, time - 1e-9)
         assert result["link[1].angle"][row] == pytest.approx(exact.at(result.time[row])[0], abs=1e-10)
-    # the last torque, below the limit, is held
+    # the last torque, below the limit, does not move the joint
     assert result["joint[1].sticking"][-1] == 1.0
     assert result["joint[1].friction_moment"][-1] == pytest.approx(-exact.pushes[-1], rel=1e-9)
 
 
 @pytest.mark.parametrize(("law", "off"), [("newton_impact", 1e-12), ("zhang_sharf", 1e-4)])
 def test_two_links_that_lean_on_each_other_stop_where_their_energy_is_used_up(law, off):
-    """Both feet slide on a floor without friction and gravity: m ℓ² ω²/3 = 2 M (θ₀ − θ)."""
+    """Both feet slide on a floor, without friction at the floor and gravity: m ℓ² ω²/3 = 2 M (θ₀ − θ)."""
     mass, length, moment, angle, speed = 0.5, 0.4, 1.5, 0.8, 3.0
     link = {"length": length, "mass": mass, "joint_friction": moment}
     initial = {
@@ -178,7 +179,7 @@ def test_two_links_that_lean_on_each_other_stop_where_their_energy_is_used_up(la
 
 
 def test_an_arm_at_a_rigid_stop_leans_on_a_rough_floor_from_the_start():
-    """Link 1 rests at its stop, and the tip of link 2 comes to rest on the floor, where μ is tan 27°."""
+    """Link 1 rests at its stop, and the tip of link 2 comes to rest on a floor with μ = tan 27°."""
     length, mass, start = 0.5, 1.0, -1.0
     table = {
         "name": "Leaning",
@@ -207,13 +208,13 @@ def test_an_arm_at_a_rigid_stop_leans_on_a_rough_floor_from_the_start():
 # --- impacts -----------------------------------------------------------------------------------------------
 
 SOFT, STIFF = 1e12, 1e13  # N/m^(3/2)
-WITHIN, HALF_WITHIN = 3e-6, 1e-8  # of all impacts, and of half of them
+WITHIN, HALF_WITHIN = 3e-6, 1e-8  # error of all impacts, and of half of the impacts
 
 
 def test_an_impact_with_friction_tends_to_its_closed_form():
-    """200 random impacts of one rod and two, at two stiffnesses, extrapolated: the limit comes as K^−2/5.
+    """200 random impacts of one or two rods at two stiffnesses are extrapolated; the error falls as K^−2/5.
 
-    Both impulses within 3e-6 of the normal one, the separation speed of that of approach, and the loss.
+    The relative error of impulses, separation speed and energy loss is below 3e-6.
     """
     off, phases = [], set()
     for seed in range(200):
@@ -234,7 +235,7 @@ def test_an_impact_with_friction_tends_to_its_closed_form():
         assert lost > 0.0, seed
         sign = int(np.sign(strike.sliding))
         expected = [{"slip": sign, "stick": 0, "reverse": -sign}[phase] for phase in exact.phases]
-        # at the end of a contact no force is left that could hold the point against centrifugal forces
+        # at the end of a contact no force is left to hold the point against centrifugal forces
         assert result.stick_slip["mode"].tolist()[: len(expected)] == expected, seed
         phases.add(exact.phases)
     assert phases == {("slip",), ("slip", "stick"), ("slip", "reverse")}
@@ -251,7 +252,7 @@ def test_a_zigzag_chain_of_hinged_rods_does_not_carry_the_pull_on():
     np.testing.assert_allclose(-np.array(rows) @ after, exact.speeds, atol=1e-9)
     changes = exact.speeds[:-1] - 1.0
     np.testing.assert_allclose(changes[10:-1] / changes[11:], math.sqrt(3.0) - 2.0, rtol=1e-9)
-    # and the whole fall: no lead of 6 to 7 cm of its upper end, but of less than 1 cm
+    # during the whole fall the upper end leads by less than 1 cm, not by 6 to 7 cm
     table, exact = zigzag_chain()
     result = run(table, tolerance=1e-10)
     height = result["point[0].y"]
@@ -282,7 +283,7 @@ def test_dissipated_energy_falls_by_no_more_than_the_tolerance(law):
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_the_impulse_of_friction_is_that_of_the_floor_on_the_stiffest_one_from_rest_on(method):
-    """Without damping a rod trembles on the floor; while it slides, vx + µ (vy + g t) stays as it was."""
+    """An undamped rod trembles on the floor; during slip, vx + µ (vy + g t) stays constant."""
     contact = {"model": "hertz", "stiffness": 1e14, "friction": 0.3}
     start = {"position": [0.0, 0.0], "angles": [0.0], "velocity": [2.0, 0.0]}
     links = {"base": "free", "links": [{"length": 0.4, "mass": 1.0}]}
@@ -294,7 +295,7 @@ def test_the_impulse_of_friction_is_that_of_the_floor_on_the_stiffest_one_from_r
 
 
 def test_friction_that_is_set_to_zero_during_a_contact_acts_in_no_joint():
-    """The largest force in a joint is that of the outputs, in steps of a thousandth of the contact."""
+    """The largest force in a joint equals that of the outputs in steps of a thousandth of the contact."""
     table = scene_table(
         "Friction",
         [{"length": 0.3, "mass": 1.0}, {"length": 0.4, "mass": 0.7}],

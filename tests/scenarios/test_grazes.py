@@ -1,8 +1,8 @@
-"""Grazes: a point that goes behind a wall by a little, or all but reaches it, for motions in closed form.
+"""Grazes: a point that penetrates a wall slightly, or almost reaches the wall, in closed-form motions.
 
-How far it gets is known, and so is by how much the run errs there: the same run without the wall tells. An
-impact that goes deeper than that error has to be found, and a point that stays further away has none. Laws of
-force leave out what is less than HARMLESS of a link length deep, a picometre.
+The maximal height is known, and a run without the wall shows the error there. A penetration above that error
+must give an impact, and a distance above that error must give none. Force laws ignore penetrations below
+HARMLESS of a link length, a picometre.
 """
 
 import math
@@ -19,7 +19,8 @@ pytestmark = pytest.mark.full("takes long")
 
 CASES = 500  # of each motion
 ROUND_OFF = 2e-14  # m, of positions of some metres
-JUDGED = {"thrown": 0.95, "spinning": 0.6}  # of the cases, at least: those in which the run errs by less
+# minimal share of cases that can be judged, because the error of the run is small enough
+JUDGED = {"thrown": 0.95, "spinning": 0.6}
 FAR = 100.0  # m, a wall out of reach
 LAWS = ("hertz", "newton_impact", "kuwabara_kono")
 
@@ -32,17 +33,17 @@ def instance(law):
 
 
 def set_motion(record, random, motion):
-    """Draw a motion for a rod; return when its tip is highest [s], and how high it is then [m]."""
+    """Draw a motion for a rod; return the time [s] of its tip's maximal height, and this height [m]."""
     length, speed = random.uniform(0.3, 2.0), random.uniform(1.0, 9.0)
     gravity, spin = (random.uniform(1.0, 20.0), 0.0) if motion == "thrown" else (0.0, speed)
     angle, drift = random.uniform(-1.4, 1.2), random.uniform(-3.0, 3.0)
     middle = 0.5 * length * np.array([math.cos(angle), math.sin(angle)])
     if motion == "thrown":
-        # it does not turn: the tip goes along a parabola
+        # without rotation the tip follows a parabola
         velocity, top = [drift, speed], speed / gravity
         height = length * math.sin(angle) + 0.5 * speed * top
     else:
-        # it turns about its middle, which goes along the wall
+        # the rod rotates about its middle, which moves along the wall
         velocity, top = [drift + spin * middle[1], -spin * middle[0]], (0.5 * math.pi - angle) / spin
         height = middle[1] + 0.5 * length
     mass = random.uniform(0.1, 3.0)

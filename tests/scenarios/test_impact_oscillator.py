@@ -1,4 +1,4 @@
-"""A mass on a spring that a sine drives against a rigid stop, against its motion in closed form.
+"""A mass on a spring, driven by a sine against a rigid stop, against the closed-form motion.
 
 Source: Shaw & Holmes 1983, J Sound Vib 90:129.
 """

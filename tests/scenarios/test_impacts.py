@@ -1,4 +1,4 @@
-"""Impacts, by laws of force and rigid: exact ones, the rigid limit, several at once, whole simulations."""
+"""Impacts with force laws and rigid walls: exact solutions, the rigid limit, simultaneous impacts, runs."""
 
 import math
 
@@ -28,7 +28,7 @@ from tests.helpers.reference import balance, exact_damping_factor, momenta, more
 from tests.helpers.turned import mirrored
 
 as_both = pytest.mark.parametrize("law", ["zhang_sharf", RIGID])
-"""By a law of force and as rigid walls."""
+"""The parameters: with a force law, and with rigid walls."""
 
 
 def of(law, scene):
@@ -121,7 +121,7 @@ def test_a_rigid_impact_has_no_duration_no_depth_and_no_peak():
 
 @pytest.mark.parametrize(("tilt", "restitution"), [(0.5, 0.7), (0.5, 0.3), (-1.1, 1.0)])
 def test_a_rods_end_is_struck_as_in_the_textbook(tilt, restitution):
-    """By a rigid wall, and the stiffer a wall the more so, as K^(−2/5), at the same cost."""
+    """The wall is rigid, or stiff with an error of K^(−2/5), at a cost that does not grow with K."""
     scene, exact = struck_rod(tilt, restitution, 1e8)
     scene = rigid(with_values(scene, {("initial", "velocity"): (0.8, -1.0)}))
     before, after = around_first_impact(scene)
@@ -175,12 +175,12 @@ def test_a_rod_returns_from_a_corner_as_it_came(restitution, law):
 
 
 def test_five_points_with_unlike_speeds_get_moreaus_impulses():
-    """The middle of the chain falls faster: which impulses act is part of the question."""
+    """The middle of the chain falls faster, so that the set of acting impulses is not obvious."""
     for spins in ((1.0, -1.0, 1.0, -1.0), (-2.0, 1.0, 1.0, 2.0), (0.5, 0.5, -0.5, -0.5)):
         scene = rigid(flat_chain(1e-3, restitution=0.4))
         velocity = {("initial", "velocity"): (0.2, -2.0), ("initial", "angular_velocities"): spins}
         instance = Instance(with_values(scene, velocity | {("gravity",): (0.0, 0.0)}))
-        # all on the floor and moving: the start of an impact
+        # all points are on the floor and moving: the start of an impact
         state = instance.record["step"]["state_end"]
         state[1] = 0.0
         before = state[6:12].copy()
@@ -216,14 +216,14 @@ def test_a_mirrored_scene_has_a_mirrored_result(law):
 
 @pytest.mark.parametrize("floor", [1e-1, 1e-3, 1e-6])
 def test_a_second_hit_within_a_contact_is_no_explosion(floor):
-    """One end rests, latched at a gentle speed; the other end falls and pushes the first into the floor."""
+    """One end rests, latched at a small speed; the other end falls and pushes the first into the floor."""
     scene = rod(0.3, 0.0, 0.0, gravity=GRAVITY, stop_time=1.0, restitution=0.5, minimum_impact_speed=floor)
     result = simulate(scene)
     impacts = result.impacts
     fall = impacts[impacts["point"] == 1][0]
     assert fall["impact_speed"] > 1.0
     assert (result.outputs["force"] >= 0.0).all()
-    # no contact can be harder than the whole rod arriving at the speed of the falling end
+    # no contact can be harder than an impact of the whole rod at the speed of the falling end
     ratio = fall["impact_speed"] ** 2 / scene.contact.stiffness
     hardest = (1 + exact_damping_factor(0.5)) * 1.1432626298 * scene.contact.stiffness * ratio**0.6
     assert impacts["peak_force"].max() < hardest
@@ -246,7 +246,7 @@ def test_a_rod_that_wedges_between_floor_and_ceiling_does_not_hit_them_for_ever(
 
 
 def test_neither_method_nor_stiffness_nor_exponent_means_anything():
-    """Nothing is stiff: the method is the explicit one, whatever the solver is told."""
+    """Nothing is stiff, so the explicit method runs with any method option."""
     plain = simulate(default_scene(model=RIGID))
     for method in SOLVER_METHODS:
         result = simulate(default_scene(model=RIGID, stiffness=1.0, exponent=3.0), method=method)
@@ -266,7 +266,7 @@ def test_a_hundred_links_fall_in_a_heap(law, restitution):
 
 
 def test_the_record_holds_everything():
-    """A copy of its bytes, taken while some points are held, goes on bit by bit as the original does."""
+    """A copy of the record's bytes, taken while points are held, continues bit-equal to the original."""
     instance, other = (Instance(default_scene(model=RIGID, restitution=0.3)) for _ in range(2))
     assert instance.advance(1.5) == 0
     assert instance.record["touch"]["active_count"] > 0
@@ -277,7 +277,7 @@ def test_the_record_holds_everything():
 
 
 def test_a_bounce_off_which_links_turn_far_faster_does_not_hold_up_the_solver():
-    """A step as long as that before it would be of 15 turns; its errors overflow."""
+    """A step as long as the previous step would make 15 turns; its errors overflow."""
     wall = 2.290016350654996
     values = {
         ("solver", "tolerance"): 1e-4,
@@ -307,7 +307,7 @@ def test_a_bounce_off_which_links_turn_far_faster_does_not_hold_up_the_solver():
 
 @pytest.mark.parametrize(("seed", "tolerance"), [(307, 1e-5), (427, 1e-5), (1544, 1e-2), (3196, 1e-2)])
 def test_no_point_arrives_backwards(seed, tolerance):
-    """A point that lies at a wall, which the error of a step has turned round by its onset."""
+    """An error of the step has reversed the speed of a point at a wall until its onset."""
     first = (0, SLANTED, SPRUNG)[seed % 3]
     scene = random_scene(first + seed)
     changes = {
@@ -318,7 +318,7 @@ def test_no_point_arrives_backwards(seed, tolerance):
     }
     try:
         impacts = simulate(with_values(scene, changes), output_step=math.inf, output=()).impacts
-    except SimulationError as fault:  # what has happened until then counts
+    except SimulationError as fault:  # the result until the failure counts
         impacts = fault.result.impacts
     assert len(impacts) > 10
     assert (impacts["impact_speed"] >= 0.0).all()

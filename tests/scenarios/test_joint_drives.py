@@ -1,4 +1,4 @@
-"""Drives in joints: armatures, servos that follow targets, limits of torque: closed forms and textbook."""
+"""Drives in joints: armatures, servos with targets, torque limits; against closed forms and textbooks."""
 
 import math
 
@@ -70,7 +70,7 @@ def test_a_chain_with_armatures_moves_as_the_textbook_says(count, base):
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_the_implicit_method_has_the_armatures_in_its_mass_matrix(base):
-    """Else its iteration would converge slowly, or not: the armatures exceed the inertias of the links."""
+    """Without the armatures its iteration would converge slowly: they exceed the inertias of the links."""
     scene = with_values(random_chain(3, base), {f"link[{i}].joint_armature": 5.0 for i in (1, 2, 3)})
     scene = with_values(scene, {f"link[{i}].joint_stiffness": 1e7 for i in (1, 2, 3)})
     scene = with_values(scene, {f"link[{i}].joint_damping": 1e4 for i in (1, 2, 3)})
@@ -82,7 +82,7 @@ def test_the_implicit_method_has_the_armatures_in_its_mass_matrix(base):
 
 
 def test_a_rigid_wall_meets_the_mass_of_links_and_armatures():
-    """Newton's impact of the tip, M Δ = Jᵀ p with p = (1 + e) u/(J M⁻¹ Jᵀ), by the textbook's matrices."""
+    """M Δ = Jᵀ p with p = (1 + e) u/(J M⁻¹ Jᵀ), Newton's impact of the tip with the textbook's matrices."""
     links = [ROD | {"joint_armature": 0.4}, ROD | {"joint_armature": 2.0}]
     initial = {"angles": [0.3, -1.0], "angular_velocities": [-1.0, -2.0]}
     contact = {"model": "newton_impact", "restitution": 0.6, "points": [2]}
@@ -113,7 +113,7 @@ def test_a_stop_meets_the_inertia_of_link_and_armature(law):
 
 
 def test_a_held_chain_has_the_moments_of_its_armatures():
-    """A tip slides along a rigid floor: constraint forces with armatures keep it there, and the energy."""
+    """A tip slides along a rigid floor: forces of constraint hold the tip there; the energy is constant."""
     links = [ROD | {"joint_armature": 0.4}, ROD | {"joint_armature": 2.0, "joint_friction": 0.1}]
     initial = {"angles": [0.6, -0.6], "angular_velocities": [0.0, 0.0]}
     contact = {"model": "newton_impact", "points": [2], "restitution": 0.0}
@@ -179,7 +179,7 @@ def decaying(time, angle, speed):
 
 @pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
 def test_a_servo_swings_to_its_target_as_the_damped_oscillator(method):
-    """The target velocity shifts the angle at which it comes to rest by c φ̇_t/k."""
+    """The target velocity shifts the equilibrium angle by c φ̇_t/k."""
     targets = {"joint[1].target_angle": 1.3, "joint[1].target_velocity": 0.4}
     tolerance = 1e-8 if method == "implicit" else TOLERANCE
     result = simulate(one_servo(), inputs=targets, method=method, tolerance=tolerance)
@@ -192,7 +192,7 @@ def test_a_servo_swings_to_its_target_as_the_damped_oscillator(method):
 
 
 def test_a_servo_follows_a_sinusoidal_target_with_the_amplitude_and_phase_of_its_transfer_function():
-    """A (k + i c ω)/(k − J ω² + i c ω), and what decays from the start."""
+    """A (k + i c ω)/(k − J ω² + i c ω), plus a decaying part from the start."""
     pace, inertia = 3.0, INERTIA + ARMATURE
     targets = {
         "joint[1].target_angle": lambda t: math.sin(pace * t),
@@ -229,7 +229,7 @@ def test_a_spring_that_is_no_servo_and_a_servo_with_constant_targets_move_alike(
 
 
 def test_stiffness_and_damping_can_be_set_at_any_time():
-    """Each phase is the decay from the state before it; what is set and set back changes nothing."""
+    """Each phase is the decay from the state before; a value set and reset changes nothing."""
     chain = Chain(one_servo(joint_stiffness=0.0, joint_damping=0.0, joint_rest_angle=0.2))
     chain.step_to(0.5)
     assert chain.get("link[1].angle") == pytest.approx(0.7 + 0.75, abs=1e-12)
@@ -270,7 +270,7 @@ def test_a_stiff_servo_is_implicit_and_its_communication_step_does_not_matter():
 
 
 def test_a_drive_at_its_limit_accelerates_evenly_and_then_swings():
-    """From φ₀ with M/J until k φ = M, then harmonically; below the limit again from the other side."""
+    """The acceleration is M/J from φ₀ until k φ = M; then the motion is harmonic until the other limit."""
     link = ROD | {"joint_stiffness": STIFFNESS, "joint_torque_limit": 2.0}
     result = simulate(driven([link], {"angles": [0.7]}), stop_time=0.5)
     slack = 2.0 / STIFFNESS
@@ -298,7 +298,7 @@ def test_motor_and_servo_saturate_together():
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_a_target_that_moves_fast_while_the_drive_is_at_its_limit_is_followed(method):
-    """The torque is the limited one in every row: the steps are much longer than the swings of the target."""
+    """The torque is at its limit in every row; the steps are much longer than the target's oscillations."""
     limit, stiffness = 0.08, 22.0
     link = ROD | {"joint_stiffness": stiffness, "joint_torque_limit": limit}
     swing = {
@@ -346,12 +346,12 @@ def test_a_chain_of_limited_servos_moves_as_the_textbook_says(count, base, metho
 
 
 def test_the_arm_of_a_real_robot_moves_as_the_textbook_says_until_its_impact():
-    """All its drives reach their limits."""
+    """All drives of the arm reach their limits."""
     check_against_the_textbook(load_scene("ur5e"), 0.2, "explicit")
 
 
 def check_against_the_textbook(scene, stop_time, method, inputs=None):
-    """Compare the state at an end [s], and the energy that the drives have supplied."""
+    """Compare the state at a time [s], and the energy that the drives have supplied."""
     exact = DrivenChain(scene, inputs).reached(stop_time)
     tolerance = 1e-9 if method == "implicit" else TOLERANCE
     result = simulate(scene, stop_time, inputs=inputs, method=method, tolerance=tolerance)
@@ -391,13 +391,13 @@ def test_derivatives_through_limits_are_those_of_differences(method):
                 run = simulate(changed, inputs=more, tolerance=1e-13)
                 exact = exact + sign * weight * run["point[3].x"] / (60.0 * step)
         found = result.sensitivity("point[3].x", name)
-        # of implicit steps the times at which drives reach their limits carry the tolerance
+        # with implicit steps the times of the drives' limits have an error of the tolerance
         allowed = 2e-7 if method == "implicit" else 1e-8
         assert np.abs(found - exact).max() < allowed * np.abs(exact).max(), name
 
 
 def test_derivatives_hold_where_targets_and_stiffness_are_set_on_the_way():
-    """A derivative is that for a constant added to all values that are set."""
+    """The derivative is by a constant that is added to all set values."""
     steps = {
         "link[2].joint_stiffness": 0.05,
         "link[2].joint_torque_limit": 1e-3,

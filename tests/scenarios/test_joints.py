@@ -1,4 +1,4 @@
-"""Joints with springs, dampers and stops: closed forms, beams, statics, and what stiff ones cost."""
+"""Joints with springs, dampers and stops: closed forms, beams, statics, and the cost of stiff joints."""
 
 import math
 
@@ -16,7 +16,7 @@ from tests.helpers.reference import balance, momenta
 from tests.helpers.stops import arm, knee, together
 from tests.helpers.textbook import Textbook
 
-FLIGHT = 0.25  # s, of the scene of stiff joints, before its first impact
+FLIGHT = 0.25  # s, in the scene of stiff joints, before its first impact
 ROD = {"length": 0.8, "mass": 1.5}
 INERTIA = 1.5 * 0.8**2 / 3  # kg·m² about the pin
 RTOL = {"DOP853": 1e-12, "Radau": 1e-10}
@@ -52,7 +52,7 @@ def reached(result):
 @pytest.mark.parametrize("method", SOLVER_METHODS)
 @pytest.mark.parametrize("rest", [0.0, -0.7, 8.0])
 def test_a_rod_on_a_spring_swings_harmonically_however_far(rest, method):
-    """I φ̈ = −k φ, for any amplitude: φ = A cos ωt + (ω₀/ω) sin ωt about the rest angle."""
+    """I φ̈ = −k φ at any amplitude: φ = A cos ωt + (ω₀/ω) sin ωt about the rest angle."""
     stiffness, amplitude, spin = 12.0, 4.0, 1.5
     link = ROD | {"joint_stiffness": stiffness, "joint_rest_angle": rest}
     scene = sprung([link], {"angles": [rest + amplitude], "angular_velocities": [spin]})
@@ -100,7 +100,7 @@ def test_a_free_base_has_no_spring():
 
 
 def test_the_implicit_method_keeps_its_order_on_springs():
-    """Steps go as the seventh root of the tolerance, and the error as the tolerance."""
+    """The number of steps grows as the seventh root of 1/tolerance, and the error falls as the tolerance."""
     links = [ROD | {"joint_stiffness": 50.0, "joint_rest_angle": 0.2}] * 3
     scene = sprung(links, {"angles": [0.3, -0.5, 1.0], "angular_velocities": [1.0, -3.0, 2.0]}, gravity=9.81)
     exact = integrated(scene, 1.0)
@@ -128,7 +128,7 @@ def stiffened(damping, stiffness, count=2, base="free", stop_time=0.25):
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e7, 1e9])
 def test_stiff_damped_springs_become_implicit_after_their_swing_has_decayed(stiffness):
-    """So they cost a bounded number of evaluations: explicit steps alone take 85,000 for 1e7 N·m/rad."""
+    """The number of evaluations is bounded: explicit steps alone need 85,000 for 1e7 N·m/rad."""
     result = simulate(stiffened(0.01 * np.sqrt(stiffness), stiffness))
     assert result.statistics["implicit_steps"] > 0
     assert result.statistics["rhs_evaluations"] < 12_000
@@ -136,14 +136,14 @@ def test_stiff_damped_springs_become_implicit_after_their_swing_has_decayed(stif
 
 
 def test_a_swing_that_the_tolerance_sees_has_explicit_steps():
-    """Links that start with a relative rate of 4 rad/s, on springs without damping: nothing decays."""
+    """Links start with a relative rate of 4 rad/s, on springs without damping: nothing decays."""
     result = simulate(stiffened(0.0, 1e5))
     assert result.statistics["implicit_steps"] == 0
     assert balance(result) < 1e-6
 
 
 def test_stiff_springs_at_rest_have_implicit_steps():
-    """A free chain that turns as one body strains them by less than the tolerance can see."""
+    """A free chain that rotates as one body strains its springs by less than the tolerance."""
     still = {("initial", "angular_velocities"): [1.0, 1.0]}
     result = simulate(with_values(stiffened(0.0, 1e12), still))
     assert result.statistics["implicit_steps"] > 0.5 * result.statistics["steps"]
@@ -153,7 +153,7 @@ def test_stiff_springs_at_rest_have_implicit_steps():
 
 
 def test_springs_that_are_taken_away_leave_nothing_behind():
-    """An instance that starts anew without its springs moves as one that never had them."""
+    """An instance restarted without its springs moves like an instance without springs."""
     with_springs = stiffened(0.0, 1e3)
     without = with_values(with_springs, {("chain", "links", i, "joint_stiffness"): 0.0 for i in range(2)})
     used, fresh = Instance(with_springs), Instance(without)
@@ -181,7 +181,7 @@ def test_the_error_in_flight_goes_with_the_tolerance_however_stiff_the_joints(co
     ("damping", "most"), [(1.0, 7_000), (10.0, 12_000), (100.0, 7_000), (1e4, 4_000), (1e6, 4_000)]
 )
 def test_a_fall_with_impacts_costs_a_bounded_number_of_evaluations(damping, most):
-    """Explicit steps alone take 34,000 for 10 N·m·s/rad, 253,000 for 100, and 25 million for 1e4."""
+    """Explicit steps alone need 34,000 for 10 N·m·s/rad, 253,000 for 100, and 25 million for 1e4."""
     result = simulate(stiff_joint(damping))
     assert len(result.impacts) >= 5
     assert result.statistics["rhs_evaluations"] < most
@@ -256,7 +256,7 @@ def test_no_tolerance_makes_energy_from_nothing(base, tolerance, method):
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-6])
 @pytest.mark.parametrize(("bend", "most"), [(0.01, 17.0), (0.1, 10.0)])
 def test_losses_follow_the_tolerance(bend, most, tolerance, method):
-    """The springs swing a little, and fast. Without a bound it is up to 143 and 72 tolerances."""
+    """The springs oscillate fast with a small amplitude; without a bound the loss is up to 143 tolerances."""
     _, share, status = changes(strained(5, 1e5, tolerance, bend=bend), method)
     assert status == OK
     assert share < most * tolerance
@@ -266,7 +266,7 @@ def test_losses_follow_the_tolerance(bend, most, tolerance, method):
 
 
 def test_a_contact_that_lasts_at_the_end_is_told_by_moment_and_angle():
-    """As one that has ended: the same onset, speed and inertia, and what was reached so far."""
+    """The row has the onset, speed, inertia and present peaks, like the row of a finished contact."""
     whole, scene = simulate(knee()).impacts[0], knee()
     result = simulate(scene, stop_time=0.5 * (whole["onset"] + whole["end"]))
     (lasting,) = result.impacts
@@ -290,7 +290,7 @@ RESTING = [
 
 @pytest.mark.parametrize(("walls", "stops"), [("zhang_sharf", "newton_impact"), ("newton_impact", "flores")])
 def test_rigid_stops_and_walls_with_a_force_hold_an_arm_together_and_the_other_way_round(walls, stops):
-    """An arm on its stop and on a floor: the moments about the base, and about the knee, are in balance."""
+    """An arm rests on its stop and on a floor: the moments about the base, and about the knee, balance."""
     scene = arm(
         RESTING,
         [0.3, 0.4],
@@ -320,7 +320,7 @@ def test_rigid_stops_and_walls_with_a_force_hold_an_arm_together_and_the_other_w
 @pytest.mark.parametrize("law", ["zhang_sharf", "lankarani_nikravesh", "kelvin_voigt"])
 @pytest.mark.parametrize(("walls", "stops"), [(None, "newton_impact"), ("newton_impact", None)])
 def test_the_peak_of_a_force_is_the_largest_one_also_where_rigid_contacts_strike_or_hold(law, walls, stops):
-    """A rigid impact makes the force of the other contacts jump; and a held one takes part in their rates."""
+    """A rigid impact makes the force of other contacts jump; a held contact influences their rates."""
     exponent = 1.0 if law == "kelvin_voigt" else 1.5
     scene = arm(
         [{"length": 0.5, "mass": 1.0}, {"length": 0.4, "mass": 0.5, "joint_max": 0.3}],
@@ -361,7 +361,7 @@ def after_impact(scene, rigid):
 )
 @pytest.mark.parametrize("law", ["zhang_sharf", "kelvin_voigt"])
 def test_a_contact_begins_after_a_rigid_impact_at_the_same_moment_if_it_still_approaches(rigid, omegas, law):
-    """Else there is none: no impact is listed that has no force."""
+    """Without approach after the rigid impact, no contact begins and no impact is listed."""
     laws = ("newton_impact", law) if rigid == "floor" else (law, "newton_impact")
     scene = together(*laws, omegas)
     knee, tip = after_impact(scene, rigid)
@@ -377,7 +377,7 @@ def test_a_contact_begins_after_a_rigid_impact_at_the_same_moment_if_it_still_ap
 
 
 def test_steps_after_an_impact_are_as_long_as_before_it_while_a_rigid_stop_holds_another_joint():
-    """An arm rests on its rigid stop, and its tip bounces on a floor that has a force."""
+    """An arm rests on its rigid stop, while its tip bounces on a compliant floor."""
     links = [{"length": 0.5, "mass": 5.0, "joint_min": -0.1}, {"length": 0.3, "mass": 0.2}]
     scene = arm(
         links,
@@ -391,5 +391,5 @@ def test_steps_after_an_impact_are_as_long_as_before_it_while_a_rigid_stop_holds
     result = simulate(scene)
     bounces = (result.impacts["peak_force"] > 0.0) & (result.impacts["wall"] == 2)
     assert bounces.sum() > 10
-    # if steps had to grow from the size of those of an impact, there would be 28 for each
+    # steps that had to grow from an impact's step size would give 28 steps for each bounce
     assert result.statistics["steps"] < 26 * bounces.sum()

@@ -1,4 +1,4 @@
-"""The knee strike of a walker: our stop against the two angular momenta that it keeps."""
+"""The knee strike of a walker: the stop, against the conservation of two angular momenta."""
 
 import numpy as np
 import pytest
@@ -34,13 +34,13 @@ def test_the_scene_has_the_masses_and_the_start_of_the_source():
     q = np.array(scene.initial.angles) - UPRIGHT
     stance, rate, swinging = map(float, PUBLISHED)
     assert q == pytest.approx([stance, -0.2884, -0.2884], abs=1e-15)
-    # both feet are on the slope, but for the rounding of the published angles
+    # both feet are on the slope, within the rounding of the published angles
     assert q[0] + q[1] == pytest.approx(-2 * SLOPE, abs=1.01e-4)
     assert scene.initial.angular_velocities == (rate, swinging, swinging)
 
 
 def test_the_knee_then_leans_on_its_stop_as_a_locked_leg_does():
-    """The moment of the stop is what the motion of the locked leg leaves over in the shank's equation."""
+    """The moment of the stop equals the residual of the shank's equation in the locked leg's motion."""
     walker, result = Walker(load_scene(MODEL)), simulate(MODEL, tolerance=1e-12)
     late = result.time > walker.onset
     angles, rates = walker.angles(result.time)

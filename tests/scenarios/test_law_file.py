@@ -1,4 +1,4 @@
-"""A user's own contact law: the same impacts in simulate() and in an FMU, and what is refused."""
+"""A user's own contact law: equal impacts in simulate() and in an FMU, and refused laws."""
 
 import functools
 import math
@@ -32,7 +32,8 @@ from chain_impact.variables.model import Model
 from tests.helpers.problems import ball, own_law, struck_ball
 from tests.tiers import needs_compilers
 
-# all laws of the tests that simulate are in one, as each is one compilation: the restitution tells which
+# a single law for all simulating tests, because each law needs a compilation; the restitution selects the
+# formula
 DAMPED = f"""
 import math
 
@@ -86,7 +87,7 @@ def refusal(law, text, name="damped"):
 
 @needs_compilers
 def test_an_impact_is_that_of_the_same_law_in_the_registry(law):
-    """λ = 0.3 is Hunt and Crossley's for e = 0.8."""
+    """λ = 0.3 is the damping of Hunt and Crossley for e = 0.8."""
     scene, exact = struck_ball(damping_factor=0.3)
     for method in ("explicit", "implicit"):
         (impact,) = simulate(with_file(scene, law(DAMPED)), method=method).impacts
@@ -116,7 +117,7 @@ def test_a_result_is_of_the_law_that_it_was_simulated_with(law, change):
 
 @pytest.mark.full("takes long")
 def test_it_is_told_all_that_a_law_may_need_and_may_do_anything_with_it(law):
-    """Told a wrong value it pushes hard; for e = 0.8 it pulls; for 0.9 it is no number."""
+    """The law pushes hard if an argument is wrong; for e = 0.8 it pulls; for e = 0.9 it returns NaN."""
     scene = ball(1e-3, mass=2.0, stiffness=2e5, exponent=1.25, restitution=0.375)
     scene = with_file(scene, law(DAMPED))
     (impact,) = simulate(scene).impacts
@@ -228,7 +229,7 @@ def takes_another_argument(depth):
     ids=["lambda", "partial", "a name that is taken", "an argument"],
 )
 def test_a_function_that_cannot_be_a_law_is_told_why(law, reason):
-    """And not where a file of it would be kept."""
+    """The folder for the file of the law stays empty."""
     with pytest.raises(SceneError) as caught:
         with_law(load_scene("rod_drop"), law)
     assert f" {reason}" in str(caught.value)

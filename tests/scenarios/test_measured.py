@@ -1,4 +1,4 @@
-"""Measured motions: how well the models follow them, what the files of measured values hold, their charts."""
+"""Measured motions: the models' distances from the measurements, the files of measured values, the charts."""
 
 import importlib.util
 from pathlib import Path
@@ -29,7 +29,7 @@ def test_the_triple_pendulum_swings_as_measured():
     assert result.time == pytest.approx(columns["time"], abs=1e-9)
     angles = np.stack([columns[f"link[{i}].angle"] for i in (1, 2, 3)])
     off = np.abs(angles - result.angles.T)
-    # docs/models/triple_pendulum.md has the largest distances
+    # docs/models/triple_pendulum.md gives the largest distances
     assert np.ptp(angles, axis=1) == pytest.approx([0.86, 1.10, 2.18], abs=5e-3)
     assert off[:, columns["time"] <= 2.0].max() == pytest.approx(0.008, abs=5e-4)
     assert off.max(axis=1) == pytest.approx([0.026, 0.030, 0.044], abs=6e-4)
@@ -40,7 +40,7 @@ def test_the_golf_ball_bounces_as_heard():
     onsets, heard = simulate("golf_ball").impacts["onset"], heard_impacts()
     assert len(onsets) == len(heard) == 9
     early = heard - onsets
-    # docs/models/golf_ball.md: the simulated impacts are ever earlier
+    # docs/models/golf_ball.md: the simulated impacts come earlier and earlier
     assert early[0] == pytest.approx(0.0, abs=1e-5)
     assert early[[1, 2, 8]] == pytest.approx([0.0015, 0.0037, 0.066], abs=1e-3)
     assert (np.diff(early) > 0).all()
@@ -50,7 +50,7 @@ def test_heights_of_the_golf_ball_follow_from_the_measured_times():
     columns, heard = measured("golf_ball"), heard_impacts()
     time, height = columns["time"], columns["point[0].y"]
     flights = np.diff(heard)
-    # free flight of the duration T from the floor to the floor: g T²/8 in its middle
+    # a free flight of the duration T from floor to floor has the height g T²/8 in its middle
     assert height[time < heard[0]] == pytest.approx([9.81 / 2 * heard[0] ** 2], abs=1e-4)
     tops = height[(time > heard[0]) & (height > 0)]
     assert tops == pytest.approx(9.81 * flights**2 / 8, abs=2e-5)
@@ -65,6 +65,6 @@ def test_the_charts_are_drawn(tmp_path):
     spec.loader.exec_module(charts)
     charts.draw(tmp_path)
     assert {file.stem for file in tmp_path.iterdir()} == {*MODELS, "steel_bar"}
-    for file in tmp_path.iterdir():  # the picture in the docs says the same
+    for file in tmp_path.iterdir():  # the picture in the docs shows the same text
         with Image.open(file) as now, Image.open(path.parent / "images" / file.name) as committed:
             assert committed.text == now.text

@@ -1,9 +1,9 @@
-"""The models: their reference results, checked by an integration that shares nothing with the kernel.
+"""The reference results of the models, against an integration that has no code in common with the kernel.
 
-``python -m tests.scenarios.test_models`` writes the reference results anew: every output of a model at a
-tolerance of 1e-12, each 0.02 s or more often, in models/<model>/reference.csv. Where a controller drives a
-model, the inputs that it has set in a co-simulation are written before, to models/<model>/inputs.csv. Where a
-base or a wall moves, tests/scenarios/test_driven_models.py has an independent model.
+``python -m tests.scenarios.test_models`` writes the reference results anew, with a tolerance of 1e-12 and
+every output at steps of 0.02 s or less, to models/<model>/reference.csv. If a controller drives a model, the
+script first writes the inputs of a co-simulation to models/<model>/inputs.csv.
+tests/scenarios/test_driven_models.py has independent models for moving bases and walls.
 """
 
 import csv
@@ -24,9 +24,9 @@ from tests.helpers.derivative_scenes import Case, exact as kept_motion
 
 DOCS = Path(__file__).parents[2] / "docs" / "models"
 STEP = 0.02  # s, between two rows of a reference
-STEPS = {"sphere_on_wall": 6e-5, "steel_bar": 1e-4}  # s, where all is over in a few milliseconds
-# until when [s] the two integrations are compared, and within what [m, rad, s]: the four-link chain
-# amplifies an error of its start 2e4 times until 2 s; the rod comes to rest by ever more impacts
+STEPS = {"sphere_on_wall": 6e-5, "steel_bar": 1e-4}  # s, for motions of a few milliseconds
+# end [s] and bound [m, rad, s] of the comparison of both integrations: the four-link chain amplifies an
+# initial error 2e4 times until 2 s; the rod comes to rest by ever more impacts
 INDEPENDENT = {
     "arm_at_stop": (1.0, 1e-9),
     "bouncing_ball": (4.0, 1e-9),
@@ -51,9 +51,10 @@ INDEPENDENT = {
     "triple_pendulum": (5.0, 1e-9),
     "whip": (0.7, 1e-9),
 }
-# the independent model cannot let two contacts begin at one moment, as the ends of the rod do
+# in the independent model two contacts cannot begin at the same time, as at the ends of the rod
 CHANGED = {"sliding_rod": {"initial.angle[1]": -0.43}}
-# until the end, of positions [m] and angles [rad], and of their rates: during contact 1e-8 s are 1e-4 m/s
+# bounds until the end for positions [m] and angles [rad], and for their rates: in a contact an error of 1e-8
+# s gives 1e-4 m/s
 REGRESSION_ERROR = {
     "arm_at_stop": (1e-8, 1e-6),
     "bouncing_ball": (1e-9, 1e-8),
@@ -99,7 +100,7 @@ BODIES = {
     "hopper",
     "rocking_block",
     "thrown_brick",
-}  # test_body_models.py, test_body_motions.py
+}  # tested by test_body_models.py and test_body_motions.py
 DRIVEN = {"bouncing_table", "shaken_pendulum", "stick_slip_belt"}
 CONVERTED = {"ur5e": {"ur5e.xml", "ur5e.LICENSE"}}
 MEASURED = {"golf_ball": {"measured.csv"}, "triple_pendulum": {"measured.csv", "measured.LICENSE"}}
@@ -161,7 +162,7 @@ def independent(model):
 
 @pytest.mark.parametrize("model", sorted(set(model_names()) - BODIES - DRIVEN - {"kneed_leg", "ur5e"}))
 def test_the_reference_agrees_with_an_independent_integration(model):
-    """Every output but energies; the kneed leg has tests of its own, and so have the drives of the UR5e."""
+    """Every output except energies is compared. The kneed leg and the UR5e's drives have separate tests."""
     scene, rows, exact = independent(model)
     time, columns = reference(model)
     if model in CHANGED:

@@ -1,4 +1,4 @@
-"""A base and walls that move: against other frames, exact maps, independent integrations and differences."""
+"""A moving base and moving walls, against other frames, exact maps, integrations and differences."""
 
 import math
 
@@ -184,7 +184,7 @@ def test_what_rests_on_a_floor_that_accelerates_does_not_creep(model):
 
     result = simulate(resting(model), inputs={"wall.y_min.displacement": height})
     gap = (result["point[0].y"] - height(result.time))[100:]
-    # a wall with a force gives way a little where it accelerates: δ = (m (g + a)/2K)^(2/3)
+    # a compliant wall deforms where it accelerates: δ = (m (g + a)/2K)^(2/3)
     acceleration = 0.5 * 1e-4 * np.cos(0.01 * result.time[100:])
     depth = 0.0 if model == "newton_impact" else (0.5 * (G + acceleration) / 1e6) ** (2 / 3)
     assert np.abs(gap + depth).max() < (1e-12 if model == "newton_impact" else 1e-11)
@@ -203,7 +203,7 @@ def test_what_sticks_to_a_belt_that_accelerates_does_not_creep(rate):
 def test_the_speed_of_a_belt_may_jump():
     scene = resting("flores", friction=0.5, stop=2.0)
     result = simulate(scene, inputs={"wall.y_min.belt_speed": ([0.0, 1.0], [0.0, 0.4])})
-    # it slides with µ g until it has the speed of the belt
+    # the body slides with µ g until it has the speed of the belt
     lasted = 0.4 / (0.5 * G)
     assert np.interp(1.0 + 0.5 * lasted, result.time, result["point[0].vx"]) == pytest.approx(0.2, rel=0.02)
     assert result["point[0].vx"][-1] == pytest.approx(0.4, abs=1e-9)
@@ -450,7 +450,7 @@ def test_velocities_that_are_given_without_positions_are_integrated():
         for _ in range(8):
             chain.step(step)
         found.append(chain.get("wall.y_min.position"))
-    # the velocity of the start acts at once, each other one after a step
+    # the first velocity acts at once, and each other velocity after one step
     assert np.diff(found) == pytest.approx([0.3 * 8 * step - 0.2 * step / 2, 0.3 * step / 2], abs=1e-15)
     assert found[0] == pytest.approx(0.1 * 8 * step, abs=1e-15)
     chain.set({"wall.y_min.displacement": found[-1] + 0.001, "wall.y_min.velocity": 0.1})
@@ -493,7 +493,7 @@ PROFILES = {
 @pytest.mark.parametrize("name", PROFILES)
 @pytest.mark.parametrize("until", [0.1, 0.37, 0.5])
 def test_profiles_of_machines_whose_acceleration_jumps_are_followed(name, until):
-    """A velocity that is continuous does not jump, wherever its kink is."""
+    """A continuous velocity does not jump at its kinks."""
     signal, course = PROFILES[name]
     scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True})
     inputs = {signal: lambda time: course(min(time / until, 1.0))}
@@ -507,7 +507,7 @@ def test_profiles_of_machines_whose_acceleration_jumps_are_followed(name, until)
 @pytest.mark.parametrize("speed", [0.5, 0.05])
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_rigid_walls_that_leave_no_room_end_the_run(speed, restitution):
-    """A rod lies along x between two of them, and one moves in until the rod has no room."""
+    """A rod lies along x between two walls, and one wall moves in until the rod has no room."""
     tables = {
         "name": "Press",
         "gravity": [0.0, 0.0],

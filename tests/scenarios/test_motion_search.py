@@ -1,4 +1,4 @@
-"""Random scenes whose base and walls move: no contact is missed, and the energy balance is kept."""
+"""Random scenes with a moving base and walls: no contact is missed, and the energy balance closes."""
 
 import math
 
@@ -17,7 +17,7 @@ from chain_impact.kernel.status import (
 from tests.helpers.random_scenes import Draw, upright
 
 SQUEEZED = (NO_ROOM, STEP_TOO_SMALL, EVENT_STORM, FORCES_NOT_FOUND)
-"""How a run ends in which walls that close leave the chain no room."""
+"""The final status of a run whose closing walls leave no room for the chain."""
 NORMALS = {"x_min": (1.0, 0.0), "x_max": (-1.0, 0.0), "y_min": (0.0, 1.0), "y_max": (0.0, -1.0)}
 
 
@@ -47,7 +47,7 @@ def moving(seed):
 
 
 def check(seed):
-    """Simulate, and return why the run has ended early, if so."""
+    """Simulate, and return the reason of an early end, if any."""
     scene, inputs = moving(seed)
     status = 0
     try:
@@ -62,7 +62,7 @@ def check(seed):
     scale = mass * size**2 + sum(
         np.abs(result[f"energy.{name}"]).max() for name in ("kinetic", "potential", "supplied", "dissipated")
     )
-    # of an implicit step forced on a motion, the interpolant is less accurate than its end
+    # in a forced implicit step the interpolant is less accurate than the end of the step
     factor = 300.0 if scene.solver.method != "implicit" else 1e4
     assert np.ptp(balance) < factor * tolerance * scale, seed
     for wall in scene.moving_walls:

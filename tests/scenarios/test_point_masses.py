@@ -39,7 +39,7 @@ def double(angles, spins=(0.0, 0.0), **more):
 
 
 def test_a_double_pendulum_swings_wide_as_its_textbook_equations_say():
-    """(m₁+m₂) l₁² θ₁″ + m₂ l₁ l₂ (θ₂″ cos Δ + θ₂′² sin Δ) = −(m₁+m₂) g l₁ cos θ₁ and so on, Δ = θ₁ − θ₂."""
+    """(m₁+m₂) l₁² θ₁″ + m₂ l₁ l₂ (θ₂″ cos Δ + θ₂′² sin Δ) = −(m₁+m₂) g l₁ cos θ₁, and the second equation."""
     l1, m1, l2, m2 = 0.7, 2.0, 1.1, 0.5
 
     def rate(_, y):
@@ -62,7 +62,7 @@ def test_a_double_pendulum_swings_wide_as_its_textbook_equations_say():
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_accelerations_are_lagranges(base):
-    """Of a rod between bobs, by the derivation in SymPy."""
+    """The chain has a rod between point masses; SymPy derives Lagrange's equations."""
     rng = np.random.default_rng(len(base))
     links = [
         bob(0.6, 1.3),
@@ -82,7 +82,7 @@ def test_accelerations_are_lagranges(base):
 
 
 def test_a_bob_on_a_stiff_damped_spring_takes_implicit_steps():
-    """The bound on its rates is infinite, but not the rates."""
+    """The bound of its rates is infinite, but the rates are finite."""
     links = [bob(0.7, 2.0), bob(1.1, 0.5, joint_stiffness=1e7, joint_damping=1e3)]
     one = scene(links, initial={"angles": [0.0, 0.0]}, tolerance=1e-8)
     result = simulate(one)
@@ -110,7 +110,7 @@ def test_links_that_could_turn_without_moving_mass_are_refused(base, links, reas
 
 
 def test_the_kernel_refuses_them_too():
-    """An importer may set what it likes."""
+    """An importer may set any value."""
     instance = Instance(double([0.0, 0.0]))
     instance.record["model"]["given_center_of_mass"][1] = 0.0
     assert initialize(instance) == MASS_MATRIX_SINGULAR

@@ -1,4 +1,4 @@
-"""What a user of Python expects: help, tab completion, copies, pickles, short reprs."""
+"""Features that Python users expect: help, tab completion, copies, pickles, short reprs."""
 
 import copy
 import inspect
@@ -75,7 +75,7 @@ def test_a_copy_of_a_chain_goes_on_bit_by_bit_and_for_itself(chain, copied):
     assert len(other.impacts) == len(chain.impacts) > 0
     other.reset()
     assert (other.time, other.get("tip.force.x")) == (0.0, 0.0)
-    fresh = Chain("rod_drop")  # that has not started can still be set
+    fresh = Chain("rod_drop")  # parameters can be set before the start
     fresh.set("initial.y", 1.25)
     other = copied(fresh)
     other.set("initial.y", 1.5)

@@ -1,13 +1,13 @@
-"""Random chains of bodies: ``python -m tests.helpers.random_bodies`` searches further."""
+"""Random chains of bodies; ``python -m tests.helpers.random_bodies`` searches more scenes."""
 
 import pytest
 
 from chain_impact import simulate
 from tests.helpers.random_bodies import DRIVEN, bodies, faults, wrong_energy, wrong_motion
 
-# Scenes that had faults: a row with an acceleration by a force that it does not tell, one whose last digits
-# depended on rows before, two corners of a box that stick, a limit that was passed between two stages, and a
-# corner that skims a rigid wall.
+# Scenes with former faults: a row with the acceleration of an unreported force, a row that depended on
+# earlier rows, two sticking corners of a box, a limit passed between two stages, and a corner that slides
+# along a rigid wall.
 MENDED = (10254, 10410, 14065, 14072, 15739)
 
 
@@ -19,7 +19,7 @@ def test_random_bodies_keep_the_laws_of_physics(seeds):
 
 
 def test_a_peak_after_a_change_of_friction_is_found():
-    """A force that falls rises again as a joint and a contact begin to slide: its second peak is higher."""
+    """A decreasing force rises again as a joint and a contact begin to slide: its second peak is higher."""
     run = simulate(bodies(6).with_values({"solver.method": "explicit"}), 0.1, output_step=1e-5)
     first = run.impacts[0]
     rows = run.time <= first["end"]

@@ -1,4 +1,4 @@
-"""Derivatives in every row and of every impact, beside differences of two sizes: random and chosen scenes."""
+"""Derivatives in every row and of every impact, against differences of two sizes, in many scenes."""
 
 import pytest
 

@@ -2,7 +2,7 @@
 
 ``scene(seed)`` of tests/helpers/random_scenes.py makes the scene of a failure again, ``verdict(scene(seed),
 seed)`` of tests/helpers/search.py judges it again, and ``python -m tests.helpers.search`` searches further.
-Nor does a run depend on when it is observed; and a fold takes no energy beyond Newton's law.
+Runs do not depend on observations, and a folded chain loses no energy beyond Newton's law.
 """
 
 import math
@@ -56,10 +56,10 @@ def test_random_scenes_keep_the_laws_of_physics(seeds):
 
 # --- scenes that had findings ------------------------------------------------------------------------------
 
-# Ends of contacts where the interpolant of a stiff step is at fault, points in toggle positions and wedged
-# ones under rigid walls, bounces too low to be told from rest, first steps over stiff joints, ends at loose
-# tolerances, outputs between the ends of an unstable explicit step, a step toward the end of a contact whose
-# penetration is round-off, forces in joints that rise and fall several times in an implicit step.
+# Causes: ends of contacts with a wrong interpolant of a stiff step; points in toggle positions, or wedged
+# under rigid walls; bounces too low for a difference from rest; first steps with stiff joints; ends at loose
+# tolerances; outputs in an unstable explicit step; a step toward the end of a contact whose penetration is
+# round-off; forces in joints that rise and fall several times in an implicit step.
 # fmt: off
 MENDED = [
     77, 179, 190, 279, 394, 475, 630, 826, 1509, 1791, 2455, 2655, 2716, 3137, 3165, 3791, 3822, 3861,
@@ -79,7 +79,7 @@ def test_a_scene_that_had_findings_has_none(seed):
 
 @pytest.mark.parametrize("seed", [430, 13415, SLANTED + 458, SLANTED + 1952])
 def test_no_output_shows_a_point_behind_a_wall_that_the_search_has_passed(seed):
-    """At a loose tolerance the dense output may be further from the motion than the point from a wall."""
+    """At a loose tolerance the error of the dense output may exceed the distance of a point from a wall."""
     assert not judge(account(scene(seed), seed, rows=1000))
 
 
@@ -93,7 +93,7 @@ def test_a_run_that_takes_too_long_is_ended_and_found():
     assert result.status is None
     assert "ended at" in str(result)
     assert "scene(7)" in str(result)
-    # and the next is judged as ever
+    # the next run is judged as usual
     assert not verdict(default_scene(), 7).findings
 
 
@@ -130,7 +130,7 @@ SEEDS = {
     }.items()
 }
 OBSERVED = ("output", "latest", "step", "quadrature.dense", "limits", "finished")
-"""What observing is for, and what of the last step it may make known: its dense output, and the time."""
+"""Fields that an observation may write: its results, and the dense output and time of the last step."""
 GARBAGE = 1.7e11
 
 
@@ -149,7 +149,7 @@ def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", ["plain", "stops", "friction"])
 def test_no_step_reads_what_observing_writes(kind):
-    """After each look at the motion, all that it has written is overwritten, and the run is the same."""
+    """After each observation the test overwrites all written fields, and the run stays the same."""
     spoiled = 0
     for seed in SEEDS[kind][:20]:
         try:
@@ -219,7 +219,7 @@ def nearly_folded(angle, spin, **contact):
 
 
 def test_a_slow_arrival_in_a_fold_takes_no_energy_and_no_wall_pulls():
-    """The arrival brings 1e-13 J; to stop both points, by impulses of either sign, would take 0.05 J."""
+    """The arrival brings 1e-13 J; impulses of either sign, to stop both points, would dissipate 0.05 J."""
     result = simulate(nearly_folded(-1.5707956778838323, -1.7403405797311131))
     assert (result.impacts["impulse"] >= 0.0).all()
     assert result.impacts["impulse"].max() < 0.1
@@ -237,7 +237,7 @@ def test_the_motion_after_an_impact_is_continuous_as_the_fold_closes():
     np.testing.assert_allclose(speeds, -1.74, atol=0.02)
 
 
-# a pull at the impact, a loss, a correction of places that lifts the chain, a passage between two holds
+# a pull at the impact, a loss, a position correction that lifts the chain, a passage between two held phases
 FOUND = [22, 24, 30, 53, 1445, 2215, 2827, 6792, 12742, 16909]
 
 

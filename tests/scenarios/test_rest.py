@@ -1,4 +1,4 @@
-"""Sustained contact: what a chain does, and costs, when the scene goes quiet; what wakes it; bounded work."""
+"""Sustained contact: the motion and cost of a chain at rest, its release, and bounded work."""
 
 import math
 
@@ -77,14 +77,14 @@ def test_coming_to_rest_costs_a_bounded_number_of_steps(stiffness, restitution):
 @pytest.mark.parametrize("restitution", [0.05, 0.1])
 @pytest.mark.parametrize("stiffness", [1e10, 1e12])
 def test_loose_tolerances_see_the_same_contacts_and_sound_outputs(stiffness, restitution):
-    """A careless penetration bounces: false onsets, and forces of kilonewtons in the outputs."""
+    """A wrong penetration would bounce: false onsets, and forces of kilonewtons in the outputs."""
     onsets = {}
     for tolerance in (1e-3, 1e-4, 1e-8):
         scene = with_values(quiet_chain(stiffness, restitution), {("solver", "tolerance"): tolerance})
         result = simulate(scene, stop_time=1.5, output_step=5e-4)
         onsets[tolerance] = len(result.impacts)
         assert balance(result) < max(1e-6, tolerance)
-    # of 29 to 81: the last bounces before rest, lower than the tolerance tells, come and go with it
+    # of 29 to 81 onsets, the last bounces before rest are below the resolution of the tolerance
     assert onsets[1e-4] == pytest.approx(onsets[1e-8], abs=2)
     assert onsets[1e-3] == pytest.approx(onsets[1e-8], abs=2, rel=0.05)
 
@@ -92,7 +92,7 @@ def test_loose_tolerances_see_the_same_contacts_and_sound_outputs(stiffness, res
 def test_a_stiff_wall_does_not_bound_the_step_while_links_that_touch_turn():
     """At t = 0.7 to 1.2 s links fold on the floor, with some points at rest.
 
-    A step bound by the curvature of the points' paths would shrink as 1/√k, a hundred times from 1e8 to 1e12.
+    A step limit by the curvature of the points' paths would shrink as 1/√k, by 100 from 1e8 to 1e12.
     """
     steps = {}
     for stiffness in (1e8, 1e12):
@@ -119,7 +119,7 @@ def test_the_default_chain_comes_to_rest_for_next_to_nothing(restitution):
     assert instance.advance(11.0) == 0
     before = instance.statistics
     assert before["steps"] < 2000
-    # what is left is a flat chain that slides, and now and then meets a wall
+    # afterwards a flat chain slides, and rarely meets a wall
     assert instance.advance(21.0) == 0
     after = instance.statistics
     assert after["steps"] - before["steps"] < 50
@@ -165,13 +165,13 @@ def resting(request):
 
 
 def test_a_pull_wakes_the_chain_at_once(resting):
-    """The last rod lifts about its inner joint: α = (f − m g/2) L/(m L²/3)."""
+    """The last rod rises about its inner joint: α = (f − m g/2) L/(m L²/3)."""
     _, at, hard = resting
     row = at(10.0, (0.0, 20.0))
     lift = 3 * (20.0 - GRAVITY / 2) / 0.5
     if hard:
         assert row["angular_acceleration"][3] == pytest.approx(lift, rel=1e-8)
-        # the other end of that rod is pressed down: m(g + a) − f, and half a rod's weight
+        # the other end of that rod is pressed down with m(g + a) − f and half of a rod's weight
         pressed = GRAVITY / 2 + GRAVITY + 0.25 * lift - 20.0
         assert floor_forces(row)[3] == pytest.approx(pressed, rel=1e-8)
     later = at(10.01)
@@ -210,10 +210,10 @@ def test_a_dropped_ball_comes_to_rest(restitution, stop_time):
     scene, drop = dropped_ball(stop_time=stop_time, restitution=restitution)
     result = simulate(scene)
     impacts, floor = result.impacts, scene.contact.minimum_impact_speed
-    # each bounce is e times the last one; below the floor of v₀ there are none
+    # the rebound factor of each bounce is e; slower than the lower limit of v₀ no bounce occurs
     assert 2 <= len(impacts) <= math.log(drop.speed / floor) / -math.log(restitution) + 3
     done = impacts[:-1]
-    # gravity acts for the time of the contact, too
+    # gravity also acts during the contact
     allowed = GRAVITY * (done["end"] - done["onset"])
     assert (abs(done["separation_speed"] - restitution * done["impact_speed"]) < allowed).all()
     np.testing.assert_allclose(impacts["impact_speed"][1:], impacts["separation_speed"][:-1], rtol=1e-8)
@@ -228,7 +228,7 @@ def test_a_dropped_ball_comes_to_rest(restitution, stop_time):
 def test_a_ball_bounces_in_closed_form_and_then_lies_still(restitution, stop_time):
     scene, drop = dropped_ball(stop_time=stop_time, model=RIGID, restitution=restitution)
     result = simulate(scene)
-    # t_k+1 = t_k + 2 v e^k/g until a bounce is slower than the floor of speeds
+    # t_k+1 = t_k + 2 v e^k/g until a bounce is slower than the lower limit of speeds
     onset, speed = [drop.onset], drop.speed
     while speed >= scene.contact.minimum_impact_speed and restitution > 0.0:
         speed *= restitution
@@ -253,7 +253,7 @@ def test_the_gentlest_touch_down_comes_to_rest(law, restitution, height, speed):
     assert np.isfinite(np.frombuffer(result.outputs.tobytes())).all()
     assert (result.outputs["force"] >= 0.0).all()
     assert result.outputs["force"][-1, 0] == pytest.approx(GRAVITY, rel=1e-12 if hard else 1e-6)
-    # a weight set at once upon K δⁿ presses it to δⁿ = (n+1) m g/K at most, damping apart: (5/2) m g
+    # a weight that is suddenly set on K δⁿ presses with δⁿ = (n+1) m g/K without damping: (5/2) m g
     assert result.impacts["peak_force"].max() < (3.0 if speed <= 1e-3 else 6.0) * GRAVITY
     assert result.statistics["steps"] < (50 if hard else 50_000)
     assert len(result.impacts) < (5 if hard else 10)
@@ -275,7 +275,7 @@ def energy_to_spin(sine, energy):
 
 
 def test_a_falling_rod_is_held_at_its_foot():
-    """The force is (g − ½ ω² sin θ)/(1 + 3 cos² θ) and never comes to zero."""
+    """The force (g − ½ ω² sin θ)/(1 + 3 cos² θ) stays positive."""
     scene = rod(1.2, 0.0, 0.0, gravity=GRAVITY, stop_time=0.6, model=RIGID, restitution=0.0)
     result = simulate(scene, output_step=1e-3)
     falling = (result.time > 0.0) & (result.time < result.impacts["onset"][1])
@@ -288,7 +288,7 @@ def test_a_falling_rod_is_held_at_its_foot():
 
 
 def test_a_point_is_released_when_its_force_comes_to_zero():
-    """A rod that gets up so fast that its foot leaves the floor, where ½ ω² sin θ = g."""
+    """A rod rotates upward so fast that its foot leaves the floor, where ½ ω² sin θ = g."""
     tilt, spin = 0.2, 8.0
     scene = rod(
         tilt,
@@ -349,12 +349,12 @@ def test_a_bound_on_work_ends_a_simulation_with_what_it_has():
 @pytest.mark.parametrize(("stiffness", "restitution", "onsets"), [(1e5, 0.3, 5), (1e10, 0.5, 27)])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_a_second_hit_inside_a_step_is_noticed(stiffness, restitution, onsets, tolerance):
-    """The other end's impact presses a point in for less than a step: v₀ is latched anew all the same."""
+    """The other end's impact presses a point in for less than a step; v₀ is latched again nevertheless."""
     start = {"position": [0.0, 0.1], "angles": [0.3]}
     contact = {"stiffness": stiffness, "restitution": restitution}
     links = [{"length": 1.0, "mass": 1.0}]
     scene = build("Drop", links, start, {"y_min": 0.0}, contact, gravity=GRAVITY, stop_time=3.0)
-    # as found by other methods, with the same law and latch: docs/stability.md
+    # the same impacts as with other methods, law and latch (docs/stability.md)
     assert len(simulate(scene, tolerance=tolerance).impacts) == onsets
 
 
@@ -399,7 +399,7 @@ def test_held_contacts_pass_to_another_law():
 
 @pytest.mark.parametrize("look", [False, True])
 def test_a_change_that_is_refused_leaves_the_contacts_rigid(look):
-    """An output asked for in between, when the parameters do not yet go together, changes nothing."""
+    """The parameters are inconsistent when an output is requested in between; the output changes nothing."""
 
     def after(settings):
         instance = Instance(rigid(ball(height=0.01), restitution=0.0))
@@ -431,7 +431,7 @@ def test_a_change_that_is_refused_leaves_the_contacts_rigid(look):
     ],
 )
 def test_a_chain_with_a_dry_joint_comes_to_rest_on_a_rigid_floor(friction, angles, speeds, restitution):
-    """A joint does not slide with what impacts of rest leave: its friction would throw up points."""
+    """Slip in a joint by impacts at rest would lift points by friction; the joint sticks instead."""
     links = [{"length": 0.4, "mass": 1.0}, {"length": 0.4, "mass": 1.0, "joint_friction": friction}]
     start = {"position": [0.0, 0.9], "angles": angles, "angular_velocities": speeds}
     contact = {"model": RIGID, "restitution": restitution}
@@ -440,7 +440,7 @@ def test_a_chain_with_a_dry_joint_comes_to_rest_on_a_rigid_floor(friction, angle
     assert len(result.impacts) < 150
     assert result.statistics["steps"] < 2000
     late = result.outputs[result.time >= 5.0]
-    # a chain at rest on a smooth floor may glide
+    # a chain at rest on a smooth floor may slide
     assert np.abs(late["angular_velocity"]).max() < 1e-12
     np.testing.assert_allclose(late["force"].sum(axis=1), 2.0 * GRAVITY, rtol=1e-9)
     assert np.abs(result.impacts["onset"]).max() < 5.0
@@ -467,7 +467,7 @@ def test_a_joint_that_sticks_beside_its_stop_does_not_hit_it_again_and_again():
 @pytest.mark.parametrize("law", [name for name in CONTACT_LAWS if name != RIGID])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
 def test_the_force_in_rows_is_that_of_the_accelerations(law, tolerance):
-    """Also where a point rests, and the sign of δ̇ is an error: F + m g = m a of the centre of mass."""
+    """Also where a point rests and the sign of δ̇ is an error: F + m g = m a of the centre of mass."""
     links = [{"length": 0.5, "mass": 1.5}]
     start = {"position": [0.0, 0.4], "angles": [0.3], "angular_velocities": [1.0]}
     contact = {"stiffness": 1e6, **of_law(law)}

@@ -1,12 +1,12 @@
-"""Random scenes that come to rest go on to their ends, and nothing changes (tests/helpers/resting.py)."""
+"""Random scenes at rest: the run reaches its end, and the state stays constant (tests/helpers/resting.py)."""
 
 import pytest
 
 from chain_impact.kernel.status import OK
 from tests.helpers.resting import KINDS, LONG, SHORT, run, scene
 
-# The change of the energy balance, over the energies, in the last quarter of a run that is at rest: it is
-# round-off, or a thousandth of the change that the tolerance allows for one step.
+# Allowed change of the energy balance over the energies in the last quarter of a run at rest: round-off, or a
+# thousandth of the tolerance's budget for one step.
 RESTS, SHARE = 1e-12, 1e-3
 
 
@@ -32,7 +32,7 @@ CHATTERED = {
 
 @pytest.mark.parametrize(("kind", "seed"), [(kind, seed) for kind in CHATTERED for seed in CHATTERED[kind]])
 def test_chains_that_chattered_come_to_rest(kind, seed):
-    """By impacts of rest in turn, by joints that stick at stops, and by interpolants of implicit steps."""
+    """The causes were alternating impacts, joints sticking at stops, and interpolants of implicit steps."""
     assert run(kind, seed, SHORT).status == OK
 
 

@@ -1,4 +1,4 @@
-"""Where thrown chains come to rest, and how that depends on friction and on the throw."""
+"""Final positions of thrown chains, and their dependence on friction and on the throw."""
 
 from collections import Counter
 
@@ -9,7 +9,7 @@ from chain_impact import simulate
 from tests.helpers.resting_chains import FOUND, NAN, OPEN, PARAMETERS, WRONG, check, shares_left_open, thrown
 
 FEW, MANY = 4, 60
-MOST_OPEN = 1e-2  # of the largest derivative, that a run may leave open
+MOST_OPEN = 1e-2  # relative to the largest derivative: allowed open part of a run
 
 
 def test_chains_that_rest_have_derivatives():

@@ -1,7 +1,7 @@
-"""What a tighter tolerance costs where rough points slide and stick: a few times the work, in every scene.
+"""The cost of a tighter tolerance with sliding and sticking points: a few times the work in every scene.
 
-Forces that depend on how often an iteration has run, or on when it stopped, jump within a step. The error
-estimate sees that as an error which no step size reduces, once the tolerance is below the jump.
+Forces that depend on the number of iterations jump within a step. The error estimate includes the jump, which
+no step size reduces, once the tolerance is below the jump.
 """
 
 import math
@@ -14,8 +14,8 @@ from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import Instance
 
 TOLERANCES = (1e-8, 1e-10, 1e-12)
-DEARER = 5.0  # times as many evaluations for two decades
-WORK = 1e6  # evaluations in a second, far more than any of these scenes needs
+DEARER = 5.0  # maximal ratio of evaluations for two decades of the tolerance
+WORK = 1e6  # evaluations per second of simulated time, far above the needs of these scenes
 LAWS = ("flores", "hunt_crossley", "lankarani_nikravesh", "kuwabara_kono", "tsuji")
 
 
@@ -67,7 +67,7 @@ def evaluations(seed, tolerance):
 
 @pytest.mark.parametrize("seed", [*range(48), 306, 590, 710, 715, 798, 799, 886, 1082])
 def test_two_decades_of_the_tolerance_cost_a_few_times_the_work(seed):
-    """Of the scenes behind the first 48 some lie flat, where several points stick at once."""
+    """Beyond the first 48 scenes, some chains lie flat, where several points stick at once."""
     work = [evaluations(seed, tolerance) for tolerance in TOLERANCES]
     assert work[1] <= DEARER * work[0]
     assert work[2] <= DEARER * work[1]

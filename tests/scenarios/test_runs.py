@@ -1,4 +1,4 @@
-"""Runs: a scene and its FMU by the same names, to the same numbers, with the same faults."""
+"""Runs: a scene and its FMU give the same numbers by the same names, with the same faults."""
 
 import math
 import re
@@ -25,7 +25,8 @@ from chain_impact.variables.model import Model
 from tests.fmu.conftest import OnDemand
 from tests.helpers.shared import shared_folder
 
-LITTLE_WORK = {"solver.work_limit": "1500"}  # too little for the impacts, enough for the flight before
+# work units: enough for the first flight, too few for the impacts
+LITTLE_WORK = {"solver.work_limit": "1500"}
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +51,7 @@ def test_a_scene_and_its_fmu_give_the_same(fmus, model):
     assert (scene.name, scene.walls, scene.parameters) == (fmu.name, fmu.walls, fmu.parameters)
     np.testing.assert_allclose(scene.time, fmu.time, rtol=0, atol=1e-12)
     assert scene.columns.keys() == fmu.columns.keys()
-    # the communication points differ in their last bit, and contacts make much of that
+    # the communication points differ in their last bit, and contacts amplify the difference
     np.testing.assert_allclose(scene.points, fmu.points, rtol=0, atol=1e-9)
     assert scene.impacts[["point", "wall"]].tolist() == fmu.impacts[["point", "wall"]].tolist()
     for name in ("onset", "impact_speed"):
@@ -221,7 +222,7 @@ def test_runs_in_threads_leave_the_process_as_it_is(tmp_path_factory, kind):
 
     def run(number):
         end = {"simulation.stop_time": 0.2}
-        # every second one fails, which must not change what the others find
+        # every second run fails, which must not change the other results
         values = {"initial.y": -1.0} if number % 2 else {}
         try:
             return record_fmu(path, end | values, lambda _: seen.append((sys.stdout, sys.stderr, Path.cwd())))

@@ -1,4 +1,4 @@
-"""Problems from the literature: our results against second solutions, and both against what was published."""
+"""Problems from the literature: our results against second solutions, and both against published values."""
 
 from decimal import Decimal
 
@@ -37,10 +37,11 @@ def test_the_published_figures_differ_from_the_second_solution_as_documented(pro
             continue
         off = abs(float(figure.published) - figure.independent)
         assert off <= figure.published_error, figure.quantity
-        if figure.measured:  # it differs by what the model leaves out, and by the error of the measurement
+        if figure.measured:  # the difference comes from neglected effects and errors of the measurement
             assert not figure.inaccurate
             continue
-        # one that is called inaccurate is off by more than its last digit, and by more than our result is
+        # a published figure with the note "inaccurate" has an error above its last digit, and above our
+        # result's error
         last_digit = 10.0 ** Decimal(figure.published).as_tuple().exponent
         ours = abs(figure.ours - figure.independent)
         assert figure.inaccurate == (off > 1.01 * last_digit and off > 10 * ours), figure.quantity

@@ -1,4 +1,4 @@
-"""Walls at any angle: what they are, and the motion between them, against closed forms and the box."""
+"""Walls at any angle: their geometry, and motions between them, against closed forms and the box."""
 
 import math
 
@@ -12,7 +12,8 @@ from tests.helpers.problems import GRAVITY, ball, default_scene, flat_chain, res
 from tests.helpers.turned import turned
 
 ANGLES = (0.3, math.pi / 2, 2.5, -1.1)
-RIGHT, UP = np.array([0.8, -0.6]), np.array([0.6, 0.8])  # down the ramp of the model, and off it
+# unit vectors down the ramp of the model, and normal to the ramp
+RIGHT, UP = np.array([0.8, -0.6]), np.array([0.6, 0.8])
 
 
 # --- half-planes -----------------------------------------------------------------------------------------
@@ -25,7 +26,7 @@ def test_the_free_side_of_a_wall_is_where_clearances_are_positive():
     assert walls["y_max"] == HalfPlane((0.0, -1.0), -2.0)
     assert walls["x_min"].clearance(0.5, 9.0) == 1.5
     assert walls["y_max"].clearance(7.0, 1.25) == 0.75
-    # 2 m along the ramp and 0.25 m to the left of it
+    # 2 m along the ramp, and 0.25 m to the left of the ramp
     c, s = math.cos(math.pi / 6), math.sin(math.pi / 6)
     assert walls["ramp"].clearance(1.0 + 2.0 * c - 0.25 * s, 3.0 + 2.0 * s + 0.25 * c) == pytest.approx(0.25)
 
@@ -60,7 +61,7 @@ def bounces(height, acceleration, restitution, times):
 
 
 def test_a_disc_on_a_ramp_bounces_as_the_closed_form_says():
-    """Ramp and stop meet at a right angle, so that neither knows of the other: two dropped points."""
+    """Ramp and stop are perpendicular, so their motions are independent: two dropped points."""
     scene = with_values(load_scene("ramp"), {("contact", "model"): "newton_impact"})
     result = simulate(scene, tolerance=1e-12)
     names = [scene.wall_names[wall] for wall in result.impacts["wall"]]
@@ -68,7 +69,7 @@ def test_a_disc_on_a_ramp_bounces_as_the_closed_form_says():
     for name, along, height, pull in (("ramp", UP, 0.5, 0.8 * GRAVITY), ("stop", -RIGHT, 1.9, 0.6 * GRAVITY)):
         onsets, speeds, heights = bounces(height, pull, 0.6, result.time)
         found = result.impacts[[one == name for one in names]]
-        # the last of ever smaller bounces are taken for a rest
+        # the closed form replaces the last, ever smaller bounces by rest
         count = np.count_nonzero(speeds > 0.01)
         assert len(found) >= count
         np.testing.assert_allclose(found["onset"][:count], onsets[:count], rtol=0, atol=1e-11)
@@ -77,14 +78,14 @@ def test_a_disc_on_a_ramp_bounces_as_the_closed_form_says():
             found["separation_speed"][:count], 0.6 * speeds[:count], rtol=0, atol=1e-10
         )
         np.testing.assert_allclose(place @ along, heights + 0.05, rtol=0, atol=1e-5)
-    # nothing turns a frictionless disc
+    # a frictionless disc gets no rotation
     np.testing.assert_allclose(result.angular_velocities, 6.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("angle", ANGLES)
 @pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
 def test_a_ball_that_falls_along_a_wall_arrives_at_the_next_one(model, angle):
-    """It touches the wall all the way, to round-off, and must not be lost in looking after that."""
+    """The ball touches the wall during the fall, and the search must still find the next wall."""
     scene = ball(0.5, 0.0, gravity=GRAVITY, model=model, radius=0.1)
     scene = with_values(scene, {("box", "x_min"): -0.1, ("initial", "position", 1): 0.6})
     for tolerance in (1e-4, 1e-10):
@@ -98,7 +99,7 @@ def test_a_ball_that_falls_along_a_wall_arrives_at_the_next_one(model, angle):
 @pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
 @pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
 def test_a_ball_rests_on_two_walls_that_form_a_v(model, method):
-    """N₁ n₁ + N₂ n₂ + m g = 0 for walls that fall to the right by 0.5 rad and to the left by 0.8 rad."""
+    """N₁ n₁ + N₂ n₂ + m g = 0 for walls that descend to the right by 0.5 rad and to the left by 0.8 rad."""
     scene = ball(0.2, 0.0, gravity=GRAVITY, model=model, restitution=0.2, stiffness=1e6, radius=0.03)
     walls = [{"name": name, "point": [0.1, -0.2], "angle": a} for name, a in (("left", -0.5), ("right", 0.8))]
     scene = with_values(scene, {("box",): {}, ("walls",): walls, ("solver", "method"): method})
@@ -153,13 +154,13 @@ def test_implicit_steps_at_rest_are_those_of_the_box(angle):
 
 @pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
 def test_four_walls_at_right_angles_are_a_box(model):
-    """The floor's normal (0, 1) is exact; those of the others have a round-off in one component."""
+    """The floor's normal (0, 1) is exact; the other normals have round-off in one component."""
     plain, walls = check_turned(default_scene(model=model), 0.0, 1e-11, stop_time=1.2)
     assert plain.statistics == walls.statistics
 
 
 def test_a_box_and_slanted_walls_stand_side_by_side():
-    """The walls of the box that are there come first."""
+    """The existing walls of the box come first."""
     changes = {("box",): {"x_max": 3.0}, ("walls",): [{"name": "floor", "point": [9.0, 0.0], "angle": 0.0}]}
     mixed = with_values(default_scene(), changes)
     plain = with_values(default_scene(), {("box",): {"x_max": 3.0, "y_min": 0.0}})

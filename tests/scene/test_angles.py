@@ -1,4 +1,4 @@
-"""Angles in degrees, the same way wherever a value is given; hints at radians of more than a turn."""
+"""Angles in degrees, in every place with values; hints for radians above a full turn."""
 
 import math
 import warnings

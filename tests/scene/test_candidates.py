@@ -1,4 +1,4 @@
-"""The pairs of a point and a wall that can touch."""
+"""The pairs of a point and a wall between which contact is possible."""
 
 from chain_impact import load_scene
 from chain_impact.kernel.rows.geometry import WALLS

@@ -1,4 +1,4 @@
-"""What a scene refuses and how: values, keys, walls, starts inside walls."""
+"""Refused scenes and their messages: values, keys, walls, starts inside walls."""
 
 import math
 import warnings
@@ -82,7 +82,7 @@ def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
     with_values(rod, {("initial", "position", 1): 0.25 - 1e-13})
     message = refusal(with_values, rod, {("initial", "position", 1): 0.125})
     assert "point 0 at (0, 0.125) m is 0.125 m deep in the wall y_min; must be outside" in message
-    # a point that is no candidate passes through walls, so it may be anywhere
+    # a point that is no candidate passes through walls, so its position is free
     with_values(rod, {("initial", "position", 1): 0.125, ("contact", "points"): [1]})
 
 
@@ -120,7 +120,7 @@ def test_initial_angles_of_joints_take_the_place_of_those_of_links():
     scene = scene_from_dict(data | {"initial": data["initial"] | joints}, "here")
     angles = np.cumsum([0.35, -math.pi / 4.0, 1.3, -1.0])
     np.testing.assert_array_equal(scene.initial.angles, angles)
-    # they are given then, as angles
+    # the scene then has angles of its links
     assert scene_to_dict(scene)["initial"]["angles"] == angles.tolist()
     assert "joint_angles" not in scene_to_dict(scene)["initial"]
     assert not any("angles" in place for place in scene.derived_places)

@@ -1,4 +1,4 @@
-"""What a scene derives stays derived until it is given, however the scene is changed, written or compared."""
+"""Derived values stay derived until a file gives them, after any change, write or comparison."""
 
 import pickle
 import tomllib

@@ -1,4 +1,4 @@
-"""A value has its name in the FMU and its key in the scene file: both work wherever one does."""
+"""Every value has a name in the FMU and a key in the scene file: both are accepted everywhere."""
 
 import pytest
 

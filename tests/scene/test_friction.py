@@ -1,4 +1,4 @@
-"""Dry friction in the scene: its keys, defaults and names, and what is refused."""
+"""Dry friction in the scene: keys, defaults, names, and refused values."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Errors of a scene file name the line, and what to write there."""
+"""Errors of a scene file name the line, and a correct entry."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Names of paths; that they are those of the FMU, test_scene.py and variables/test_table.py check."""
+"""Names of paths; test_scene.py and variables/test_table.py compare them with the FMU's names."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Numbers that are changed without reading the whole scene anew."""
+"""Changed numbers without a new reading of the whole scene."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Random scene files: what is valid survives a round trip, all else is refused in one line."""
+"""Random scene files: valid files survive a round trip, and other files are refused with one line."""
 
 import copy
 import functools
@@ -30,7 +30,7 @@ positive = st.floats(1e-6, 1e6)
 
 @st.composite
 def scene_dicts(draw):
-    """Draw a valid scene file, without some of the keys that may be missing."""
+    """Draw a valid scene file, without some of the optional keys."""
     counts = draw(st.lists(st.none() | st.integers(1, 3), min_size=1, max_size=4))
     count = sum(equal or 1 for equal in counts)
     pinned = draw(st.booleans())

@@ -1,4 +1,4 @@
-"""Scene files: what they mean, counts of links, values set by name, files that cannot be read."""
+"""Scene files: their meaning, numbers of links, values set by name, and unreadable files."""
 
 import copy
 from dataclasses import is_dataclass
@@ -60,7 +60,7 @@ def test_numbers_of_other_libraries_are_floats_and_arrays_lists_and_points_are_s
 
 def test_models_are_found_by_name_folder_and_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "rod_drop").mkdir()  # an output folder of the same name does not hide a model
+    (tmp_path / "rod_drop").mkdir()  # an output folder with a model's name does not hide the model
     assert {"controlled_arm", "four_link_box", "pinned_arm", "ramp", "rod_drop"} < set(model_names())
     assert model_names() == sorted(model_names())
     for name in model_names():
@@ -75,7 +75,7 @@ def test_four_link_box_is_the_scene_of_the_design():
     scene = load_scene("four_link_box")
     rod = Link(length=0.5, mass=1.0, center_of_mass=0.25, inertia=0.5**2 / 12, joint_damping=0.0)
     assert scene.chain.links == (rod,) * 4
-    # energy at the start, the plane as complex numbers; value of physics.md
+    # energy at the start, with the plane as complex numbers; the value is in physics.md
     velocity, omega = complex(*scene.initial.velocity), np.array(scene.initial.angular_velocities)
     links = 0.5 * np.exp(1j * np.array(scene.initial.angles))
     heights = scene.initial.position[1] + np.imag(np.cumsum(links) - links / 2)

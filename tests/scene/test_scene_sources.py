@@ -1,4 +1,4 @@
-"""Whatever takes a scene takes a path or a model's name in its place, and refuses anything else alike."""
+"""Every function that takes a scene also takes a path or a model's name, and refuses all else alike."""
 
 import inspect
 from pathlib import Path
@@ -58,7 +58,7 @@ TAKERS = {
 }
 """Public name → a call of it with a scene, in a folder for files."""
 SCENES = {"scene", "source", "recording"}
-"""What the parameter for a scene is called."""
+"""The names of parameters for scenes."""
 
 
 def test_these_are_all_that_take_a_scene():
@@ -70,7 +70,8 @@ def test_these_are_all_that_take_a_scene():
         and "Scene" in str(getattr(first_parameter(thing), "annotation", ""))
         and first_parameter(thing).name in SCENES
     }
-    records = {"Result", "Comparison", "Fit", "Sweep"}  # the package makes these, with a scene in them
+    # the package makes these objects, which contain a scene
+    records = {"Result", "Comparison", "Fit", "Sweep"}
     assert takers - records == set(TAKERS)
 
 

@@ -1,4 +1,4 @@
-"""The JSON schema of scene files, docs/scene.schema.json: up to date, and of the reader's opinion."""
+"""The JSON schema of scene files, docs/scene.schema.json: up to date, and consistent with the reader."""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""Links that are boxes: whatever changes them moves their corners and their inertia."""
+"""Links that are boxes: every change moves their corners and changes their inertia."""
 
 import tomllib
 
@@ -107,7 +107,7 @@ def test_a_height_is_fitted():
 
 
 def test_a_centre_of_mass_may_lie_behind_its_joint():
-    """A rod from −1 m, the place of its centre of mass that once stood for a derived one, to its joint."""
+    """A rod has its centre of mass at −1 m, a value that once meant "derived"."""
     scene = load_scene("simple_pendulum")
     ahead, behind = (
         scene.with_values({"link[1].center_of_mass": c, "initial.angles": [angle]})

@@ -1,4 +1,4 @@
-"""What signals of a scene refuse, and by which words; what they drive is an input no more."""
+"""Refused signals of a scene and their messages; a driven input is no longer an input."""
 
 import pytest
 

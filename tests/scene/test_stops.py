@@ -1,4 +1,4 @@
-"""Stops in joints and materials of walls: their keys, defaults and names, and what is refused."""
+"""Stops in joints and materials of walls: keys, defaults, names, and refused values."""
 
 import math
 import tomllib

@@ -1,4 +1,4 @@
-"""Tables of measurements as they are given."""
+"""Tables of measurements in their original formats."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Text files that others wrote: encodings, decimal commas, separators; scenes and tables alike."""
+"""Text files from other programs: encodings, decimal commas, separators; scenes and tables alike."""
 
 import pytest
 
@@ -23,7 +23,7 @@ READERS = {
     "recording": (lambda path: read_csv(path, {}), TABLE, "not a table of numbers: {}"),
     "measurements": (read_table, TABLE, "not a CSV table: {}"),
 }
-"""What reads a file, a text for it, and how it refuses a file."""
+"""Reader of a file, a text for the reader, and the exception for a bad file."""
 
 
 @pytest.fixture(params=READERS)
@@ -137,7 +137,7 @@ def test_a_decimal_comma_in_a_cell_is_pointed_at(tmp_path):
 
 
 def test_a_centre_of_mass_beyond_the_link_is_allowed_and_pointed_at():
-    """A counterweight or a tool can be there."""
+    """A counterweight or a tool can lie there; a hint names it."""
     text = SCENE.replace("mass = 3.0", "mass = 3.0\ncenter_of_mass = 25")
     hint = "rod.toml: link[1].center_of_mass = 25 m lies beyond the end of the link, which is 2 m long"
     with pytest.warns(SceneWarning) as caught:

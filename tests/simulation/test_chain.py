@@ -1,4 +1,4 @@
-"""A chain stepped by hand: the same bits as simulate(), states, what can be set and what is refused."""
+"""A chain stepped in Python: bit-equal to simulate(); states, settable values and refused values."""
 
 import math
 import zlib
@@ -20,7 +20,7 @@ def arm():
 
 
 def drive(chain, times, signal):
-    """Hold the value of a signal at each time until the next; return all outputs at the times."""
+    """Hold each value of a signal until the next time; return all outputs at the times."""
     names = simulate(chain.scene, 1e-3).names
     rows = []
     for time in times:
@@ -128,7 +128,7 @@ def test_the_state_of_another_scene_is_refused(arm):
 
 
 def test_a_damaged_state_is_refused_and_changes_nothing(arm):
-    """One bit of it, wherever it is: in a number that may have any value no other check could tell."""
+    """One bit of the state changes, also in a number whose every value would be valid."""
     chain = Chain(arm)
     chain.step(0.2)
     state = chain.save()
@@ -304,7 +304,7 @@ def test_a_law_that_is_refused_and_taken_back_changes_no_contact():
     refused = "FourLinkBox: at t = .* s what has been set cannot act: the contact law does not allow"
     with pytest.raises(SceneError, match=refused + ".*: point 0 at the wall x_min"):
         chain.get("energy.total")
-    assert len(chain.impacts) == 1  # what has been is not refused
+    assert len(chain.impacts) == 1  # impacts before the failure remain
     chain.set({"contact.model": "hunt_crossley", "contact.restitution": 0.7})
     assert chain.get("energy.total") == before
     chain.step(0.01)

@@ -1,4 +1,4 @@
-"""Runs with derivatives: what is asked for, again and again; the motion is that without them."""
+"""Runs with derivatives: their requests, repeated runs, and a motion equal to the run without them."""
 
 import math
 
@@ -63,7 +63,7 @@ def test_no_names():
 
 
 def test_a_contact_that_lasts_at_a_stop_is_differentiated_as_an_angle():
-    """What is known from its onset on has the derivatives that it has when it has ended."""
+    """Values known since the onset have the same derivatives as after the end of the contact."""
     names = ["link[1].length", "link[2].mass", "initial.angular_velocity[1]"]
     run, values = DifferentiatedRun(knee(), names, ["energy.total"]), np.array([0.5, 1.0, 0.0])
     whole = run.run(values, np.array([0.5]))
@@ -77,7 +77,7 @@ def test_a_contact_that_lasts_at_a_stop_is_differentiated_as_an_angle():
 
 
 def test_contacts_that_last_together_have_derivatives_of_their_own():
-    """A rod that lies on the floor."""
+    """A rod lies on the floor, with two lasting contacts."""
     scene, names, values = load_scene("rod_drop"), ["contact.stiffness", "link[1].mass"], [1e8, 0.5]
     found = DifferentiatedRun(scene, names, ["energy.total"]).run(np.array(values), np.array([2.0]))
     last = np.flatnonzero(np.isnan(found.impacts["end"]))
@@ -155,7 +155,7 @@ def test_a_run_again_is_that_of_a_new_one():
 
 @pytest.mark.parametrize("case", [sprung_chain(), AT_STOPS["stop, rigid wall"]], ids=["sprung", "stop"])
 def test_a_run_again_takes_all_parameters(case):
-    """Each of the scene's is moved: derivatives at the value before would be others."""
+    """The test changes each parameter; derivatives at the old value would differ."""
     again = DifferentiatedRun(case.scene, case.parameters, OUTPUTS, inputs=case.inputs)
     values = {name: case.value(name) for name in case.parameters}
     moved = {name: 1.001 * value or 1e-4 for name, value in values.items() if name not in case.inputs}
@@ -206,7 +206,7 @@ def test_a_fault_on_the_way_keeps_the_rows_before():
 
 
 def test_inputs_over_time():
-    """A torque that is switched on: with respect to a constant added to it, by differences."""
+    """A torque is switched on; the derivative by an added constant is compared with differences."""
     case = sprung_chain()
     name, output = "joint[2].torque", "link[3].angle"
     times = np.array([0.0, 0.05, 0.11, 0.2])
@@ -261,7 +261,7 @@ def as_far_as(limit):
 
 
 def test_a_run_that_fails_has_right_derivatives_or_none():
-    """At every step at which the solver may give up."""
+    """The solver fails at each step in turn."""
     whole = simulate(CASE.scene, sensitivities=["initial.y"])
     stopped = 0
     for limit in range(60, 900, 21):

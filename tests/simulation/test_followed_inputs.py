@@ -1,4 +1,4 @@
-"""Inputs that are functions, followed by the solver: as the equations of motion have it, at any rows."""
+"""Inputs that are functions: the solver follows them to its tolerance, at any rows."""
 
 import math
 
@@ -41,7 +41,7 @@ def test_a_function_is_followed_to_the_tolerance(torque, method):
         scene = with_values(arm(tip_force=True), {("solver", "tolerance"): tolerance})
         inputs = {SHOULDER: torque, "tip.force.x": push}
         result = simulate(scene, output_step=0.01, inputs=inputs, method=method)
-        # the implicit method errs by more at the same tolerance, also without inputs
+        # the implicit method has larger errors at the same tolerance, also without inputs
         assert np.abs(motion(result) - expected).max() < 20.0 * tolerance
         ledger = result.energy["total"] + result.energy["dissipated"] - result.energy["supplied"]
         assert np.ptp(ledger) < 20.0 * tolerance
@@ -105,7 +105,7 @@ def test_a_derivative_is_for_a_constant_added_to_the_function():
 
 
 def test_a_piece_costs_no_restart():
-    """Not many more evaluations than without inputs, where the solver would take such steps anyway."""
+    """The number of evaluations is close to that of a run without inputs and with equally short steps."""
     scene = arm()
     free, followed = simulate(scene), simulate(scene, inputs={SHOULDER: wave})
     assert followed.statistics["rhs_evaluations"] < 1.7 * free.statistics["rhs_evaluations"]

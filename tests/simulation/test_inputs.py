@@ -1,4 +1,4 @@
-"""Inputs of ``simulate`` over time: against the equations of motion, against each other, and refused."""
+"""Inputs of ``simulate`` over time: against the equations of motion, against each other, and refusals."""
 
 import itertools
 import math
@@ -54,7 +54,7 @@ def exact(scene, torques, tip_force, times, breaks=()):
     rows, edges = [y], [times[0], *breaks, times[-1]]
     for start, end in itertools.pairwise(edges):
         inside = times[(times > start) & (times <= end)]
-        # a signal of steps is taken inside of its piece, not at its ends
+        # a step signal is evaluated inside its piece, not at the ends
         first, last = start + 1e-12 * (end - start), end - 1e-12 * (end - start)
         done = solve_ivp(
             lambda t, y, first=first, last=last: rate(min(max(t, first), last), y),
@@ -82,7 +82,7 @@ def nothing(_time):
 
 
 def test_samples_that_are_held_act_as_steps_of_torque():
-    """Samples between the rows of the result, and a number: exact, whatever the output step."""
+    """The inputs are samples between the rows of the result, and a number: exact with any output step."""
     times, values = np.array([0.0, 0.0371, 0.2, 0.3333]), np.array([1.0, -2.0, 4.0, 0.5])
     signals = {SHOULDER: (times, values), ELBOW: 0.7}
     scene = arm()
@@ -145,7 +145,7 @@ def test_samples_of_a_line_are_those_of_a_function():
 
 
 def test_energy_supplied_is_the_work_of_the_torques():
-    """dW/dt = Σ u_i (ω_i − ω_{i−1}), summed here over rows between which the torque is constant."""
+    """dW/dt = Σ u_i (ω_i − ω_{i−1}), summed over rows with a constant torque in between."""
     result = simulate(arm(), output_step=1e-3, inputs={SHOULDER: wave}, interpolation="hold")
     angle = result.angles[:, 0]
     work = sum(wave(t) * turn for t, turn in zip(result.time, np.diff(angle), strict=False))
@@ -166,7 +166,7 @@ def test_inputs_of_zero_change_nothing():
 
 
 def test_a_constant_costs_no_restarts():
-    """However it is given, and whatever the output step; the first sample also acts before its time."""
+    """The constant is given in any form, with any output step; the first sample also acts before its time."""
     scene = load_scene("pinned_arm")
     once = simulate(scene, inputs={SHOULDER: 1.5})
     assert once.statistics["steps"] < 200
@@ -182,7 +182,7 @@ def test_a_constant_costs_no_restarts():
 
 
 def test_samples_at_communication_points_but_for_round_off_add_none():
-    """0.1 · 3 is not 0.3 in floating point: they count as one time."""
+    """0.1 · 3 differs from 0.3 in floating point, but both count as one time."""
     calls = []
     times = np.arange(401) / 1000
     assert (times != np.arange(401) * 1e-3).any()

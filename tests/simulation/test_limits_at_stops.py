@@ -1,4 +1,4 @@
-"""Why derivatives end at the stop of a joint: the sentence speaks of the joint, not of a point at a wall."""
+"""The end of derivatives at the stop of a joint: the sentence names the joint, not a point at a wall."""
 
 import pytest
 

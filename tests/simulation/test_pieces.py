@@ -1,4 +1,4 @@
-"""Polynomials that follow functions: as exact as asked for, with few pieces, and jumps found."""
+"""Polynomials that follow functions: within the requested error, with few pieces, and located jumps."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.simulation.pieces import Follower, NotSmoothError, joined_points
 
-FUNCTIONS = {  # function, what it may take, where it is not smooth
+FUNCTIONS = {  # function, allowed number of pieces, times at which the function is not smooth
     "sine": (lambda t: 3.0 * math.sin(9.0 * t) + 1.0, 20, ()),
     "constant": (lambda _: 1.5, 1, ()),
     "line": (lambda t: 1.5 * t, 1, ()),

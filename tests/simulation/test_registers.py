@@ -1,4 +1,4 @@
-"""Runs in a Python process in which somebody has set the processor's floating-point registers."""
+"""Runs in a Python process with changed floating-point registers of the processor."""
 
 import ctypes
 
@@ -38,7 +38,7 @@ def test_simulate_gives_the_same_bits(library, model, value):
 @needs_compilers
 @pytest.mark.parametrize("model", MODELS)
 def test_a_kernel_gives_the_same_bits_whatever_rounds_its_caller(library, model):
-    """It is given the same record and times: Python itself rounds as the process does."""
+    """The kernel gets the same record and times, because Python itself rounds by the registers."""
     times, found = np.arange(257) / 512, []
     for value in WITHOUT_TRAPS:
         instance = Instance(load_scene(model))

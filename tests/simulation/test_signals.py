@@ -1,4 +1,4 @@
-"""Signals of a scene against the same functions given in Python, their derivatives against differences."""
+"""Signals of a scene: motions against the same functions in Python, derivatives against differences."""
 
 import math
 
@@ -159,12 +159,12 @@ def test_a_signal_moves_the_chain_as_the_same_function_in_python_does(name):
     settings = {"tolerance": 1e-12}
     run, same = simulate(driven(name), **settings), by_python(name, **settings)
     for output in ("link[1].angle", "link[2].angle", "link[2].angular_velocity", "energy.supplied"):
-        # in a function a kink of a motion is found to within the square root of round-off
+        # a kink of a motion given as a function is located within the square root of round-off
         error = 1e-7 if name == "trapezoid" else 1e-10
         np.testing.assert_allclose(run[output], same[output], rtol=0.0, atol=error, err_msg=output)
     np.testing.assert_allclose(run.impacts["onset"], same.impacts["onset"], rtol=0.0, atol=1e-10)
     one, _, function = FORMS[name]
-    before = [t - 1e-13 for t in run.time]  # at a jump, the value until then
+    before = [t - 1e-13 for t in run.time]  # before a jump, the earlier value
     np.testing.assert_allclose(run[one], [function(t) for t in before], rtol=0.0, atol=1e-10)
 
 
@@ -191,7 +191,7 @@ def test_a_base_and_a_wall_start_where_signals_have_them():
     )
     lifted = arm.with_values(
         {("walls", 0, "point"): [0.0, -0.4]} | base
-    )  # at its initial position it is inside
+    )  # the initial position is inside the wall
     assert lifted.start[0][:2] == (0.0, 0.3)
     assert simulate(lifted, 1e-3)["point[2].y"][0] == pytest.approx(lifted.start[2][1], abs=1e-15)
     with pytest.raises(SceneError, match=r"point 2 at \(.*\) m is .* m deep in the wall table"):
@@ -226,7 +226,7 @@ def test_derivatives_by_each_number_are_those_of_differences(name, key):
         simulate(scene.with_values({parameter: value + n * step}), tolerance=1e-13)[output]
         for n in (-2, -1, 1, 2)
     ]
-    # of order 4
+    # differences of order 4
     slope = (ends[0] - 8.0 * ends[1] + 8.0 * ends[2] - ends[3]) / (12.0 * step)
     found = run.sensitivity(output, parameter)
     np.testing.assert_allclose(found, slope, rtol=0.0, atol=1e-6 * (np.abs(slope).max() + 1e-2))
@@ -304,7 +304,7 @@ def test_the_checks_of_a_start_know_what_tables_make_of_it(tmp_path, interpolati
 
 
 def test_a_wall_that_a_spline_moves_starts_where_the_spline_has_it(tmp_path):
-    # lines between the rows would put the table 2 cm above point 2
+    # linear interpolation between the rows would put the table 2 cm above point 2
     columns = {"time": [-0.3, -0.1, 0.1, 0.7], TABLE: [0.5, 0.16, 0.16, 0.5]}
     scene = with_table(tmp_path, [TABLE], columns, "")
     assert at_start(scene, TABLE) == simulate(scene, 0.01)[TABLE][0]
@@ -378,7 +378,7 @@ def pushed(frequency):
 @pytest.mark.parametrize("frequency", [1.0, 20.0, 50.0])
 def test_slips_between_the_stages_of_a_long_step_are_found(frequency):
     run = simulate(pushed(frequency), 2.0)
-    # it sticks at first, and slips and sticks again in each half of a period
+    # the cart sticks at first, and slips and sticks again in each half of a period
     assert len(run.stick_slip) == 1 + 2 * 2 * 2.0 * frequency
 
 

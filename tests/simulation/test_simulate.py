@@ -1,4 +1,4 @@
-"""Whole simulations as their user sees them: outputs, one result whatever the way, and faults."""
+"""Whole simulations as seen by users: outputs, one result for any options, and faults."""
 
 import math
 import subprocess
@@ -25,7 +25,7 @@ from tests.helpers.problems import ball, default_scene, dropped_ball, rod, tumbl
 
 
 def test_outputs_agree_with_each_other():
-    """Velocities are the rates of positions, accelerations those of velocities."""
+    """Velocities are the rates of positions, and accelerations the rates of velocities."""
     result = simulate(tumbling_chain(0.02), output_step=1e-5)
     outputs, dt = result.outputs, 2e-5
     pairs = [
@@ -56,7 +56,7 @@ def test_the_output_step_changes_nothing():
 
 
 def test_many_impacts_are_all_collected_between_two_output_points():
-    """More contacts than the log of the kernel holds, in one row of output: an elastic ball hops for ever."""
+    """One row of output has more contacts than the kernel's log holds: an elastic ball bounces forever."""
     scene, drop = dropped_ball(1e-3, stop_time=3.0, model="hertz", stiffness=1e10)
     result = simulate(scene, output_step=3.0)
     impacts = result.impacts
@@ -93,7 +93,7 @@ def test_progress_rises_to_one():
 
 @pytest.mark.parametrize("sensitivities", [(), ("contact.restitution",)])
 def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, sensitivities):
-    """Also after a fault, up to which the times are those of the rows."""
+    """Also after a fault; the times then end at the fault."""
     rows, computed = Instance.trajectory, []
 
     def trajectory(instance, times, *others, **options):
@@ -125,7 +125,7 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
     ["four_link_box", "stick_slip_belt", "shaken_pendulum", "cart_pole", "thrown_brick", "controlled_arm"],
 )
 def test_outputs_of_the_state_alone_are_the_same_bits_without_forces(model):
-    """With impacts, friction, a motion, a slider, points of links, and signals."""
+    """The scene has impacts, friction, a motion, a slider, points on links, and signals."""
     whole = simulate(model, 1.0, 7e-3)
     names = [one.name for one in whole.model.motion if one.place[1] in STATE_OUTPUTS]
     some = simulate(model, 1.0, 7e-3, output=names)
@@ -143,7 +143,7 @@ def test_a_simulation_is_repeatable_to_the_bit():
 
 
 def test_tighter_tolerance_converges_to_one_result():
-    """Over the first impacts; later ones are for chaos."""
+    """The first impacts are compared; the later motion is chaotic."""
     results = [simulate(default_scene(), 0.6, 0.6, tolerance=tol) for tol in (1e-6, 1e-8, 1e-10, 1e-12)]
     errors = [np.abs(result.points[-1] - results[-1].points[-1]).max() for result in results[:-1]]
     assert errors == sorted(errors, reverse=True)
@@ -164,7 +164,7 @@ def test_every_method_comes_to_the_same_result(method):
 
 
 def test_a_fault_on_the_way_carries_the_result_up_to_it():
-    """A wall so stiff that the contact is shorter than the resolution of time: the ball is seen to arrive."""
+    """A wall is so stiff that the contact is below the resolution of time; the result shows the arrival."""
     scene = ball(0.05, 1.0, stiffness=1e60, stop_time=0.1)
     with pytest.raises(SimulationError, match=r"stopped at t = 0\.05 s: ") as caught:
         simulate(scene, output_step=0.01)
@@ -180,7 +180,7 @@ def test_a_fault_on_the_way_carries_the_result_up_to_it():
 
 @pytest.mark.parametrize("stiffness", [1e20, 1e30, 1e40])
 def test_an_impact_may_be_shorter_than_the_resolution_of_time(stiffness):
-    """The step runs in the contact's own variable, in which it takes as long as any other."""
+    """The step runs in the contact's own variable, in which the contact has a normal length."""
     (impact,) = simulate(ball(0.05, 1.0, stiffness=stiffness, stop_time=0.1)).impacts
     assert impact["end"] - impact["onset"] < 1e-7
     assert impact["separation_speed"] == pytest.approx(0.7, rel=1e-9)
@@ -189,7 +189,7 @@ def test_an_impact_may_be_shorter_than_the_resolution_of_time(stiffness):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("stiffness", [1e60, 1e200])
 def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness):
-    """In a process of its own, as the kernel could not be interrupted."""
+    """The run is in a separate process, because a running kernel cannot be interrupted."""
     program = (
         "from chain_impact import simulate; from tests.helpers.problems import ball\n"
         f"simulate(ball(0.05, 1.0, stiffness={stiffness}, stop_time=0.1))"
@@ -198,7 +198,7 @@ def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness
         [sys.executable, "-c", program],
         check=False,
         cwd=Path(__file__).parents[2],
-        timeout=600,  # for a loop without an end, not for a slow machine
+        timeout=600,  # for an endless loop, not for a slow machine
         capture_output=True,
         text=True,
     )
@@ -206,11 +206,11 @@ def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness
 
 
 def test_a_communication_step_is_bounded_however_long_it_is():
-    """A long one that takes little work is none the less done, and simulate() can always be interrupted."""
+    """A long step with little work is completed, and simulate() can always be interrupted."""
     scene = with_values(rod(0.0, 1.0), {("solver", "work_limit"): 1000.0, ("simulation", "stop_time"): 5e4})
     assert simulate(scene, output_step=math.inf).time[-1] == 5e4
     instance = Instance(scene)
-    for step in range(1, 20):  # each step of an FMU is bounded for itself
+    for step in range(1, 20):  # each step of an FMU has its own limit
         assert kernel_calls.advance(instance, 500.0 * step) == status.OK
     assert kernel_calls.advance(instance, 1e9) == status.STEP_TOO_LONG
 
@@ -279,7 +279,7 @@ def test_outputs_of_a_second_run_have_the_rows_that_were_asked_for():
 
 
 def test_rows_that_inputs_need_count_for_the_size(monkeypatch):
-    """Samples between two rows of the result: all are computed, whatever is kept of them."""
+    """Samples between two rows of the result count: all rows are computed, even if few are stored."""
     scene, times = load_scene("pinned_arm"), np.arange(1000) * 1e-4
     inputs = {"joint[1].torque": (times, times)}
     monkeypatch.setattr(sys.modules["chain_impact.simulation.simulate"], "MOST_BYTES", 10_000)
@@ -311,7 +311,7 @@ def test_a_kernel_that_is_loaded_is_not_looked_for_again(monkeypatch):
 
 @pytest.mark.parametrize(("names", "most", "returns"), [(None, 58, 33), (("contact.stiffness",), 97, 171)])
 def test_the_way_from_a_scene_to_its_result_is_short(names, most, returns):
-    """Functions of the package that it calls, and how often one is in another file than the last."""
+    """The measures are the called functions of the package, and the changes of file between calls."""
     scene, root = load_scene("four_link_box"), str(Path(chain_impact.__file__).parent)
     simulate(scene, sensitivities=names)
     called, files = set(), [root]

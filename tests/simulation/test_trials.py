@@ -1,4 +1,4 @@
-"""A trial: something is set, outputs are read, and it is set back. The run does not depend on it."""
+"""A trial sets values, reads outputs and resets the values. The run does not depend on trials."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def bits(chain, names):
 
 
 def try_inputs(chain, variables, rng):
-    """Read the outputs as random inputs are set, which are then set back; those moved that must not be."""
+    """Read the outputs under random inputs, reset the inputs, and return outputs with forbidden changes."""
     inputs = [v.name for v in variables if v.causality == "input"]
     held = [v.name for v in variables if v.causality == "output" and not v.feedthrough]
     before, old = np.array(chain.get(held)), dict(zip(inputs, chain.get(inputs), strict=True))
@@ -46,7 +46,7 @@ def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(name, changes):
     for k in range(1, STEPS + 1):
         time = scene.simulation.stop_time * k / STEPS
         for chain in (tried, alone):
-            if k % 10 == 0:  # in between, an input does change
+            if k % 10 == 0:  # at some steps an input changes permanently
                 chain.set("tip.force.x", 0.01 * k)
             chain.step_to(time)
         moved.update(try_inputs(tried, variables, rng))

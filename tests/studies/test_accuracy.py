@@ -10,7 +10,7 @@ from tests.helpers.problems import default_scene
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_the_estimate_is_the_error_within_a_fifth(tolerance):
-    """The error: against the tightest tolerance."""
+    """The true error is the distance from the result at the tightest tolerance."""
     run, tighter, exact = (
         simulate(default_scene(), 1.2, tolerance=t) for t in (tolerance, TIGHTER * tolerance, 1e-13)
     )

@@ -1,4 +1,4 @@
-"""animate() of a recording, a result and a scene alike; tests/results has the rest."""
+"""animate() for a recording, a result and a scene; tests/results contains the other tests."""
 
 from chain_impact import Recording, animate, record_slowly, simulate
 

@@ -1,4 +1,4 @@
-"""Sweeps and fits over what a body and a slider are."""
+"""Sweeps and fits over the parameters of bodies and sliders."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Every law on the same scene, side by side."""
+"""Every law on the same scene, for comparison."""
 
 import csv
 import math
@@ -53,7 +53,7 @@ def test_a_loop_is_the_first_impact_and_encloses_the_energy_lost(box):
         depth, force = run.loop
         assert depth.max() == pytest.approx(run.max_penetration, rel=1e-3)
         assert force.max() <= run.peak_force * (1 + 1e-6)
-        # but for the mesh of the loop and, where the force is cut off, what the spring gives away
+        # equal up to the mesh of the loop and, for a cut force, the energy left in the spring
         enclosed = np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(depth))
         assert enclosed == pytest.approx(run.energy_lost, rel=0.02, abs=0.02)
 

@@ -67,7 +67,7 @@ def test_the_scenes_own_law_is_named():
 
 
 def test_no_law_differs_more_than_those_that_are_said_to_differ_most(comparison):
-    """Differences are from the reference, also where that has another restitution than is asked for."""
+    """Differences are relative to the reference, also if it has another restitution than requested."""
     for found in (comparison, compare(driven(), laws=["zhang_sharf", "flores", "lee_wang", "newton_impact"])):
         expected = found[found.reference].restitution
         off = {run.law: abs(run.restitution - expected) for run in found.runs}

@@ -1,4 +1,4 @@
-"""A comparison as text: a small table, and advice that is true."""
+"""A comparison as text: a small table, and correct advice."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ def test_advice_is_the_laws_that_realise_the_restitution_in_the_impact(box):
     named = advice(box).removeprefix("within 5 % of e = 0.7 in this impact: ").split(", ")
     assert {"zhang_sharf", "hu_guo", "newton_impact"} <= set(named)
     assert named == [run.law for run in box.runs if 0.665 <= run.restitution <= 0.735]
-    # at 5 m/s it dissipates more than at the 1 m/s for which it is made
+    # at 5 m/s this law dissipates more than at its design speed of 1 m/s
     assert "kuwabara_kono" not in named
 
 
@@ -32,7 +32,7 @@ def test_no_law_is_named_whose_contact_does_not_end():
 
 
 def test_what_an_impact_that_is_not_free_can_reach_is_told_over_the_stiffness():
-    """Servos pull the tip into the wall: without losses it rebounds at 0.70 of its speed."""
+    """Servos press the tip onto the wall: without losses its rebound has 0.70 of its approach speed."""
     found = compare(driven(), laws=["zhang_sharf", "lee_wang", "newton_impact"])
     assert not found.is_free
     assert [one.stiffness for one in found.reached] == [1e7, 1e8, 1e9]
@@ -64,7 +64,7 @@ def test_printed_it_is_a_small_table():
 
 
 def test_without_rebound_rigid_walls_are_what_is_left():
-    """At e = 0 the wall holds the point that it stopped, which is no part of the impact."""
+    """At e = 0 the wall holds the stopped point after the impact; the impact itself has no rebound."""
     comparison = compare(with_values(default_scene(model="hertz"), {("contact", "restitution"): 0.0}))
     rigid = comparison["newton_impact"]
     assert (rigid.restitution, rigid.duration, rigid.peak_force) == (0.0, 0.0, 0.0)

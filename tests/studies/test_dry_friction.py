@@ -62,7 +62,7 @@ def measured():
 
 @pytest.mark.parametrize("start", [0.1, 0.35])
 def test_a_coefficient_is_fitted_to_a_measured_motion(start):
-    """It slides up and back, as µ is less than tan β."""
+    """The puck slides up and back down, because µ < tan β."""
     found = fit(puck(**{"contact.friction": start}), measured(), ["contact.friction"])
     assert found.converged
     error = found.standard_errors["contact.friction"]

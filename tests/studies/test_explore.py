@@ -1,4 +1,4 @@
-"""The one function: what it writes, and what the page calls its scene."""
+"""The function explore(): its files, and the name of the scene on the page."""
 
 import json
 import re

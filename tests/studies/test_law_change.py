@@ -1,4 +1,4 @@
-"""Another law for a scene with stops and walls of different materials, and comparisons of laws there."""
+"""A changed law for a scene with stops and several wall materials, and comparisons of laws there."""
 
 import functools
 
@@ -67,14 +67,14 @@ def test_laws_are_compared_at_a_stop(up):
     assert head(found)[2:4] == ("peak, kN m", "depth, mrad")
     run, first = found["zhang_sharf"], impacts(up)[0]
     assert run.stiffness == 1e4
-    # the loop is of samples in time: the largest of them is near the peak
+    # the loop consists of samples in time: the largest sample is near the peak
     assert run.loop.max(axis=1) == pytest.approx([first["max_penetration"], first["peak_force"]], rel=1e-4)
     assert found["newton_impact"].peak_force == 0.0
 
 
 @pytest.mark.parametrize("kept", ["flores", "newton_impact"])
 def test_where_stops_keep_their_law_the_laws_are_compared_at_a_wall(kept):
-    """The first impact is at a stop, under every law the same: it tells nothing of the laws."""
+    """The first impact is at a stop and equal under all laws, so it does not distinguish them."""
     found = compare(knee(**{"stops.model": kept}), laws=["flores", "zhang_sharf", "kelvin_voigt"])
     result = found["zhang_sharf"].result
     assert result.scene.wall_names[result.impacts["wall"][0]] == "joint_min"

@@ -1,4 +1,4 @@
-"""What a notebook shows of scenes, results and studies, and their tables of pandas."""
+"""The notebook display of scenes, results and studies, and their pandas tables."""
 
 from xml.etree import ElementTree
 

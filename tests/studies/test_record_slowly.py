@@ -1,4 +1,4 @@
-"""A recording with rows close around impacts: the same simulation, seen more closely."""
+"""A recording with dense rows around impacts: the same simulation at a finer resolution."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def test_a_function_is_held_between_communication_points():
 
 
 def test_each_contact_has_the_rows_that_its_peak_needs():
-    """Also the weak ones, which are not shown slowly; against the peak that the kernel has found."""
+    """Also weak contacts, which are not shown in slow motion; the reference is the kernel's peak."""
     scene = load_scene("ramp")
     recording = record_slowly(scene)
     for impact in recording.impacts:

@@ -1,4 +1,4 @@
-"""Records of scenes that differ in numbers only: written anew where they differ."""
+"""Records of scenes that differ only in numbers: only the differing numbers are written again."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def same(found, wanted):
 def test_a_record_is_the_one_of_a_scene_that_stands_alone(model):
     scene = load_scene(model)
     for name, value in scene.values.items():
-        # of gravity, links, contacts, the start and the solver
+        # values of gravity, links, contacts, the start and the solver
         if not isinstance(value, float) or name in ("contact.friction", "contact.static_friction"):
             continue
         changes = {name: 0.99 * value if "position" not in name and "angle" not in name else value + 1e-9}

@@ -1,4 +1,4 @@
-"""The rows of the table of variables: what they name is there, and what they say of all of a kind."""
+"""The rows of the table of variables: their references exist, and their statements hold for all variables."""
 
 import pytest
 
@@ -37,7 +37,7 @@ KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.ki
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.pattern)
 def test_what_a_row_names_is_there(kind):
-    """Its element, conditions, words, limits, magnitude and what it is the derivative of."""
+    """Its element, conditions, texts, limits, magnitude and the variable whose derivative it is."""
     shape = shape_of(CART if kind.of == "slider" else EVERYTHING)
     (element, *_) = ELEMENTS[kind.of](shape)
     known = shape.known() | element

@@ -1,4 +1,4 @@
-"""A model: what it works out, the size of a new instance, and where the scene's values stand in it."""
+"""A model: its derived quantities, the size of a new instance, and the places of the scene's values."""
 
 import pickle
 from collections import Counter
@@ -19,7 +19,7 @@ from chain_impact.variables.listing import value_at
 from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
 
-BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
+BUFFER = 64 * 1024  # bytes, the upper limit for an instance of four links in a box
 
 
 def test_the_record_holds_no_pointers_and_names_point_and_wall_of_each_candidate():
@@ -65,7 +65,7 @@ def test_what_the_scene_says_in_words_becomes_a_number():
 
 
 def test_a_new_instance_holds_nothing_but_the_scene():
-    """Two are equal, and all that the kernel fills in is zero."""
+    """Two instances are equal, and all fields of the kernel are zero."""
     scene = load_scene("four_link_box")
     instance = Model(scene).new_instance()
     assert instance.nbytes < BUFFER

@@ -1,4 +1,4 @@
-"""Which outputs there are and what is said of them, one group at a time."""
+"""The outputs of a scene and their descriptions, group by group."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
-# unit → the last parts of the names of the outputs that have it
+# unit → the last parts of the names of outputs with this unit
 OF_UNIT = {
     "m": "x y penetration max_penetration",
     "m/s": "vx vy penetration_rate last_speed speed separation_speed",
@@ -26,7 +26,7 @@ OF_UNIT = {
     "J": "kinetic potential elastic dissipated total",
     "s": "time last_time end",
 }
-# key of [outputs] → a name that is only there with it
+# key of [outputs] → a name that exists only with this key
 GROUPS = {
     "points": "point[0].x",
     "links": "link[1].angle",
@@ -61,7 +61,7 @@ def test_a_joint_that_exists_has_its_angle_and_rate():
 
 @pytest.mark.parametrize("output", [(), "point[4].x", ["energy.*", "solver.steps"]])
 def test_to_choose_outputs_makes_no_variables_again(monkeypatch, output):
-    """Not even of another scene, if it differs in nothing but numbers."""
+    """Also for another scene that differs only in numbers."""
     made = []
 
     def counted(kind, *_):
@@ -109,7 +109,7 @@ def test_an_input_says_between_which_links_its_torque_acts():
 
 
 def test_behind_an_instance_are_those_that_carry_its_derivatives():
-    """With its own values, and a slope of one for each parameter, in its own direction."""
+    """Each has its own values, and a slope of one for each parameter in its own direction."""
     model = Model(BOX)
     names = [f"link[{i}].mass" for i in range(1, 5)] + ["contact.stiffness", "link[2].length"]
     varied = model.varied_by(names)
@@ -139,7 +139,7 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
             field = field[step]
         assert field["slope"].tolist() == [float(k == number % DIRECTIONS) for k in range(DIRECTIONS)]
         slopes[t, number % DIRECTIONS] = 1.0
-    # and no other slope
+    # no other slope
     reals = sum(int(total_slopes(behind[t])) for t in range(count))
     assert reals == slopes.sum() == len(names)
 
@@ -152,7 +152,7 @@ def total_slopes(duals):
 
 
 def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
-    """Point −1 and wall 0 stand for none."""
+    """Point −1 and wall 0 mean none."""
     limits = {variable.name: (variable.minimum, variable.maximum) for variable in all_outputs(BOX).values()}
     for prefix in ("impact.last_", "impact[1].", "impact[2]."):
         assert limits[f"{prefix}point"] == (-1, 4)

@@ -1,4 +1,4 @@
-"""Where in the record the outputs are: their words hold what a run finds."""
+"""The places of outputs in the record: their words contain the results of a run."""
 
 import numpy as np
 import pytest

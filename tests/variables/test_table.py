@@ -1,4 +1,4 @@
-"""The table of FMU variables: the names of the design, each at its place, and none that the scene lacks."""
+"""The table of FMU variables: the designed names, each at its place, and no variable without its feature."""
 
 import re
 from collections import Counter
@@ -195,7 +195,7 @@ def test_walls_at_any_angle_have_their_own_variables():
         == "point 4 at slope: force of the wall, along its normal"
     )
     assert slanted["impact.last_wall"].description.endswith("3 y_min, 4 y_max, 5 slope")
-    # a wall that nothing can touch, and no wall
+    # a wall without candidates, and a removed wall
     assert not [
         name for name in variables(SCENES["walls without points"]) if name.startswith(("wall", "contact"))
     ]
@@ -208,10 +208,10 @@ def test_walls_at_any_angle_have_their_own_variables():
 @pytest.mark.full("more cases", but=14)
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
-    """But for the values in use that the scene derives."""
-    if scene is SCENES["rocking_block"]:  # it stands on the floor, where a radius has no room
+    """Only the effective values that the scene derives change as well."""
+    if scene is SCENES["rocking_block"]:  # the block stands on the floor, where a radius has no room
         scene = scene.with_values({"initial.y": 0.1})
-    # a sine that rises may begin at any time
+    # a rising sine may begin at any time
     sines = [name for name, signal in scene.signals.items() if signal.form == "sine"]
     scene = scene.with_values({f"signal.{name}.rise": 0.1 for name in sines})
     paths = Model(scene).parameter_paths
@@ -234,13 +234,13 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
         else:
             view = np.float64
             value = stored = 0.999 * before.view(view)[word].item() + 1e-4
-        if variable.name in ("box.x_min", "box.y_min"):  # the start must not come to lie in the wall
+        if variable.name in ("box.x_min", "box.y_min"):  # the start must stay outside the wall
             value = stored = -1.0
-        elif variable.name == "initial.angle[3]":  # nor beyond the stop of a knee
+        elif variable.name == "initial.angle[3]":  # the start must stay within the stop of a knee
             value = stored = stored - 0.01
         elif variable.name in ("contact.exponent", "stop.exponent"):  # no less than 1
             value = stored = 1.25
-        elif variable.name.endswith(".static_friction"):  # no less than that of sliding
+        elif variable.name.endswith(".static_friction"):  # at least the kinetic friction
             value = stored = 1.1
         after = Model(with_values(scene, {path: value})).new_instance()
         assert after.view(view)[word] == stored
@@ -311,7 +311,7 @@ def test_a_scene_with_stops_has_their_variables():
     assert tunable == {"stop.stiffness", "stop.restitution"}
     assert found["stop.stiffness"].place == ("given", "stop_stiffness")
     assert found["stop.exponent"].place == ("stops", "exponent")
-    # the first candidate of each joint, after the 20 pairs of points and walls
+    # the first candidate of each joint follows the 20 pairs of points and walls
     assert found["joint[2].stop_moment"].place == ("output", "force", 20)
     assert found["joint[4].stop_penetration"].place == ("output", "penetration", 22)
     assert found["joint[4].stop_impulse"].place == ("output", "impulse", 22)
@@ -379,7 +379,7 @@ def test_a_scene_without_friction_has_no_variable_more_and_no_status():
     others = {"link[2].joint_max": 2.0, "inputs.joint_torques": True}
     found = variables(SCENES["four_link_box"].with_values(others))
     assert not [variable.name for variable in found.values() if is_dry(variable)]
-    # the status of friction at rigid walls is one of scenes with friction at walls only
+    # the status of friction at rigid walls exists only in scenes with friction at walls
     text = STATUS_TEXT[FRICTION_WITH_RIGID_WALLS]
     assert text not in found["solver.status"].description
     assert text in variables(RUBBING)["solver.status"].description

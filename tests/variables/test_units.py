@@ -1,4 +1,4 @@
-"""Units of variables and of derivatives: their powers of base units are those that their names say."""
+"""Units of variables and of derivatives: their powers of base units agree with their names."""
 
 import re
 from collections import Counter
@@ -25,7 +25,7 @@ def powers_of(name):
 
 
 def test_a_unit_has_the_powers_that_its_name_says():
-    # an angle is a pure number but where it is in the name
+    # an angle is a pure number unless it occurs in the name
     found = {name: {base: n for base, n in UNITS[name].powers.items() if n} for name in PLAIN}
     assert found == {name: powers_of(name) for name in PLAIN}
     assert [name for name in UNITS if name not in PLAIN] == ["N/m^exponent", "N.m/rad^exponent"]

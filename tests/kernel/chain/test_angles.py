@@ -1,4 +1,4 @@
-"""Cosines and sines of the kernel, against mpmath."""
+"""The kernel's cosines and sines, against mpmath."""
 
 import mpmath
 import numpy as np
@@ -24,7 +24,8 @@ def test_errors_are_below_two_parts_in_1e16(size):
     angles = np.random.default_rng(4).uniform(-size, size, 4000)
     with mpmath.workdps(40):
         for angle in angles:
-            cosine, sine = kernel(np.array([angle]))  # one at a time: their sum decides who computes them
+            # one angle at a time: the sum of the angles selects the algorithm
+            cosine, sine = kernel(np.array([angle]))
             exact = mpmath.mpf(float(angle))
             assert abs(mpmath.cos(exact) - float(cosine[0])) < 2e-16
             assert abs(mpmath.sin(exact) - float(sine[0])) < 2e-16
@@ -34,7 +35,7 @@ def test_quarter_turns_keep_their_place():
     quarters = np.arange(-9, 10)
     cosine, sine = kernel(quarters * (np.pi / 2))
     turned = 1j ** (quarters % 4)
-    # k π/2 is itself off by up to 1e-15
+    # k π/2 in floating point has an error of up to 1e-15
     np.testing.assert_allclose(cosine, turned.real, rtol=0, atol=2e-15)
     np.testing.assert_allclose(sine, turned.imag, rtol=0, atol=2e-15)
     assert kernel(np.zeros(3))[1].tolist() == [0.0, 0.0, 0.0]

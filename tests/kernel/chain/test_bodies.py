@@ -1,4 +1,4 @@
-"""Centres of mass beside the line, points of links, and a base on a slider, against Lagrange's equations.
+"""Centres of mass beside the link, points on links, and a base on a slider, against Lagrange's equations.
 
 The reference builds M(q) and the forces from the Jacobians of single points, with a dense solver, and shares
 nothing with the recursion.

@@ -1,4 +1,4 @@
-"""What is derived unless it is given: in plain Python, with dual numbers, and at initialization."""
+"""Derived parameters without a given value: in plain Python, with dual numbers, and at initialization."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from tests.kernel.tangent.dual import Dual
 
 
 def test_a_given_value_is_in_use_and_else_the_derived_one():
-    """Which has the derivatives of what it follows and of itself."""
+    """The derived value has the derivatives of its source, and the given value its own derivative."""
     for given, right in ((0.0, 0.0), (0.3, 0.3), (DERIVED, 0.1)):
         assert in_use(given, 0.1) == right
     given, derived = Dual(DERIVED, [1.0, 0.0]), Dual(0.25, [0.0, 0.5])

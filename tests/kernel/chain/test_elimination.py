@@ -125,7 +125,7 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
         d.model.middle = middle
         found = answer(d, FREE, impedance, loads, (joints, moments))
         np.testing.assert_allclose(found, moved, rtol=1e-9, atol=1e-10)
-    # and a pinned one is held at its base
+    # the arms of a free chain meet at any joint, and a pinned chain is held at its base
     d.model.pinned, rate = 1, np.full(len(y), np.nan)
     accelerations(d, y, rate)
     held = np.linalg.solve(mass_matrix(scene, angles)[2:, 2:], force[2:])
@@ -190,7 +190,10 @@ def exact(scene, angles, impedance, resistance, impulses):
 @pytest.mark.parametrize("stopped", [False, True])
 @pytest.mark.parametrize("count", [2, 4])
 def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, stopped, ratio):
-    """Each coordinate, to D/m times round-off, as for heavy ones; also beside a joint at a stop."""
+    """Each coordinate has an error of D/m times round-off, as for heavy links.
+
+    Also beside a joint at a stop.
+    """
     links = [
         {"length": 0.5 + 0.1 * i, "mass": 1.0 + 0.3 * i, "center_of_mass": 0.2, "inertia": 0.02 + 0.01 * i}
         for i in range(count)

@@ -1,4 +1,4 @@
-"""Springs and dampers of joints: which joints have them, what springs store, and rates of motions by them."""
+"""Springs and dampers of joints: which joints have them, stored energy, and rates of their motions."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
         (link.joint_stiffness * one, link.joint_damping * one) for link, one in zip(links, held, strict=True)
     ]
     assert [(spring_stiffness(d, i), joint_damping(d, i)) for i in range(d.links)] == own
-    # for a time s a spring k resists as a damper s k does
+    # in an implicit step of the length s, a spring k resists like a damper s k
     assert [joint_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for k, c in own]
     assert [resists(k) for k, _ in own] == [one > 0.0 for one in held]
 
@@ -85,7 +85,10 @@ def assembled(scene, angles):
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))
 def test_it_is_that_of_the_fastest_joint_alone_and_near_the_largest_eigenvalue(count, base):
-    """For springs it is a frequency; the bound is that of λ² M + λ C + S = 0 for both together."""
+    """For springs the bound is a frequency.
+
+    For both together, the bound of the roots of λ² M + λ C + S = 0.
+    """
     rng = np.random.default_rng([count, len(base)])
     for _ in range(8):
         damped, angles = random_chain(rng, count, base, 1e4), rng.uniform(-np.pi, np.pi, count)

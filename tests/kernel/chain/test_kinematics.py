@@ -1,4 +1,4 @@
-"""Where the points are, how fast they move and how they accelerate, against complex numbers."""
+"""Positions, velocities and accelerations of points, against complex numbers."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_points_are_at_the_ends_of_the_links_and_move_with_them(count, base):
     rate[:half] = y[half : 2 * half]
     d.work.at_end = 1
     locate_points(d, y)
-    # these are the points at the end of a step no longer
+    # the located points no longer belong to the end of a step
     assert d.work.at_end == 0
     np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
     np.testing.assert_allclose(

@@ -1,4 +1,4 @@
-"""The recursion against two derivations that share nothing with it.
+"""The recursion, against two derivations that have no code in common with the recursion.
 
 Lagrange's equations by SymPy for up to three links, and the textbook form M(q)q̈ = h assembled with
 NumPy for up to a thousand.
@@ -39,7 +39,7 @@ def lagrange(count):
         velocity = mass_centre.applyfunc(time_derivative)
         kinetic += m[i] * velocity.dot(velocity) / 2 + inertia[i] * qd[2 + i] ** 2 / 2
         potential -= m[i] * (gx * mass_centre[0] + gy * mass_centre[1])
-        # joint i turns link i against link i − 1, the first one against the ground, if there is a joint
+        # joint i rotates link i against link i − 1; the first joint rotates against the ground, if it exists
         held = pinned if i == 0 else 1
         before = (0, 0) if i == 0 else (q[1 + i], qd[1 + i])
         potential += held * stiffness[i] * (q[2 + i] - before[0] - rest[i]) ** 2 / 2
@@ -79,7 +79,7 @@ def lagrange_accelerations(scene, angles, velocities, torques, loads):
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_accelerations_are_lagranges(count, base):
-    """Under gravity, springs, dampers, torques and a force on the tip; with contacts: test_equations."""
+    """Under gravity, springs, dampers, torques and a tip force; test_equations.py tests contacts."""
     rng = np.random.default_rng([count, len(base)])
     scene, d = chain(rng, count, base, springs=True, dampers=True, inputs=True)
     y, torques, loads = random_state(rng, d), rng.uniform(-5.0, 5.0, count), np.zeros((count + 1, 2))
@@ -93,7 +93,7 @@ def test_accelerations_are_lagranges(count, base):
 
 
 def test_a_thousand_links_solve_the_assembled_equations():
-    """The residual must be round-off: of the size of ε |M| |q̈|, whatever the conditioning of M.
+    """The residual must be round-off, ε |M| |q̈|, for any condition number of M.
 
     The solution itself can only agree to ε cond(M), for either method.
     """
@@ -114,5 +114,5 @@ def test_a_thousand_links_solve_the_assembled_equations():
     expected = np.linalg.solve(matrix, right)
     least, *_, largest = np.linalg.eigvalsh(matrix)
     allowed = 10.0 * epsilon * largest / least
-    assert 0.0 < allowed < 1e-6  # else the comparison says nothing
+    assert 0.0 < allowed < 1e-6  # otherwise the comparison would test nothing
     assert np.abs(found - expected).max() < allowed * np.abs(expected).max()

@@ -1,4 +1,4 @@
-"""Which chains have a regular mass matrix in every position, against its least eigenvalue."""
+"""Chains with a regular mass matrix in every position, against the smallest eigenvalue of the matrix."""
 
 import itertools
 from types import SimpleNamespace
@@ -55,7 +55,7 @@ def chain_of(shapes, pinned):
 @pytest.mark.parametrize("pinned", [False, True])
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_it_tells_every_chain_whose_mass_matrix_is_singular_somewhere(count, pinned):
-    """All chains of up to three links, each with or without inertia, with its mass at one of four places."""
+    """The chains have up to three links, each with or without inertia, with four places of the mass."""
     found = set()
     for shapes in itertools.product(itertools.product(PLACES, (0.0, 0.1)), repeat=count):
         first, last = loose_links(chain_of(shapes, pinned), False)

@@ -1,4 +1,4 @@
-"""The state vector: each entry has one meaning, and none is left over."""
+"""The state vector: each entry has one meaning, and no entry is unused."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""A wall that reaches a pinned base ends the run there, however short it would stay beyond it."""
+"""A wall that reaches a pinned base ends the run at that time, however short the overlap would last."""
 
 import math
 
@@ -45,7 +45,7 @@ def moved(height):
 @pytest.mark.parametrize("method", ["auto", "implicit"])
 @pytest.mark.parametrize("above", [0.05, 1e-3, 1e-5])
 def test_a_wall_meets_the_base_when_it_gets_there(above, method):
-    """At 1.003 − .1 √ln(1 + a) s; between the rows of the motion it is a cubic, which errs by some 1e-8 m."""
+    """The time is 1.003 − .1 √ln(1 + a) s. Between the motion's rows a cubic has an error of about 1e-8 m."""
     with pytest.raises(SimulationError) as caught:
         simulate(scene(method), inputs=moved(1.0 + above))
     assert caught.value.status == BASE_BEYOND_WALL

@@ -1,4 +1,4 @@
-"""What is followed of a contact until its end: at loose tolerances, and on motions in closed form."""
+"""The log of a contact until its end: at loose tolerances, and on motions in closed form."""
 
 import math
 
@@ -83,7 +83,7 @@ def there(d, points):
 
 @pytest.mark.parametrize("size", [1.0, 0.2])
 def test_peaks_are_the_largest_values_on_the_way(size):
-    """Inside the step, or at its end while it still compresses."""
+    """The largest value lies inside the step, or at its end during compression."""
     d, motion = pressed(TURNING, size=size)
     d.step.dense_for = OUTPUTS
     contact_log.update_extremes(d)
@@ -97,7 +97,7 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
     assert d.touch.speed[1] == pytest.approx(rate, rel=1e-12)
     there(d, points_of(d, motion.at(size)))
-    # larger ones of before are kept
+    # the log keeps larger earlier values
     d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
     contact_log.update_extremes(d)
     assert (d.touch.peak_force[1], d.touch.max_penetration[1]) == (1e3, 2e3)
@@ -112,7 +112,7 @@ def test_what_only_falls_has_no_peak_to_look_for():
 
 
 def test_peaks_until_a_time_within_the_step():
-    """As far as an observer has come, who changes nothing in the contact, and whose look is no work."""
+    """The peaks count up to the observer's time; an observation changes no contact and counts no work."""
     for until in (0.1, 0.25, 0.9):
         d, motion = pressed(TURNING)
         y = motion.at(until)
@@ -161,14 +161,14 @@ def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
     tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
     places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
     most, place = max((depth(t, height), t) for t in places)
-    # near an end the last parabola does not reach the top
+    # near an end of the step the last parabola does not reach the maximum
     inside = 0.2 < place / until < 0.9
     assert found == pytest.approx(most, rel=2e-8 if inside else 1e-3)
 
 
 @pytest.mark.parametrize("due", [False, True])
 def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_forgotten(due, monkeypatch):
-    """But for an onset and changes of modes that are due just there."""
+    """The step keeps an onset and mode changes exactly at the communication point."""
     d, motion = pressed(TURNING)
     d.touch.event[:4] = ONSET, END, KINK, NONE
     dropped = []
@@ -200,7 +200,7 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     assert d.quadrature.total[1] == pytest.approx(3.0, rel=1e-12)
     assert (d.statistics.rhs_evaluations, d.limits.other_work) == work
     there(d, points_of(d, motion.at(0.25)))
-    # and what goes on beside
+    # other quantities that the communication point updates
     told = []
     monkeypatch.setattr(hooks, "on_truncate", told.append)
     d, _ = pressed(TURNING)
@@ -209,7 +209,7 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     assert told == [d]
     assert d.step.end == d.step.time
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
-    # the accelerations are those there
+    # the accelerations belong to the communication point
     assert math.isfinite(d.touch.force_rate[1])
     there(d, points_of(d, d.step.state_end))
 
@@ -248,7 +248,7 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
 
 @pytest.mark.parametrize("size", [1e-3, 0.2])
 def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size):
-    """3 − (x − 0.6)² is 3 in between; one that only grows or falls is largest at an end."""
+    """The maximum of 3 − (x − 0.6)² is 3 inside; a monotonic force is largest at an end."""
     d, c, motion = held_tip(size, [3.0 - 0.6**2, 1.2, -1.0])
     d.rigid.sample[:] = 0.0
     evaluations = d.statistics.rhs_evaluations
@@ -256,7 +256,7 @@ def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size)
     assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
     assert d.statistics.rhs_evaluations - evaluations == contact_log.HELD_SAMPLES
     there(d, points_of(d, motion.at(size)))
-    # at the end of a step in which it grows, and through the door of all contacts
+    # at the end of a step with a growing force, and through the function for all contacts
     let_push(d, c, [1.0, 2.0])
     d.touch.peak_force[c], d.touch.force_rate[c] = 0.5, 77.0
     contact_log.update_extremes(d)
@@ -299,7 +299,7 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
 
 
 def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
-    """At the lever arm s: φ = δ/s, M = F s, and the inertia m s²; peaks are the largest of either kind."""
+    """With the lever arm s: φ = δ/s, M = F s, inertia m s²; peaks are the largest values of either kind."""
     _, d = stopped_chain(2)
     stop, arm, log = stops_of(d)[0], 1.4, d.finished
     d.model.size = arm
@@ -318,7 +318,10 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
 
 @pytest.mark.parametrize("count", [0, 5, -1])
 def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
-    """In the order of the candidates; at the end of the log they go on at its beginning."""
+    """Lasting contacts follow in the order of candidates.
+
+    Behind the end of the log they continue at its start.
+    """
     _, d = stopped_chain(2)
     log, size, stop, arm = d.finished, len(d.finished.point), stops_of(d)[0], 1.4
     d.model.size, log.count = arm, count % size
@@ -352,7 +355,7 @@ FIELDS = {
 
 @pytest.mark.parametrize("kept", [0, 1, 3, LATEST])
 def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
-    """Against a list in Python: contacts begin and end at random candidates, and are collected at times."""
+    """Random candidates begin and end contacts; the log is compared with a list in Python."""
     rng = np.random.default_rng(kept)
     _, d = chain(rng, 2)
     y = random_state(rng, d)
@@ -404,7 +407,7 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
 @pytest.mark.parametrize("method", ["auto", "implicit"])
 @pytest.mark.parametrize("parts", [(0.46,), (0.3, 0.5, 0.7), (0.48, 0.49, 0.5, 0.51, 0.52)])
 def test_a_restart_inside_of_an_impact_loses_no_peak(method, parts):
-    """Not even where an input or the stiffness is set: to what it was."""
+    """The restart comes from an input or the stiffness, set to its present value."""
     scene = with_values(load_scene("four_link_box"), {"solver.method": method, "solver.tolerance": 1e-8})
     first = simulate(scene).impacts[0]
     instance = Instance(scene)

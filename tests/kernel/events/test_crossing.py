@@ -81,14 +81,14 @@ def test_the_first_crossing_is_where_the_first_clearance_or_depth_falls_through_
     assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
     assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET)
     assert not np.delete(d.touch.event, whose).any()
-    # measured there
+    # the candidates' clearances are measured at the found time
     np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("depth", [1e-2, 1e-6, 1e-9])
 @pytest.mark.parametrize("falling", [1.0, -1.0])
 def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
-    """g = a (t − ½)² − depth: a point of a chain that does not turn dips and returns."""
+    """g = a (t − ½)² − depth: a point of a chain without rotation dips into the wall and returns."""
     _, d = chain(np.random.default_rng(1), 1)
     motion = free_motion(np.random.default_rng(2), d, speed=0.0, bend=0.0)
     c = 1  # the base at the floor
@@ -136,7 +136,7 @@ def test_only_suspects_are_followed(seed):
 
 @pytest.mark.parametrize(("clock", "counted"), [(0.0, False), (1e4, True)])
 def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
-    """To 1e-12 s, and to what a time can be told by."""
+    """Arrivals within 1e-12 s, or within the resolution of time, are one event."""
     _, d = chain(np.random.default_rng(1), 4)
     motion = translation(d, [0.3], [0.5, -2.0])
     walls_away(d)
@@ -160,14 +160,14 @@ def test_a_search_ends_when_there_is_no_work_left():
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("seed", range(5))
 def test_the_curvature_of_a_clearance_is_bounded_and_not_by_too_much(seed, base):
-    """|g̈| over the step, by second differences; along a wall at an angle as along an axis."""
+    """The reference is |g̈| over the step, by second differences, for walls along an axis and at an angle."""
     d, motion = moving(seed, count=3, size=0.2, base=base)
     h = 1e-4
     for t in np.linspace(h, 0.2 - h, 9):
         parts = [gaps_of(d, motion.at(t + k * h)) for k in (-1, 0, 1)]
         second = np.abs(parts[0] - 2.0 * parts[1] + parts[2]) / h**2
         assert (second <= d.search.curvature + 1e-4).all()  # round-off of differences
-    # L (|α| + ω²) of all links before it and the base's acceleration, whose bounds are sharp at the ends
+    # L (|α| + ω²) of all preceding links and the base's acceleration; both bounds are sharp at the ends
     n = d.links
     turns = [np.abs(motion.at(t)[n + 4 : 2 * n + 4]).max(axis=0) for t in (0.0, 0.2)]
     bends = np.abs(motion.at(0.0, 1)[n + 2 : 2 * n + 4]).sum()
@@ -191,7 +191,7 @@ def test_the_points_of_an_implicit_step_that_are_in_contact_have_their_own_bound
 
 @pytest.mark.parametrize(("rate", "curvature"), [(-1.0, 0.0), (-1.0, 1e9), (1.0, 0.0)])
 def test_an_overdue_event_is_where_the_clearance_falls(rate, curvature):
-    """At the start of a bracket in which it only falls, or at its end if it rises but for round-off."""
+    """The event is at the start of a bracket of falling φ, otherwise at the end of the bracket."""
     d, motion = moving(0, near=1)
     c = 0
     crossing.measure(d, 0.75)
@@ -213,7 +213,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     c = int(np.argmax(rates))
     d.step.regularized = c
     touch(d, [c])
-    # so that u′ is about that of the motion: where u falls to zero, the point leaves
+    # u′ is close to the rate of the motion: the point leaves where u falls to zero
     d.touch.depth_scale[c], d.touch.impact_speed[c] = 0.5 * rates[c] / 0.7, 1.0
     prepare(d)
     assert crossing.find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
@@ -262,18 +262,18 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
 @pytest.mark.parametrize(
     ("start", "end", "rates", "curvature", "verdict"),
     [
-        # above its chord less A w²/8 = 0.5 A
+        # above its chord minus A w²/8 = 0.5 A
         (1.0, 1.0, (0.0, 0.0), 1.9, QUIET),
         (1.0, 1.0, (-1.0, 1.0), 2.1, SPLIT),
         (0.4, 1.0, (-1.0, 1.0), 1.0, SPLIT),
         (1.0, 0.4, (-1.0, 1.0), 1.0, SPLIT),
-        # of one sign, as |φ̇_a| + |φ̇_b| > A w: it only falls, or only rises
+        # rates of one sign, as |φ̇_a| + |φ̇_b| > A w: φ is monotonic
         (1.0, -0.5, (-1.5, -1.0), 1.0, CROSSES),
         (1.0, 0.2, (-1.5, -1.0), 1.2, QUIET),
         (1.0, -0.5, (-1.0, -0.9), 1.0, SPLIT),
         (0.1, 0.5, (1.5, 1.0), 1.2, QUIET),
         (1.0, -0.5, (1.5, -1.0), 1.0, SPLIT),
-        # bends by round-off alone
+        # the curvature is round-off
         (1.0, -0.5, (-1.0, -1.0), 0.0, CROSSES),
         (1.0, -0.5, (-1.0, 1.0), 1e-16, CROSSES),
         (-1.0, -0.5, (-1.0, 1.0), 1e-16, QUIET),
@@ -286,7 +286,7 @@ def test_an_interval_is_settled_by_the_chord_or_by_the_rates(start, end, rates, 
     d = interval(start, end, rates, curvature)
     assert crossing.check_candidate(d, 0, 0.0, 1.0) == verdict
     assert crossing.check_interval(d, 0.0, 1.0) == verdict
-    # of a part of the step, with the bends of a part: the rates are over s
+    # the interval is a part of the step, with the curvatures of that part; the rates are over s
     d.step.size = 8.0
     assert crossing.check_candidate(d, 0, 0.25, 0.5) == verdict
 
@@ -302,7 +302,10 @@ def test_of_several_candidates_the_one_that_is_unsettled_decides():
 @pytest.mark.parametrize("active", [0, 1])
 @pytest.mark.parametrize("whole", [False, True])
 def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(whole, active):
-    """A contact that ends, ends there; the onset of one that goes on is in the step, or in the next one."""
+    """A contact that ends keeps its end in this step.
+
+    The onset of a lasting contact lies in this step or the next.
+    """
     for end, harmless in ((-0.5e-12, True), (-2e-12, False)):
         d = interval(1.0, end, (-1.0, -1.0), 0.0, active=active)
         part = (0.0, 1.0) if whole else (0.0, 0.5)
@@ -315,7 +318,7 @@ def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(w
 def test_a_point_that_is_deep_without_having_moved_there_is_an_onset_but_no_end(active):
     d = interval(1e-13, -1e-9, (0.0, 1.0), 0.0, active=active)
     assert crossing.check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
-    d.search.clear_start[0] = -1e-11  # it has been there before
+    d.search.clear_start[0] = -1e-11  # the candidate has been at this depth before
     assert crossing.check_candidate(d, 0, 0.0, 1.0) == QUIET
 
 
@@ -328,7 +331,7 @@ def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
 
 @pytest.mark.parametrize("part", [1.0, 0.25])
 def test_what_bends_by_round_off_barely_bends(part):
-    """A w²/8 below 1e-15 of a link length."""
+    """The curvature term A w²/8 is below 1e-15 of a link length."""
     d = interval(0.0, 0.0, (0.0, 0.0), 1.0, size=2.0)
     d.model.size = 3.0
     limit = 8.0 * 3e-15 / (2.0 * part) ** 2
@@ -381,7 +384,7 @@ def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(b
     ],
 )
 def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_that(monkeypatch, near, ends):
-    """Those of the bisection: [k/2ⁿ, (k+1)/2ⁿ], here down to 1/8 where they hold some moment."""
+    """The intervals of the bisection are [k/2ⁿ, (k+1)/2ⁿ], here down to 1/8 where they contain an event."""
     _, d = stopped_chain(1, "pinned")
     seen = []
     monkeypatch.setattr(crossing, "measure", lambda _, b: seen.append(b))

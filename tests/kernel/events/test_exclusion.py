@@ -1,4 +1,4 @@
-"""What is known of clearances without looking: never more than is there."""
+"""Bounds on clearances without a search: never larger than the true clearances."""
 
 import math
 
@@ -56,7 +56,7 @@ def test_no_event_is_excluded_that_happens_and_none_is_looked_for_far_from_walls
     assert not (excluded and happens)
     if values.min() > 0.3 * near and near >= 0.2:
         assert excluded
-    # φ and φ′ of all at either end, and φ″
+    # φ and φ′ of all candidates at both ends, and φ″
     assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
     np.testing.assert_allclose(d.search.clear_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.clear_end, values[-1], rtol=0, atol=1e-11)
@@ -81,7 +81,7 @@ def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
 def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
     for field in ("turn", "change_rate", "fade"):
         d, _motion = stepped(0, near=2.0)
-        # walls that are no way off the end: what it is known of them is small
+        # the walls are close to the end of the step, so that the known clearance is small
         if field == "turn":
             d.work.rate_end[d.links + 4] = 2.0 / d.step.size**2 * 1.1
         elif field == "change_rate":
@@ -114,9 +114,9 @@ def test_the_search_follows_those_that_may_cross_but_not_those_that_a_rigid_wall
 @pytest.mark.parametrize("active", [False, True])
 @pytest.mark.parametrize(("turn", "fade"), [(0.0, 0.0), (0.9, 0.0), (0.5, 2.0), (0.9, 3.0)])
 def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, fade, active):
-    """Ten times h⁶ φ⁽⁶⁾/46080, of a stretched chain that turns and fades: reach ω² ρ⁴.
+    """The margin is ten times h⁶ φ⁽⁶⁾/46080 of a stretched chain that rotates and decays: reach ω² ρ⁴.
 
-    And what the tolerance allows of a position; nothing moves in this step.
+    The tolerance of a position is added; nothing moves in this step.
     """
     _, d = chain(np.random.default_rng(0), 2)
     off = 10.0 / 46080.0 * d.model.length.sum() * turn**2 * max(turn, fade) ** 4
@@ -137,7 +137,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
 @pytest.mark.parametrize("active", [False, True])
 @pytest.mark.parametrize("seed", range(10))
 def test_a_clearance_stays_above_the_least_bernstein_coefficient_of_its_interpolant(seed, active):
-    """Of the Hermite interpolant of order 6, by SciPy; less a margin of their range."""
+    """The interpolant is the Hermite interpolant of order 6, by SciPy; a margin is subtracted."""
     rng = np.random.default_rng(seed)
     _, d = chain(rng, 1)
     search, c, h = d.search, 3, 0.7
@@ -173,7 +173,7 @@ def test_what_is_learned_is_known_until_the_steps_break(what):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
-    """The room that is remembered is never more than there is, and lasts for some steps."""
+    """The stored distance is never larger than the true distance, and stays valid for some steps."""
     d, motion = stepped(seed, size=0.01, near=1.0)
     assert exclusion.excludes_events(d)
     least = phi_all(d, motion)[-1].min()
@@ -196,7 +196,7 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         assert exclusion.known_clearances(d) == exclusion.FAR
         lasted += 1
     assert lasted >= 2
-    # nobody goes further than its speed and acceleration say: no point nor wall has been looked at
+    # no point moves further than its speed and acceleration permit, so no point or wall is inspected
     assert d.search.speed == speed_bound(d, d.work.velocity)
     assert d.search.acceleration == speed_bound(d, d.work.acceleration)
 
@@ -230,7 +230,7 @@ def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])
 @pytest.mark.parametrize("end", [0.0, 1.4, 1.6])
 def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_anew(speed, end):
-    """At either end of the step."""
+    """The check is at either end of the step."""
     d, _ = stepped(0, touching=1)
     d.touch.impact_speed[0], d.touch.speed[0] = 3.0, 3.0 * speed
     point = d.candidate.point[0]
@@ -247,7 +247,10 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_an
 @pytest.mark.parametrize("impulsive", [0, 1])
 @pytest.mark.parametrize("regularized", [-1, 2])
 def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regularized, impulsive):
-    """φ′ = p φ̇ with p = u/(1 + u²); of the regularized contact u and u′; a held point cannot touch."""
+    """φ′ = p φ̇ with p = u/(1 + u²); the regularized contact uses u and u′.
+
+    A held point cannot touch again.
+    """
     rng = np.random.default_rng(5)
     _, d = chain(rng, 2)
     y, u = random_state(rng, d), 0.6
@@ -312,7 +315,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
 
 @pytest.mark.parametrize("lengths", [(2.0, 0.01), (0.01, 2.0, 0.02), (1.0, 1.0, 0.5), (2.0,)])
 def test_near_a_stop_it_counts_that_both_links_of_the_joint_may_have_an_error(lengths):
-    """Each angle may have an error as large as the tolerance: with a link far longer than the others, too."""
+    """Each angle may have an error of the tolerance; one link is far longer than the others."""
     tolerance, last = 1e-3, len(lengths)
     links = [{"length": length, "mass": 1.0} for length in lengths]
     links[-1]["joint_max"] = 0.5

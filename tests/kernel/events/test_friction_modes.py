@@ -78,7 +78,7 @@ def test_a_mode_that_is_consistent_is_kept_and_costs_one_evaluation(seed):
 
 @pytest.mark.parametrize("jumped", [True, False])
 def test_what_moves_slides_in_the_direction_of_its_motion(jumped):
-    """What stuck moves by errors only, if no speed has jumped."""
+    """A sticking element moves by errors only, unless a speed has jumped."""
     rng = np.random.default_rng(8)
     _, d, y = rubbing_chain(rng, "free", 3, True)
     d.step.state_end[:] = y
@@ -109,7 +109,7 @@ def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
     assert chain.modes == (STICKS,) * len(chain.elements)
     assert d.element.anchor[first] == moved[0]
     assert d.element.anchor[others[0]] == pytest.approx(here[1], abs=1e-13)
-    # the state is projected onto all of them
+    # the state is projected onto all anchors
     locate_points(d, d.step.state_end)
     for e in chain.elements:
         assert tangential_position(d, e) == pytest.approx(d.element.anchor[e], abs=1e-12)
@@ -150,7 +150,7 @@ def test_joints_of_a_chain_without_friction_have_no_mode():
 
 
 def test_no_mark_of_a_change_outlives_the_choice_of_modes():
-    """Not even of an element whose contact has ended: it would count when that point touches again."""
+    """The mark of an element whose contact has ended must not count when its point touches again."""
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     d.element.event[:] = STICKING_ENDS
     d.touch.active[d.touch.active_index[0]] = 0
@@ -168,7 +168,7 @@ def one():
 
 
 def move_at(d, c, speed):
-    """Let the point of candidate c have a tangential speed."""
+    """Give the point of candidate c a tangential speed."""
     there = d.candidate.place[c]
     d.work.velocity.x[there] = speed * d.candidate.normal_y[c]
     d.work.velocity.y[there] = -speed * d.candidate.normal_x[c]
@@ -196,7 +196,7 @@ def move_at(d, c, speed):
     ],
 )
 def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(one, sign, case):
-    """All signs turn with that of the motion and the force."""
+    """All signs reverse with the sign of the motion and of the force."""
     (d, c), (event, before, speed, jumped, right, undecided) = one, case
     move_at(d, c, sign * speed)
     d.element.before[c] = sign * before if abs(before) == 1 else before
@@ -216,7 +216,7 @@ def test_rest_has_a_speed_of_round_off(one, part, undecided):
 
 @pytest.mark.parametrize(("part", "wrong"), [(-0.6, False), (0.4, False), (0.6, True)])
 def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(one, part, wrong):
-    """The other half is for the search, so that a mode that was just chosen does not end at once."""
+    """The other half of the round-off belongs to the search, so that a new mode does not end at once."""
     d, c = one
     d.element.mode[c], d.element.undecided[c], d.element.limit[c] = STICKS, 1, 7.0
     for sign in (1.0, -1.0):
@@ -244,7 +244,7 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
 
 @pytest.mark.parametrize(("part", "wrong"), [(1.9, False), (2.1, True)])
 def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, wrong):
-    """What is held has an acceleration of the size of the error with which it is."""
+    """The acceleration of a held element is as large as the error of the holding force."""
     d, c = one
     other = d.candidates - 1
     assert d.candidate.place[other] != d.candidate.place[c]
@@ -258,7 +258,7 @@ def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, 
 
 
 def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
-    """First all that are wrong change at once; after as many rounds as may fail, fewer and fewer stick."""
+    """First all wrong modes change at once; after the permitted failures, fewer and fewer elements stick."""
     chain = AtRest(0, "free", 2, True)
     d, rounds = chain.d, []
     d.element.undecided[chain.elements] = 1
@@ -291,7 +291,7 @@ def convex_accelerations(chain):
 @pytest.mark.parametrize("part", [1e-4, 1e-3, 0.9])
 @pytest.mark.parametrize("seed", range(8))
 def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed, part, holding):
-    """One of two contacts in one place can give a small part of what both have to, the other one the rest."""
+    """Of two contacts in one place, one carries a small part of the load, and the other the rest."""
     chain = Doubled(seed)
     d = chain.d
     d.law.friction[:], d.model.joint_friction[:] = 1e9, 1e9
@@ -309,7 +309,7 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
     assert chain.modes[chain.elements.index(strong)] == STICKS
     held = chain.limits()[0]
     assert (np.abs(d.element.force[chain.elements]) <= held * (1.0 + 1e-9)).all()
-    # less than what both need: some slide, by the accelerations of the only solution
+    # below the load of both contacts, some elements slide, with the accelerations of the unique solution
     d.law.friction[strong] *= 0.9 * (1.0 - part)
     d.law.static_friction[:] = d.law.friction
     update_modes(d, True)
@@ -320,7 +320,10 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
-    """By twice that speed, which is an error; what moves forward, or was chosen by its motion, may not."""
+    """The limit is twice this speed, an error.
+
+    Elements with a forward motion or a motion-based mode may not.
+    """
     d, c = one
     d.element.mode[c], d.element.undecided[c] = sign, 1
     d.work.acceleration.x[:], d.work.acceleration.y[:] = 0.0, 0.0
@@ -338,7 +341,7 @@ def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_what_others_hold_may_move_backward_by_the_tolerance(one, sign):
-    """And else by twice the speed that it has. Its force is at its limit, but it accelerates backward."""
+    """The limit is the larger of the tolerance and twice the present speed; the force is at its limit."""
     d, c = one
     d.element.mode[c], d.element.undecided[c] = sign, 1
     place = d.candidate.place[c]

@@ -1,4 +1,4 @@
-"""What is done at an event, and the step that follows it."""
+"""The handlers of events, and the step that follows an event."""
 
 import numpy as np
 import pytest
@@ -67,7 +67,7 @@ def test_a_contact_begins_on_its_side_of_the_kink(law):
     [(0.9, -0.5, 1), (1.1, -0.5, 0), (0.0, 0.5, 0), (-5.0, 0.5, 0), (-5.0, -0.5, 1), (0.0, 0.0, 1)],
 )
 def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
-    """Within LEFT of δ*/v₀; one that moves inward has not left."""
+    """The contact ends within LEFT of δ*/v₀ from its end; a contact that moves inward stays."""
     d = arrived(law, speed=speed)
     if speed == 0.0:
         d.work.velocity.x[:] = d.work.velocity.y[:] = 0.0
@@ -82,7 +82,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
 
 
 def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
-    """The depth of an elastic impact at twice v₀, and half of the damping λ K/v₀."""
+    """The depth is that of an elastic impact at twice v₀, and the damping is half of λ K/v₀."""
     d = arrived()
     handle(d, C, ONSET)
     mass, damping = d.touch.effective_mass[C], d.touch.damping[C]
@@ -98,7 +98,7 @@ def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
 @LAWS
 @pytest.mark.parametrize("beyond", [0, 1])
 def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
-    """One without a force has one again that rises; one that turned does so no more."""
+    """A contact without a force gets a rising force again; a reversed contact has no damping any more."""
     d = arrived(law)
     handle(d, C, ONSET)
     d.touch.beyond_kink[C], d.touch.force_rate[C], d.touch.speed[C] = beyond, -7.0, 3.0
@@ -174,7 +174,7 @@ def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
     d.touch.event[C] = ONSET
     apply_events(d)
     assert d.step.flight_size == 0.125
-    # with another contact there is no flight
+    # a chain with another contact is not in flight
     d = arrived(touching=[1])
     d.touch.impact_speed[:] = d.touch.depth_scale[:] = 1.0
     d.touch.event[C] = ONSET
@@ -194,7 +194,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
     assert turning < 1.0
     assert d.step.next_size == min(flight, turning)
     assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
-    # no joint resists: explicit steps do
+    # no joint resists, so the flight has explicit steps
     assert begins_explicit(d)
 
 
@@ -241,7 +241,7 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
 @pytest.mark.parametrize("regularized", [-1, 0, C, 15])
 @pytest.mark.parametrize("whose", [0, C, 15])
 def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized, kind):
-    """The end of a regularized contact is smooth in its own variable."""
+    """The end of a regularized contact is smooth in the contact's own variable."""
     d = arrived()
     d.touch.event[:] = NONE
     d.touch.event[whose], d.step.regularized = kind, regularized
@@ -253,7 +253,7 @@ def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized,
     ("held", "touching", "flies"), [(True, [], True), (True, [0], False), (False, [], False)]
 )
 def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(monkeypatch, held, touching, flies):
-    """Beside a contact with a force its events decide, as they do without rigid walls."""
+    """With a compliant contact in force, its events decide instead, as without rigid walls."""
     d, called = arrived(touching=touching), []
     monkeypatch.setattr(handlers, "any_point_held", lambda _: held)
     monkeypatch.setattr(handlers, "handle_impact", lambda _: called.append("impact") or -1)

@@ -28,7 +28,7 @@ from tests.kernel.chains import (
 )
 
 E, SLOWEST = 0.6, 1e-3
-POINTS = [1, 6, 11, 16]  # of a free chain: a point at each of the walls
+POINTS = [1, 6, 11, 16]  # points of a free chain, one at each of the walls
 
 
 def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=True):
@@ -43,12 +43,12 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     jacobian, response = gradients(scene, d, angles, candidates), np.zeros((6, len(candidates)))
     response[free] = np.linalg.solve(mass_matrix(scene, angles)[free, free], jacobian[:, free].T)
     w = jacobian @ response
-    if arrive:  # at speeds that are given
+    if arrive:  # the points arrive at given speeds
         aims = -rng.uniform(0.2, 2.0, len(candidates))
         y[6:12] += response @ np.linalg.solve(w, aims - jacobian @ y[6:12])
     d.step.state_end[:] = y
     d.step.start, d.step.end, d.step.time = 1.0, 1.5, 1.2
-    # what an earlier problem has left
+    # values from an earlier problem
     d.rigid.target[:], d.rigid.in_active_set[:], d.rigid.start[:], d.work.load.x[:] = 5.0, 0, 5.0, 9.0
     locate_points(d, y)
     return d, y, jacobian, response, w, candidates
@@ -64,7 +64,7 @@ def kinetic(d, y):
 @pytest.mark.parametrize("count", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(4))
 def test_an_impact_is_moreaus(seed, count, base):
-    """u⁺ = u⁻ + W p, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0; what it takes of the energy is dissipated, and all is logged."""
+    """u⁺ = u⁻ + W p, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0. The lost energy is dissipated, and all impacts are logged."""
     d, y, jacobian, response, w, candidates = touching([seed, count], POINTS[:count], base=base)
     before, there = jacobian @ y[6:12], kinetic(d, y)
     p = complementary_impulses(w, before, -E * before)
@@ -77,7 +77,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     np.testing.assert_allclose(d.quadrature.total[candidates], p, rtol=1e-9, atol=1e-9)
     assert d.impact.count == count
     assert not d.touch.event.any()
-    # all leave with a speed, and no contact has lasted
+    # all points leave with a speed, and no contact lasts
     assert d.touch.active_count == 0
     assert d.finished.count == count
     rows = slice(0, count)
@@ -87,13 +87,13 @@ def test_an_impact_is_moreaus(seed, count, base):
     np.testing.assert_allclose(d.finished.impact_speed[rows], -before, rtol=1e-9)
     np.testing.assert_allclose(d.finished.separation_speed[rows], before + w @ p, rtol=1e-8)
     np.testing.assert_allclose(d.finished.impulse[rows], p, rtol=1e-9, atol=1e-9)
-    # the loads are those of a flight
+    # without contacts the loads are zero
     assert not vectors(d.work.load).any()
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_push(seed):
-    """0 ≤ F ⟂ g̈ ≥ 0, with the g̈ of gravity alone, as all speeds are small."""
+    """0 ≤ F ⟂ g̈ ≥ 0, where g̈ comes from gravity alone because all speeds are small."""
     d, y, jacobian, response, w, candidates = touching(seed)
     y[6:12] = 0.0
     y[6:12] = response @ np.linalg.solve(w, np.full(3, -0.5 * SLOWEST))
@@ -101,7 +101,7 @@ def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_p
     d.model.gravity[:] = -3.0 * d.model.gravity if seed % 2 else d.model.gravity
     impacts.handle_impact(d)
     after = d.step.state_end
-    # 0 ≤ p ⟂ u⁺ ≥ 0: who cannot be stopped by a push leaves
+    # 0 ≤ p ⟂ u⁺ ≥ 0: a point leaves if no push can stop the point
     speeds = np.full(3, -0.5 * SLOWEST)
     reached = speeds + w @ complementary_impulses(w, speeds, np.zeros(3))
     np.testing.assert_allclose(jacobian @ after[6:12], reached, rtol=0, atol=1e-12)
@@ -133,7 +133,7 @@ def test_points_that_all_but_touch_are_neighbours():
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_an_impact_aims_at_rebounds_of_what_arrives_fast_and_brings_the_rest_to_rest(restitution):
-    """e = 0 for a held contact, for one that arrives slowly and for a rebound too slow to leave."""
+    """e = 0 for a held contact, for a slow arrival, and for a rebound too slow to leave."""
     d, y, _jacobian, response, w, candidates = touching(1, POINTS, kinds=NONE)
     d.touch.event[candidates] = ONSET, NEIGHBOUR, NONE, ONSET
     speeds = np.array([-1.0, -1.0, -1.0, -0.5 * SLOWEST])
@@ -175,7 +175,10 @@ def test_impulses_fall_short_by_more_than_round_off(short):
 
 @pytest.mark.parametrize("speed", [-0.7, 0.3])
 def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
-    """One on its way from the wall, u⁻ > 0, that is pressed in could: the impact is then one with e = 0."""
+    """A neighbour with u⁻ > 0 that is pressed in could gain energy.
+
+    The impact is then computed with e = 0.
+    """
     gains = 0
     for seed in range(12):
         d, y, _, response, w, (first, second) = touching(seed, (1, 4))
@@ -193,7 +196,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
         after = kinetic(d, d.step.state_end)
         assert d.step.state_end[12] - lost == pytest.approx(there - after, abs=1e-9 * there)
         assert after <= there * (1.0 + 1e-9)
-        # a neighbour that is not met has begun no contact
+        # a neighbour without an impulse has begun no contact
         assert d.impact.count == 1 + (p[1] > 1e-9)
     assert gains > 2 or speed < 0.0
 
@@ -201,7 +204,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
 def test_errors_of_held_contacts_are_corrected_without_an_impulse():
     for act in (apply_events, impacts.update_active_set):
         d, y, jacobian, response, w, candidates = touching(2, (1, 6), kinds=NONE)
-        # so that it takes a push to hold them, and to stop them
+        # choose errors whose correction needs pushing forces and pushing impulses
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
         d.step.state_end[:] = y
         d.work.velocity.x[:], d.work.position.x[:] = 9.0, 9.0
@@ -219,7 +222,7 @@ def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
 
 
 def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
-    """Their walls would pull by more than errors explain: they leave with what they have."""
+    """The walls would pull by more than errors explain: the points leave with their present speeds."""
     d, y, _, response, w, (first, second) = touching(2, (1, 6), kinds=NONE)
     y[6:12] = response @ (p := np.array([-0.3, 0.7]))
     d.step.state_end[:] = y
@@ -235,7 +238,7 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
 
 
 def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
-    """u²/(2 a) is the height of a throw, RISE that which cannot be told from none."""
+    """A throw has the height u²/(2 a); heights below RISE count as rest."""
     for times, stays in ((0.9, True), (1.1, False)):
         d, _y, _, _response, _w, (c,) = touching(1, (1,), kinds=ONSET)
         begin_contact(d, c)
@@ -280,7 +283,7 @@ def test_contacts_end_where_they_stand_for_another_law():
 
 
 def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
-    """By more than round-off of the fastest point, and only those that are not pressed."""
+    """Release them for speeds above the round-off of the fastest point, if they are not pressed."""
     d, *_ = touching(1, POINTS, kinds=NONE)
     scale = largest(d, d.work.velocity)
     d.rigid.in_active_set[:4] = 0, 0, 1, 0
@@ -298,7 +301,7 @@ def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it()
     gaps = [clearance(d, c)[0] for c in POINTS[:3]]
     np.testing.assert_allclose(gaps, [0.0, impacts.RELEASE_GAP * d.model.size, 0.0], rtol=0, atol=3e-14)
     assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
-    # and nothing moves when all are held
+    # nothing moves when all points are held
     before = d.step.state_end.copy()
     d.rigid.in_active_set[:3] = 1
     touch(d, POINTS[:1])
@@ -307,7 +310,7 @@ def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it()
 
 
 def test_a_release_is_a_first_guess_of_who_is_let_go():
-    """Whatever the guess, those are held that a force has to hold."""
+    """For any first guess, the held points are those that need a force."""
     results = []
     for event in (NONE, RELEASE):
         d, y, _, _response, _w, candidates = touching(3, kinds=NONE)

@@ -1,4 +1,4 @@
-"""The marks of events: set one by one, dropped together, and copied to a tangent instance."""
+"""Marks of events: set one by one, deleted together, and copied to a tangent instance."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Whether a contact that begins without tangential speed sticks, by the couplings of the chain."""
+"""The mode of a contact that begins without tangential speed, from the chain's mobility couplings."""
 
 import math
 
@@ -33,14 +33,14 @@ def test_a_rod_that_falls_without_turning_sticks_if_friction_suffices(law, expon
     if share > 1.0:
         assert change["mode"] == 0
         return
-    # the centre of mass falls on: the foot slides away from under it, and t = x along this floor
+    # the centre of mass falls on, so the foot slides outward; t = x along this floor
     under = cosine if sine > 0.0 else -cosine
     assert change["mode"] == -int(np.sign(under))
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.9])
 def test_a_point_whose_couplings_vanish_sticks(friction):
-    """A rod that falls flat: all its ends move along the normal alone."""
+    """All points of a horizontal falling rod move along the normal only."""
     contact = {"model": "hertz", "stiffness": 1e7, "restitution": 1.0, "friction": friction}
     start = {"position": [0.0, 0.5], "angles": [0.0], "velocity": [0.0, -1.0]}
     links = [{"length": 1.0, "mass": 2.0}]

@@ -1,4 +1,4 @@
-"""Events found by sampling a step: kinks, contacts to latch anew, releases and changes of modes."""
+"""Events found by sampling a step: kinks, new latches, releases and mode changes."""
 
 import math
 from types import SimpleNamespace
@@ -92,7 +92,7 @@ def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shap
     found = first_passage(function, four, resolution)(STEP, 7, end)
     assert found == pytest.approx(place, abs=max(2.0 * crossing.FINEST, resolution / 10.0))
     assert max(asked) <= end
-    # four samples, and the start of a bracket; then the fast method, or halving where it is of no use
+    # four samples and the start of a bracket; then the fast method, or bisection where the method fails
     assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)
 
 
@@ -120,7 +120,7 @@ def test_the_ends_of_a_step_are_its_states_to_the_last_bit():
 
 @pytest.mark.parametrize("law", ["kelvin_voigt", "tsuji"])
 def test_a_force_is_cut_off_where_it_comes_to_zero(law):
-    """K δⁿ = −d δᵖ δ̇ on the way out, at a root by bisection."""
+    """K δⁿ = −d δᵖ δ̇ during separation; bisection finds the root."""
     d, _ = falling([0.0, -0.1, 0.05, 1.5], law=law)
     n, p = (1.0, 0.0) if law == "kelvin_voigt" else (1.5, 0.25)
 
@@ -138,20 +138,20 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     locate_at(d, end)
     found = find_force_event(d, end)
     assert found == pytest.approx(low, abs=1e-14)
-    # the points are there, and not where it was searched for others
+    # the points are located at the found time
     height = np.polynomial.polynomial.polyval(found, [0.0, -0.1, 0.05, 1.5])
     assert d.work.position.y[0] == pytest.approx(height, abs=1e-13)
     assert d.touch.event[1] == KINK
 
 
 def test_a_kink_is_crossed_first_where_a_sample_shows_it():
-    """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 … ½ s; and from the other side it comes back at ½ s."""
+    """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 s to ½ s; from the other side the motion returns at ½ s."""
     d, _ = falling([0.0, -1.0, 4.0, -4.0])
     first_crossing = first_passage(sampled.own_side_at, lambda _d: 8, 0.0)
     assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
     assert first_crossing(d, 1, 0.16) == -1.0
     d.touch.beyond_kink[1] = 1
-    assert first_crossing(d, 1, 1.0) == 0.0  # at the start it is on the other side already
+    assert first_crossing(d, 1, 1.0) == 0.0  # the contact starts on the other side of its kink
 
 
 def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event():
@@ -159,7 +159,7 @@ def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event
     found = find_force_event(d, -1.0)
     assert found == pytest.approx(0.5, abs=1e-14)
     assert d.touch.event[[1, 5, 9]].tolist() == [KINK] * 3
-    # a contact that is on its own side is none of it
+    # a contact that stays on its side of the kink is not part of the event
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
     d.touch.beyond_kink[5] = 1
     d.touch.kink_crossed[:] = 0
@@ -181,7 +181,7 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
 
 @pytest.mark.parametrize("stage", [0, 1])
 def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
-    """δ̇ < 0 between 0.3 and 0.45 s, and inward again at the end."""
+    """δ̇ < 0 between 0.3 and 0.45 s, and inward motion at the end."""
     d, _ = falling([0.0, -0.135, 0.375, -1.0 / 3.0])
     d.touch.kink_crossed[1], d.touch.impact_speed[1] = stage, 1.0
     found = find_force_event(d, -1.0)
@@ -202,7 +202,7 @@ def test_a_contact_is_latched_anew_where_it_is_pushed_in_at_twice_its_speed():
     locate_at(d, 1.0)
     assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
     assert d.touch.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
-    # the points are there
+    # the points are located at the found time
     assert d.work.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
 
 
@@ -216,7 +216,7 @@ def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
 
 
 def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
-    """δ̇ = 1 + 4 t − 6 t² is 1.67 at the most, and 1 and −1 at the ends."""
+    """δ̇ = 1 + 4 t − 6 t² has the maximum 1.67, and the values 1 and −1 at the ends."""
     d, _ = falling([0.0, -1.0, -2.0, 2.0], law="zhang_sharf")
     d.touch.impact_speed[1], d.touch.speed[1], d.touch.damping[1] = 0.8, 1.0, 0.0
     locate_at(d, 1.0)
@@ -228,7 +228,7 @@ def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
 
 KINKED = ("kelvin_voigt", "tsuji", "kuwabara_kono", "jankowski")
 TOLERANCES = 10.0 ** -np.arange(6, 14)
-# Over the tolerance, of the largest error of a realised restitution; measured: 21
+# Largest error of a realised restitution over the tolerance; measured: 21
 LARGEST_ERROR = 30.0
 
 
@@ -241,7 +241,7 @@ def struck(law, e):
 @pytest.mark.parametrize("law", KINKED)
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.8])
 def test_the_realised_restitution_errs_by_the_tolerance(law, e):
-    """At every tolerance: no smaller one brings a larger error."""
+    """No smaller tolerance gives a larger error."""
     right, _, _ = scaled_impact(CONTACT_LAWS[law], e)
     for tolerance in TOLERANCES:
         (impact,) = simulate(struck(law, e), tolerance=tolerance, output=(), output_step=0.3).impacts
@@ -306,7 +306,7 @@ def test_what_no_stage_has_shown_is_not_looked_for():
     assert sampled.find_release(d, -1.0) == -1.0
     assert sampled.find_release(d, 0.4) == 0.4
     assert d.statistics.rhs_evaluations == evaluations
-    # a stage has, but no sample
+    # a stage shows a release, but no sample does
     d, _ = released(force=(1.0,))
     assert sampled.find_release(d, -1.0) == -1.0
 
@@ -326,7 +326,7 @@ def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, 
 @pytest.mark.parametrize("gravity", [0.0, 20.0])
 @pytest.mark.parametrize(("omega", "alpha"), [(0.0, 0.0), (3.0, -7.0), (-0.1, 40.0)])
 def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alpha, gravity):
-    """Of the chain's mass m: m (g + Σ s (ω² + |α|)), at least 1 rad/s²; a part PULL is round-off."""
+    """m (g + Σ s (ω² + |α|)) with the chain's mass m, at least 1 rad/s²; the fraction PULL is round-off."""
     rng = np.random.default_rng(1)
     _, d = chain(rng, 3)
     d.model.gravity_size = gravity
@@ -358,7 +358,7 @@ def test_a_pull_by_round_off_is_none():
         assert d.touch.event[c] == (RELEASE if times > 1.0 else NONE)
 
 
-RESOLVED = 2e-11  # s, or m/s, rad, N over what they are of
+RESOLVED = 2e-11  # resolution: s, or m/s, rad, N relative to their scales
 
 
 def started(table):
@@ -369,7 +369,7 @@ def started(table):
 
 
 def run_to_change(d, until):
-    """Take steps until a mode ends; returns the elements whose modes end, and their events."""
+    """Take steps until a mode ends; return the elements whose modes end, and their events."""
     while d.step.end < until:
         assert advance_one_step(d) == OK
         if pending_changes(d):
@@ -397,7 +397,7 @@ def test_a_step_ends_where_a_link_with_a_dry_joint_stops(speed, method):
 def compound_pendulum(moment):
     """Return two links in line that fall about a pin with a sticking joint, and the time of its slip.
 
-    As one body, θ̈ = −V′/I, and the moment in the joint is that of the lower link alone,
+    The rigid pendulum has θ̈ = −V′/I. The moment in the joint moves the lower link alone:
     I₂ θ̈ + m₂ c₂ (ℓ₁ θ̈ + g cos θ), with I₂ about the joint: in proportion to cos θ.
     """
     length, masses = (0.4, 0.7), (1.1, 0.6)
@@ -439,7 +439,7 @@ def test_a_step_ends_where_a_force_reaches_its_limit(part, method):
     assert abs(force) == pytest.approx(limit, rel=1e-8)
     assert advance_one_step(d) == OK
     if d.element.mode[joint] == STICKS:
-        # an implicit step that lands on the event may end before it, by its error; the rest is a step more
+        # an implicit step may end before the event by its error; then one more step follows
         assert method == "implicit"
         assert d.element.event[joint] == STICKING_ENDS
         assert d.step.end - d.step.start < 1e-8
@@ -449,7 +449,7 @@ def test_a_step_ends_where_a_force_reaches_its_limit(part, method):
 
 
 def test_both_joints_of_a_symmetric_chain_stop_in_one_step():
-    """Three equal links that fold as mirror images: both joints turn with the same speed."""
+    """Three equal links fold symmetrically: both joints rotate at the same speed."""
     rod = {"length": 0.4, "mass": 0.8}
     dry = rod | {"joint_friction": 0.3}
     initial = {"angles": [-0.5, 0.0, 0.5], "angular_velocities": [-2.0, 0.0, 2.0], "velocity": [0.0, 0.0]}
@@ -460,14 +460,14 @@ def test_both_joints_of_a_symmetric_chain_stop_in_one_step():
         assert abs(tangential_rate(d, e)) < 1e-9
     assert advance_one_step(d) == OK
     assert d.element.mode[joints].tolist() == [STICKS, STICKS]
-    assert d.changes.count >= 4  # both at the start, and both now
+    assert d.changes.count >= 4  # two changes at the start, and two now
     assert d.changes.time[2] == d.changes.time[3]
 
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("sliding", [0.3, -0.3])
 def test_a_step_ends_where_a_point_stops_on_a_wall(sliding):
-    """W_nt = 0, so slip ends where the impulse of the wall is m v_t/µ."""
+    """W_nt = 0, so slip ends when the impulse of the wall reaches m v_t/µ."""
     table, exact = oblique_ball(1.0, sliding, 0.4, stiffness=1e6)
     d = started(table)
     assert run_to_change(d, exact.end) == {0: SLIDING_ENDS}
@@ -522,7 +522,7 @@ def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
 
 
 @pytest.mark.parametrize(
-    "case",  # θ of an event of a contact, of changes of elements, of the end; the elements that are marked
+    "case",  # θ of a contact event, of element changes, of the end; the marked elements
     [
         (-1.0, {1: 0.5}, 0.5, {1}),
         (-1.0, {1: 0.5, 3: 0.25}, 0.25, {3}),
@@ -534,7 +534,7 @@ def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
     ],
 )
 def test_the_first_change_ends_the_step(rubbing, changes, case):
-    """With all that change there. Events of contacts are later then, and found anew."""
+    """All changes at that time are part of it. Later contact events are found again in the next step."""
     (d, elements), (found, at, right, marked) = rubbing, case
     changes[0].update({elements[k]: theta for k, theta in at.items()})
     d.element.margin[elements] = -1.0

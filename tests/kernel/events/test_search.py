@@ -1,4 +1,4 @@
-"""Events: contacts are found when and where the closed form says, all of them and no others."""
+"""Events: the search finds all contacts at the place and time of the closed form, and no others."""
 
 import math
 
@@ -60,7 +60,7 @@ def test_a_contact_begins_where_the_surface_touches(radius):
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
 @pytest.mark.parametrize("clearance", [-0.4, -0.1, -0.01])
 def test_a_spinner_touches_twice_a_turn_whatever_the_tolerance(clearance, tolerance):
-    """The ends dip through the floor and return within one step: a sign change at its ends shows nothing."""
+    """The ends dip through the floor and return within one step, so a sign test at the ends shows nothing."""
     scene, crossings = ghost_spinner(clearance, tolerance=tolerance)
     impacts = simulate(scene).impacts
     np.testing.assert_array_equal(impacts["point"], crossings.point)
@@ -87,7 +87,7 @@ def test_a_spinner_is_seen_at_any_speed(spin):
 
 
 def test_a_rod_swings_in_a_corridor_too_narrow_to_turn():
-    """Real, elastic walls; symmetry is unstable, so the comparison ends with the second swing."""
+    """The walls are elastic. Symmetry is unstable, so the comparison ends with the second swing."""
     scene, swing = swinging_rod(tolerance=1e-12)
     impacts = simulate(scene, stop_time=0.35).impacts
     expected = np.repeat([swing.first, swing.first + swing.period], 2)
@@ -156,7 +156,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     known_rates(d)
     if implicit:
         d.step.last_method = IMPLICIT
-        remember_clearances(d, VALUES)  # which a search has left at the end of its interval
+        remember_clearances(d, VALUES)  # values that a search has left at the end of its interval
         d.search.clear_start[:] = d.search.clear_start_rate[:] = -7.0
     theta, whose = first_fall(d, motion)
     found = find_event(d)
@@ -176,7 +176,7 @@ def test_without_candidates_there_is_no_event():
 
 @pytest.mark.parametrize("what", [NOTHING, VALUES, FAR])
 def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
-    """Its start is measured if nothing is known of clearances there."""
+    """The clearances at the start of the step are measured only if they are unknown."""
     measured = []
     monkeypatch.setattr(search, "measure", lambda d, theta: (measured.append(theta), measure(d, theta)))
     d, _ = moving(0, near=1)
@@ -187,12 +187,12 @@ def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
 
 
 def test_later_events_are_those_of_contacts_up_to_the_touch():
-    """A turn at ½ s comes before an onset at 0.7 s and after one at 0.3 s."""
+    """A reversal at ½ s comes before an onset at 0.7 s and after an onset at 0.3 s."""
     for touches, kind in ((0.3, ONSET), (0.7, KINK)):
         d, motion = falling([0.0, -1.0, 1.0])
         d.touch.depth_scale[:] = d.touch.effective_mass[:] = 1.0
         d.touch.impact_speed[:] = 1e6
-        other = 4  # at the wall x_max, to which the base moves at 0.1 m/s
+        other = 4  # the wall x_max, to which the base moves at 0.1 m/s
         wall_at(d, other, motion.at(touches), 0.0)
         found = find_event(d)
         assert found == pytest.approx(min(touches, 0.5), abs=1e-12)
@@ -240,13 +240,13 @@ def test_an_onset_is_believed_at_the_wall_of_a_point_that_arrives(depth, rate, k
     d = touched(0.3, -1.0, kind=kind)
     d.search.clear_end[1], d.search.clear_end_rate[1] = -depth * DEEP * d.model.size, rate
     assert credible(d, 0.5) == believed
-    d.candidate.offset[1] += 0.4  # it starts inside: a shorter step would show it, too
+    d.candidate.offset[1] += 0.4  # the point starts inside the wall, which a shorter step would show, too
     assert credible(d, 0.0)
 
 
 @pytest.mark.parametrize(("gap", "clear"), [(3.0, True), (1.5, False)])
 def test_a_touch_at_the_very_start_has_to_agree_with_the_motion_there(gap, clear):
-    """At θ h the point would have come |ġ| θ h, less than half of its clearance if it is clear."""
+    """At θ h a point would have moved |ġ| θ h: less than half of its clearance if it is clear."""
     theta = 0.9 * EARLY
     d = touched(gap * theta, -1.0, theta=theta)
     d.search.clear_end[1] = -1e-15
@@ -277,7 +277,7 @@ def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clea
     there = points_of(d, d.work.y)
     assert starts_clear(d, 0.1) == clear
     np.testing.assert_allclose(located(d), there, rtol=0, atol=1e-13)
-    # other events and the regularized contact do not count, and one of many is enough
+    # other events and the regularized contact do not count; one of many candidates suffices
     d.touch.event[1] = KINK
     assert not starts_clear(d, 0.1)
     d.touch.event[1], d.step.regularized = ONSET, 1
@@ -325,7 +325,7 @@ def lands(d):
 @pytest.mark.parametrize("bend", [0.0, 0.1, -0.1])
 @pytest.mark.parametrize("off", [0.0, 0.5 * LANDED, -0.5 * LANDED])
 def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off, bend):
-    """A point that is off its wall by a part of its way, |ġ| h, arrives later or earlier by this part.
+    """A point whose distance from its wall is a part of its path |ġ| h arrives later by this part.
 
     g = off |ġ| h + ġ t + ½ g̈ t², t after the end of the step.
     """
@@ -339,7 +339,7 @@ def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off, bend):
 
 
 def test_an_onset_that_stays_deep_inside_is_refused():
-    """In two steps of Newton's method the motion bends away from where it was to touch."""
+    """Within two Newton iterations the path bends away from the wall."""
     gap = -0.8 * LANDED
     assert onset_fraction(landed([gap, gap], bend=-0.1)) == pytest.approx(1.0 + gap, abs=1e-4)
     assert not lands(landed([gap, gap], bend=-100.0))
@@ -368,7 +368,7 @@ def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cann
 def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_of_one_that_cannot(
     monkeypatch,
 ):
-    # a step of 1e-12 s, or one that can hardly be told from none, cannot
+    # a step of 1e-12 s, or a step near the resolution of time, cannot become shorter
     for size, clock, taken in (
         (1.0, 0.0, False),
         (1e-13, 0.0, True),
@@ -384,7 +384,7 @@ def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_o
         assert accepted(d) == taken
         assert d.touch.event[1] == (NONE if taken else ONSET)
         if taken:
-            # the points are those of its end
+            # the points are those of the end of the step
             np.testing.assert_allclose(d.search.clear_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
 
 

@@ -1,4 +1,4 @@
-"""Points of a chain at rigid walls, with motions to bring them to."""
+"""Points of a chain at rigid walls, with target motions."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wa
 def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
     """Return a chain whose touching candidates have target motions: state, J, M⁻¹ Jᵀ and W.
 
-    With ``masses`` [kg] its links are rods; M⁻¹ Jᵀ and W are those of other masses then.
+    With ``masses`` [kg] the links are rods with these masses, also in M⁻¹ Jᵀ and W.
     """
     rng = np.random.default_rng([len(base), seed])
     scene, d = chain(rng, 4, base, model="newton_impact")

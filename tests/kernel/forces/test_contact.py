@@ -1,4 +1,4 @@
-"""Contacts of a chain: the loads of their forces, what they dissipate, and how a contact begins."""
+"""Contacts of a chain: the loads of their forces, their dissipation, and the begin of a contact."""
 
 import math
 
@@ -23,7 +23,7 @@ def in_contact(law="zhang_sharf", touching=3):
     rng = np.random.default_rng(7)
     scene, d = chain(rng, 3, inputs=True, **of_law(law), restitution=0.6, minimum_impact_speed=9.0)
     d.inputs.tip_force[:] = 0.3, -0.8
-    # of other points, at other walls
+    # candidates of other points, at other walls
     candidates = [1, 6, 15][:touching]
     y = struck(rng, d, candidates)
     for c in candidates:
@@ -37,7 +37,7 @@ def in_contact(law="zhang_sharf", touching=3):
 @LAWS
 @pytest.mark.parametrize("touching", [0, 1, 3])
 def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
-    """Q = Σ F ∇g + f_tip·∇p_tip; the power that is lost is what the springs do not get."""
+    """Q = Σ F ∇g + f_tip·∇p_tip; the dissipated power is the walls' power minus the stored power."""
     scene, d, y, candidates, jacobian = in_contact(law, touching)
     d.work.load.x[:] = d.work.load.y[:] = 9.0  # of another state
     rates = jacobian @ y[5:10]
@@ -50,7 +50,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
         assert (forces > 0.0).all()
         assert (d.touch.force[candidates] == forces).all()
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
-    # the power of the walls is what the springs give and the dampers take
+    # the power of the walls = power stored in springs + power of the dampers
     h, stored = 1e-7, 0.0
     for k, rate in enumerate(rates):
         ends = [elastic_energy(d, candidates[k], DEPTH * (k + 1) - side * h * rate) for side in (1, -1)]
@@ -63,7 +63,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
 
 @LAWS
 def test_slopes_at_the_points_are_those_of_the_law(law):
-    """Apart from the wall by round-off there is no spring."""
+    """At a distance of round-off from the wall the spring stiffness is zero."""
     _, d, _, candidates, _ = in_contact(law)
     for k, c in enumerate(candidates):
         gap, rate = geometry.clearance(d, c)
@@ -76,7 +76,7 @@ def test_slopes_at_the_points_are_those_of_the_law(law):
 @pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
 @pytest.mark.parametrize("speed", [2.0, 1e-4, 0.0, -0.5])
 def test_a_contact_begins_with_what_the_impact_is(law, speed):
-    """v₀ is no less than its floor, and the depth that of an elastic impact: K δⁿ⁺¹/(n+1) = ½ m v₀²."""
+    """v₀ has a lower bound, and the depth is that of an elastic impact: K δⁿ⁺¹/(n+1) = ½ m v₀²."""
     rng = np.random.default_rng(3)
     scene, d = chain(rng, 3, **of_law(law), restitution=0.6, minimum_impact_speed=1e-2)
     c = d.candidates - 2
@@ -117,7 +117,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
 
 @pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
 def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
-    """A force that is cut off, or for damping of approach alone the way out."""
+    """The kink is where the force is cut to zero, or the start of separation for approach damping."""
     _, d, _, candidates, _ = in_contact("zhang_sharf" if law == "newton_impact" else law)
     point, n = d.candidate.point, (d.candidate.normal_x, d.candidate.normal_y)
     sides = []
@@ -129,7 +129,7 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
     d.touch.beyond_kink[:] = [*[5] * d.candidates]
     make_rigid(d, law == "newton_impact")
     contact.set_kink_sides(d)
-    if d.contact.any_rigid:  # a rigid wall has no force
+    if d.contact.any_rigid:  # a rigid wall has no contact force law
         assert (d.touch.beyond_kink == 5).all()
         return
     assert d.touch.beyond_kink[candidates].tolist() == sides
@@ -172,7 +172,7 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
 
 @pytest.mark.parametrize("rigid", [1, 6, 15])
 def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
-    """Loads and dissipation are those of the others alone."""
+    """Loads and dissipation contain the other contacts alone."""
     _, d, _, candidates, _ = in_contact()
     others = [c for c in candidates if c != rigid]
     touch(d, others)

@@ -17,7 +17,7 @@ from tests.helpers.reference import rebound
 
 FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
 LAWS = pytest.mark.parametrize("law", FORCES, ids=lambda law: law.id)
-FACTOR = functools.cache(laws.damping_factor)  # that of Kuwabara and Kono takes an integration
+FACTOR = functools.cache(laws.damping_factor)  # the factor of Kuwabara and Kono needs a numerical integration
 OTHERS = pytest.mark.parametrize("law", [law for law in FORCES if not law.in_family], ids=lambda law: law.id)
 MASS, SPEED, STIFFNESS = 2.0, 1.5, 1e7
 DEPTHS, RATES = np.geomspace(1e-18, 1.0, 10), np.array([-1e9, -30.0, -1.0, -1e-9, 0.0, 1e-9, 1.0, 30.0])
@@ -61,7 +61,7 @@ def scaled_impact(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS):
 def impact_of(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS, **settings):
     """Return the only impact of a simulated ball, and the dissipated energy [J]."""
     scene, _ = struck_ball(mass, speed, **of_law(law.id), stiffness=stiffness, restitution=e)
-    # a damped ball leaves late
+    # a strongly damped ball leaves late
     result = simulate(with_values(scene, {("simulation", "stop_time"): 0.5 / speed}), **settings)
     (impact,) = result.impacts
     return impact, result.energy["dissipated"][-1]
@@ -80,19 +80,19 @@ def test_walls_do_not_pull_and_do_not_drive(law, e):
             force, elastic = forces.law_force(d, 0, depth, rate)
             assert force >= 0.0
             assert elastic == pytest.approx(STIFFNESS * depth ** (law.exponent or 1.5), rel=1e-13)
-            # dissipated power
+            # dissipated power is never negative
             assert (force - elastic) * rate >= 0.0
 
 
 @LAWS
 def test_the_force_begins_at_zero_if_the_registry_says_so(law):
-    """Where its damping does not fade with the depth it may jump."""
+    """A force whose damping does not fade with the depth may jump."""
     d = contact_of(law.id)
     largest, _ = forces.law_force(d, 0, 1e-3, SPEED)
     first, _ = forces.law_force(d, 0, 1e-30, SPEED)
     assert forces.law_force(d, 0, 0.0, SPEED)[0] == pytest.approx(first, abs=1e-6 * largest)
     assert (first < 1e-6 * largest) == law.continuous != forces.may_jump(d, 0)
-    assert forces.law_force(d, 0, 0.0, -SPEED)[0] == 0.0  # nobody leaves with a jump
+    assert forces.law_force(d, 0, 0.0, -SPEED)[0] == 0.0  # the force of a separating contact does not jump
     d.law.number[0] = contact_law.USER_LAW
     assert forces.may_jump(d, 0)
 
@@ -131,7 +131,7 @@ def test_elastic_force_energy_and_depth_belong_together(exponent):
     assert forces.elastic_force(d, 0, depth) == pytest.approx(3e6 * depth**exponent, rel=1e-14)
     energy, _ = quad(lambda x: 3e6 * x**exponent, 0.0, depth, epsrel=1e-13)
     assert forces.elastic_energy(d, 0, depth) == pytest.approx(energy, rel=1e-12)
-    # a mass with that kinetic energy comes to rest at that depth
+    # a mass with this kinetic energy comes to rest at this depth
     assert forces.elastic_depth(d, 0, 2.0, math.sqrt(energy)) == pytest.approx(depth, rel=1e-13)
 
 
@@ -168,7 +168,7 @@ def test_a_power_is_that_of_every_exponent(exponent):
 @pytest.mark.full("more cases", but=16)
 @LAWS
 def test_the_uncut_force_is_a_spring_and_a_damper(law):
-    """F = K δⁿ + d δᵖ δ̇, whatever its sign, and d alone is missing where damping of approach has ended."""
+    """F = K δⁿ + d δᵖ δ̇ with any sign; approach damping ends, d = 0, on separation."""
     d, n = contact_of(law.id), law.exponent or 1.5
     p = n if law.rate_exponent is None else law.rate_exponent
     for depth in DEPTHS:
@@ -199,12 +199,12 @@ def test_a_force_continued_from_its_own_side_is_the_force_as_long_as_it_stays_th
                 if stays:
                     assert found == pytest.approx((force, elastic), rel=1e-13, abs=1e-9)
                 elif beyond and not law.approach_only:
-                    assert found == (0.0, elastic)  # not before it has been located
+                    assert found == (0.0, elastic)  # the force is zero before the kink is located
                 else:
                     assert found == forces.uncut_force(d, 0, depth, rate, bool(beyond))
                 assert forces.cut_off(d, 0) == (beyond == 1 and not law.approach_only)
                 if height != 0.0:
-                    # the kink is where the force comes to 0, or where a damper of approach lets go
+                    # the kink is the zero of the force, or the end of approach damping
                     assert (height < 0.0) == (rate < 0.0 if law.approach_only else force == 0.0)
 
 
@@ -225,7 +225,10 @@ def test_a_crossing_is_noted_when_it_is_by_more_than_the_margin(beyond, height, 
 @LAWS
 @pytest.mark.parametrize(("stiffness", "speed", "mass"), [(1e5, 0.3, 2.0), (1e9, 20.0, 0.01)])
 def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed, mass):
-    """K δⁿ⁺¹/(n+1) = ½ m v², d = λ K/v₀ or f K^(1−s) m^s, and the margin of a turn errs by the tolerance."""
+    """K δⁿ⁺¹/(n+1) = ½ m v², d = λ K/v₀ or f K^(1−s) m^s.
+
+    The margin of a reversal has an error of the tolerance.
+    """
     d = contact_of(law.id, stiffness=stiffness, tolerance=1e-6)
     d.touch.impact_speed[0], d.touch.effective_mass[0], d.touch.kink_margin[0] = speed, mass, 9.0
     forces.set_expected_depth(d, 0)
@@ -237,14 +240,14 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     expected = f * stiffness ** (1 - s) * mass**s / (speed if s == 0.0 else 1.0)
     assert d.touch.damping[0] == pytest.approx(expected, rel=1e-12)
     assert d.touch.kink_margin[0] == (forces.turning_margin(d, 0) if law.approach_only else 0.0)
-    # the share of damping is that of the force at the expected depth
+    # the damping share belongs to the force at the expected depth
     force, elastic = forces.uncut_force(d, 0, d.touch.depth_scale[0], speed, False)
     assert forces.damping_share(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12, rel=1e-12)
     assert forces.damping_share(d, 0) >= 0.0
 
 
 def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
-    """(v/v₀)² of the impulse; and a point at rest turns as slowly as the tolerance of speeds allows."""
+    """The margin is (v/v₀)² of the impulse; a point at rest reverses at the speed tolerance."""
     d = contact_of("jankowski")
     for tolerance, speed in ((1e-4, 2.0), (1e-10, 0.1)):
         d.solver.tolerance, d.touch.impact_speed[0] = tolerance, speed
@@ -285,7 +288,7 @@ def test_a_users_law_gives_the_force_and_its_slopes_are_differences(own):
             by_rate = elastic * restitution / SPEED + MASS * depth
             assert forces.user_slopes(own, 0, depth, rate) == pytest.approx((by_depth, by_rate), rel=1e-8)
             assert forces.law_slopes(own, 0, depth, rate) == forces.user_slopes(own, 0, depth, rate)
-    # where there is no depth to differ by there is no stiffness, and one that falls counts as none
+    # without depth the difference quotient is zero, and a negative stiffness counts as zero
     assert forces.user_slopes(own, 0, 0.0, 1.0)[0] == 0.0
     assert forces.law_force(own, 0, 1e-3, -1e3)[0] == 0.0
     own.touch.beyond_kink[0] = 1

@@ -1,4 +1,4 @@
-"""The contact law of each candidate: what was given for it, for its wall, for all, or for stops as angles."""
+"""The contact law of each candidate, from the values of the candidate, its wall, the scene, or stops."""
 
 import math
 
@@ -65,7 +65,7 @@ def test_a_law_is_what_the_registry_says(law):
     if law.exponent is not None:
         contact.exponent = 1.1
         assert start_laws(d) == status.EXPONENT_NOT_ALLOWED
-    if law.id not in {"kelvin_voigt", "tsuji"}:  # whose logarithm of 0 is an error in Python
+    if law.id not in {"kelvin_voigt", "tsuji"}:  # these laws take the logarithm of 0, an error in Python
         contact.exponent, given.restitution = law.exponent or 2.0, 0.0
         assert start_laws(d) == (OK if law.allows_zero else status.RESTITUTION_NOT_ALLOWED)
 
@@ -97,7 +97,7 @@ def test_a_users_law_has_no_factor(given, monkeypatch):
         *(({"stiffness": stiffness}, RANGE) for stiffness in (0.0, math.nan)),
         *(({"restitution": 1.0}, OK), ({"stiffness": 1e-3}, OK)),
         ({"law": NUMBER["kelvin_voigt"]}, status.EXPONENT_NOT_ALLOWED),  # it is linear
-        ({"restitution": 0.0}, status.RESTITUTION_NOT_ALLOWED),  # for which its damping would be infinite
+        ({"restitution": 0.0}, status.RESTITUTION_NOT_ALLOWED),  # the damping of this law would be infinite
         ({"restitution": 0.0, "law": NUMBER["newton_impact"]}, OK),
     ],
 )
@@ -110,7 +110,7 @@ def test_what_is_given_is_checked_and_what_is_refused_changes_nothing(given, cha
         d.given[name] = value
     assert own_law.check_law(d, c) == own_law.check_laws(d) == update_laws(d) == refused
     assert laws_of(d) == before or refused == OK
-    # and at the start, where what was given is taken over
+    # the same check at the start, where given values become effective
     assert initialize(d, 0.0) == d.statistics.status == refused
 
 
@@ -141,17 +141,17 @@ def test_a_law_is_derived_when_it_or_its_restitution_has_changed_also_for_contac
         assert d.touch.damping[[2, 5]] == pytest.approx([damping] * 2, rel=1e-12)
     assert elastic_energy(d, 5, d.touch.depth_scale[5]) == pytest.approx(0.5 * 2.0 * 1.5**2, rel=1e-12)
     assert np.count_nonzero(d.touch.damping) == np.count_nonzero(d.touch.depth_scale) == 2
-    # what is known is not found anew, but the damping of contacts follows the stiffness
+    # unchanged values are not derived again, but the damping of contacts follows the stiffness
     d.law.damping_factor[0] = 77.0
     d.given.stiffness *= 2.0
     assert update_laws(d) == OK
     latch_again(d)
     assert (d.law.damping_factor == 77.0).all()
     assert d.touch.damping[2] == pytest.approx(77.0 * d.given.stiffness / 1.5, rel=1e-12)
-    # at the start of a run all is found anew
+    # at the start of a run all values are derived again
     assert start_laws(d) == OK
     assert (d.law.damping_factor == CONTACT_LAWS["flores"].damping_factor(0.25)).all()
-    # rigid walls have no depth
+    # rigid walls have no depth scale
     d.touch.depth_scale[:] = 5.0
     make_rigid(d)
     d.given.law = NUMBER["newton_impact"]
@@ -165,7 +165,7 @@ def test_a_law_is_derived_when_it_or_its_restitution_has_changed_also_for_contac
 
 
 def test_a_wall_may_give_its_own_stiffness_or_restitution_and_a_stop_those_of_stops(given):
-    """A depth is harmless by round-off of a link, and none in a rigid wall."""
+    """A depth of round-off is harmless; a rigid wall has no depth."""
     d, (first, *_) = given
     kinds, harmless = list(given[1]), own_law.HARMLESS * SIZE
     d.given.law = NUMBER["hertz"]
@@ -184,7 +184,7 @@ def test_a_wall_may_give_its_own_stiffness_or_restitution_and_a_stop_those_of_st
 
 
 def test_candidates_of_one_origin_have_one_law():
-    """``same_as`` is the first of them; the material of a wall may change in a run."""
+    """``same_as`` is the first candidate of them; the material of a wall may change during a run."""
     d = stopped_chain(2)[1]
     wall = d.candidate.wall[1]
     d.walls.restitution[wall] = 0.2
@@ -237,7 +237,7 @@ def test_stops_that_are_out_of_range_are_refused_and_change_nothing(value):
 
 @LAWS
 def test_the_law_of_a_stop_is_that_of_an_angle(law):
-    """M = K φⁿ + d φᵖ φ̇ with d of K, v₀ in rad/s and the moment of inertia; here F = M/s at δ = s φ."""
+    """M = K φⁿ + d φᵖ φ̇, with d from K, v₀ in rad/s and the inertia; here F = M/s at δ = s φ."""
     _, d = stopped_chain(3)
     size, n, e = d.model.size, law.exponent or 2.0, restitution_for(law)
     inertia, speed, stiffness = 0.37, 2.5, 4e4
@@ -285,7 +285,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
 
 
 def test_what_touches_with_a_force_cannot_become_rigid():
-    """But what is held by a rigid wall may be so further on, and others may become rigid."""
+    """A held contact at a rigid wall may become rigid again, and contact-free candidates may become rigid."""
     d = stopped_chain(2)[1]
     touch(d, [stops_of(d)[0]])
     before, kept = laws_of(d), d.given.law
@@ -308,7 +308,7 @@ def test_what_touches_with_a_force_cannot_become_rigid():
     [
         *(((0.3, 0.3), (-1.0, -1.0), None), ((0.3, 0.2), (-1.0, -1.0), 0), ((0.3, 0.2), (0.1, 0.2), 0)),
         *(((0.3, 0.4), (0.3, 0.2), 1), ((0.3, 0.4), (-1.0, 0.2), 1)),
-        ((0.0, 0.2), (0.3, -1.0), None),  # a wall takes no static friction from the others
+        ((0.0, 0.2), (0.3, -1.0), None),  # a wall's own friction does not inherit the scene's static friction
     ],
 )
 def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(given, of_all, of_wall, refused):
@@ -325,8 +325,9 @@ def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(given,
     ("of_all", "of_wall", "right"),
     [
         ((0.3, 0.5), (-1.0, -1.0), (0.3, 0.5)),
-        ((0.3, 0.0), (-1.0, -1.0), (0.3, 0.3)),  # without one of its own the static one is that of sliding
-        ((0.3, 0.5), (0.1, -1.0), (0.1, 0.1)),  # a wall takes no static friction from the others
+        ((0.3, 0.0), (-1.0, -1.0), (0.3, 0.3)),  # static friction defaults to kinetic friction
+        # a wall's own friction does not inherit the scene's static friction
+        ((0.3, 0.5), (0.1, -1.0), (0.1, 0.1)),
         ((0.3, 0.5), (0.1, 0.4), (0.1, 0.4)),
         ((0.3, 0.5), (-1.0, 0.4), (0.3, 0.4)),
         ((0.3, 0.5), (0.0, -1.0), (0.0, 0.0)),

@@ -1,4 +1,4 @@
-"""The contact laws: f(e) against the literature, and the realised restitution against what is exact."""
+"""The contact laws: f(e) against the literature, and the realised restitution against exact values."""
 
 import functools
 import math
@@ -17,7 +17,7 @@ from tests.helpers.kernel_calls import initialize
 from tests.helpers.problems import ball
 from tests.helpers.reference import exact_damping_factor, realised_restitution, rebound
 
-# f(e) as the reviews quote it (sources: the registry), in the order of the FMU's enumeration
+# f(e) as quoted in reviews (sources: the registry), in the order of the FMU's enumeration
 FACTORS = OF_FAMILY | {name: factor for name, (factor, *_) in WITH_MASS.items()}
 WITH_FORCE = [law for law in CONTACT_LAWS.values() if not law.impulsive]
 LAWS = pytest.mark.parametrize("law", WITH_FORCE, ids=[law.id for law in WITH_FORCE])
@@ -60,14 +60,14 @@ def test_the_enumeration_of_the_fmu_keeps_its_numbers():
 @LAWS
 @pytest.mark.parametrize("e", [0.02, 0.3, 0.5, 0.77, 0.999, 1.0])
 def test_damping_factor_is_that_of_the_literature(law, e):
-    # the complex one needs a derivative, which is not there for small e
+    # the complex-step law needs a derivative, which does not exist for small e
     if law.id == "zhang_sharf":
         expected = exact_damping_factor(e)
     elif (law.id, e) == ("kuwabara_kono", 1.0):
-        expected = 0.0  # the end of the bracket in which its root is searched
+        expected = 0.0  # the end of the bracket of the root search
     else:
         expected = FACTORS[law.id](complex(e)).real
-    # the root of an equation, or a formula
+    # accuracy of an iterative root, or of a formula
     accuracy = {"zhang_sharf": 1e-9, "kuwabara_kono": 1e-8}.get(law.id, 1e-14)
     assert factor_of(law, e) == pytest.approx(expected, rel=accuracy, abs=1e-15)
     assert law.damping_factor(e) == pytest.approx(factor_of(law, e), rel=1e-15)  # as plain Python
@@ -84,7 +84,7 @@ def test_only_laws_that_allow_it_are_finite_at_zero_restitution(law):
 @pytest.mark.parametrize("factor", [0.2, 1.43275053, 9.0])
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.5])
 def test_lambert_w_is_what_the_equation_of_motion_gives(factor, exponent):
-    """m δ̈ = −K δⁿ(1 + λ δ̇/v₀) integrated by SciPy: the reference of this file stands on its own feet."""
+    """Integrate m δ̈ = −K δⁿ(1 + λ δ̇/v₀) by SciPy: an independent check of this file's reference."""
 
     def rate(_, y):
         return [y[1], -(max(y[0], 0.0) ** exponent) * (1.0 + factor * y[1])]
@@ -106,7 +106,7 @@ def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
 
     first, last = max(law.accurate_from, 0.001), law.accurate_to
     assert all(error(e) <= 0.05 for e in np.linspace(first, last, 12))
-    # and it is no wider than it says: 5 % beyond its ends the rebound is worse
+    # beyond the ends of the range the error of the rebound exceeds 5 %
     assert first == 0.001 or error(0.95 * first) > 0.05
     assert last == 1.0 or error(1.05 * last) > 0.05
 
@@ -114,13 +114,14 @@ def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
 @pytest.mark.full("more cases", but=16)
 @LAWS
 def test_the_rebound_is_elastic_at_the_one_end_and_falls_to_the_other(law):
-    """e → 1: no damping, but for the one law that says so. e → 0: no rebound where f has no bound there."""
+    """e → 1: no damping, except for one documented law. e → 0: no rebound where f is unbounded."""
     rebounds = [realised(law, e) for e in (0.01, 0.1, 0.4, 0.8, 1.0)]
     assert all(np.diff(rebounds) >= 0.0)
     assert rebounds[-1] == pytest.approx(0.5936 if law.id == "gharib_hurmuzlu" else 1.0, abs=1e-4)
     kept = {"hertz": 1.0, "hunt_crossley": 0.49, "herbert_mcwhannell": 0.49, "lee_wang": 0.66}
     kept |= {"lankarani_nikravesh": 0.66, "zhiying_qishao": 0.18, "carvalho_martins": 0.07}
-    kept |= {"kelvin_voigt": 0.17, "tsuji": 0.17}  # the damping of a contact that pulls is bounded
+    # their pulling forces are bounded, so the rebound stays positive
+    kept |= {"kelvin_voigt": 0.17, "tsuji": 0.17}
     assert rebounds[0] == pytest.approx(kept.get(law.id, 0.01), abs=0.01)
 
 
@@ -145,11 +146,11 @@ def test_the_registry_is_complete(law):
     assert law.allows_exponent(1.5) == (law.id != "kelvin_voigt")
     assert law.continuous == (law.id != "kelvin_voigt")
     assert 0.0 <= law.accurate_from <= law.accurate_to <= 1.0
-    # d δᵖ δ̇ with d = f K^(1−s) m^s is a force in every unit: seconds ask for s = ½, metres for p = (n − 1)/2
+    # d δᵖ δ̇ with d = f K^(1−s) m^s is a force in every unit: seconds demand s = ½, metres p = (n − 1)/2
     if law.mass_power == 0.5:
         assert law.rate_exponent == 0.5 * (law.exponent - 1.0)
     elif law.mass_power:
-        # f K^(3/5) m^(2/5) (m/s)^(1/5): of a sphere at 1 m/s, δ ~ (m/K)^(2/5)
+        # f K^(3/5) m^(2/5) (m/s)^(1/5): for a sphere at 1 m/s, δ ~ (m/K)^(2/5)
         assert (law.mass_power, law.exponent, law.rate_exponent) == (0.4, 1.5, 0.5)
 
 

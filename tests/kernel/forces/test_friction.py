@@ -160,7 +160,7 @@ def test_an_anchor_moves_only_where_it_cannot_be_held():
 
 @pytest.mark.parametrize("room", [True, False])
 def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
-    """But not in a record without room for it, as from outside, with a coefficient its scene cannot have."""
+    """A damaged record without room, or with an impossible coefficient, does not list the contact."""
     rng = np.random.default_rng(7)
     _, d = chain(rng, 3, **({"friction": MU} if room else {}))
     struck(rng, d, [])
@@ -190,6 +190,6 @@ def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
     ("force", "approach_only", "load"), [(3.0, 0, 3.0), (3.0, 1, 3.0), (-3.0, 0, -3.0), (-3.0, 1, 0.0)]
 )
 def test_friction_goes_with_a_force_that_is_continued_beyond_its_kink(force, approach_only, load):
-    """But not where a law that damps on approach only pulls."""
+    """A law with approach damping has no friction while its continued force pulls."""
     touch, law = SimpleNamespace(force=[99.0, force]), SimpleNamespace(approach_only=[0, approach_only])
     assert friction.friction_load(SimpleNamespace(touch=touch, law=law), 1) == load

@@ -1,4 +1,4 @@
-"""What rigid walls hold: accelerations, the projection of a state, and impulses that stop."""
+"""Rigid walls: accelerations of held points, the projection of a state, and stopping impulses."""
 
 import math
 
@@ -30,7 +30,7 @@ def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(base):
-    """g̈ + W F = 0, with the g̈ that is without forces."""
+    """g̈ + W F = 0, where g̈ is the acceleration without forces."""
     d, y, _jacobian, response, w = problem(base)
     rate = np.zeros(len(y))
     equations.free_rate(d, y, rate)
@@ -74,7 +74,7 @@ def test_the_momentum_that_errors_explain_is_that_of_the_tolerance_and_of_a_fall
 def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_explain(seed):
     d, _y, _, _, w = problem(seed=seed)
     own = d.rigid
-    for size in (1.0, 1e-9):  # of a motion, and of errors
+    for size in (1.0, 1e-9):  # s, for a motion and for errors
         own.start[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
         constraints.activate_all(d)
         d.work.velocity.x[:], d.work.velocity.y[:] = size, 0.0
@@ -93,10 +93,10 @@ def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_expl
 @pytest.mark.parametrize("tolerance", [1e-12, 1e3])
 @pytest.mark.parametrize("bad", [False, True])
 def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_missing(bad, tolerance):
-    """Where W is all but singular a small gap asks for large turns: then points that are apart stay."""
+    """Where W is nearly singular a small gap needs large rotations; then separate points stay in place."""
     d, _, _, response, _ = problem(pressed=(1, 1))
     own, size = d.rigid, d.model.size
-    if bad:  # the same point, at walls of which one is turned by 1e-3
+    if bad:  # the same point, at two walls with an angle of 1e-3 rad
         first, second = d.touch.active_index[:2]
         d.candidate.point[second] = d.candidate.point[first]
         d.candidate.place[second] = d.candidate.place[first]
@@ -111,7 +111,7 @@ def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_miss
     holding.solve_positions(d)
     moved = np.abs(own.change / np.array([size, size, 1.0, 1.0, 1.0, 1.0])).max()
     if bad and tolerance < 1.0:
-        # the point that is inside is brought out, and the other one stays where it is, or goes further off
+        # the point inside the wall is moved out; the other point stays, or moves away from its wall
         assert moved < 10.0 * 1e-6
         assert own.impulse[0] == 0.0
         assert own.reached[1] == pytest.approx(0.0, abs=1e-14)

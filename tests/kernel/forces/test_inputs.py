@@ -1,4 +1,4 @@
-"""The course of the inputs, in plain Python: what holds, at what time, and how far a step may go."""
+"""Inputs over time in plain Python: their present values, their times, and the limit of a step."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def driven(order=2):
     [
         *((2, 1.0, -1, 0.1, 0.1), (2, 1.0, -1, 0.6, 0.5), (2, 1.0, -1, 1.0, 1.0)),
         *((2, 1.0, -1, 5.0, 1.0), (0, 1.0, -1, 5.0, 5.0)),
-        (2, 1.0, 0, 5.0, 5.0),  # a regularized step, or one at the end of its piece, is not cut
+        (2, 1.0, 0, 5.0, 5.0),  # a regularized step, or a step at the end of its piece, is not cut
         (2, 2.0, -1, 5.0, 5.0),
     ],
 )
@@ -50,7 +50,7 @@ def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
 
 
 def test_a_state_sees_the_inputs_at_its_time():
-    """The time in a state counts from the clock; inputs that are constant are left as they are."""
+    """The time in a state counts from the clock; constant inputs stay as they are."""
     d = driven()
     y = d.step.state.copy()
     d.step.clock, y[time_at(d.links)] = 1.25, 0.5

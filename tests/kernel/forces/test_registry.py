@@ -1,4 +1,4 @@
-"""How laws are registered, a relation that several laws share, and the place of a law of the user."""
+"""Registration of laws, a relation of several laws, and the place of a user's law."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS, contact_law
 
 @pytest.mark.parametrize("options", [{}, {"allows_zero": False, "exponent": 1.5, "rate_exponent": 0.25}])
 def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch):
-    """In the order in which they come; its docstring tells its limits, on one line."""
+    """Laws are listed in registration order; the docstring gives the limits, on one line."""
     registered = {}
     monkeypatch.setattr(laws, "CONTACT_LAWS", registered)
 

@@ -1,4 +1,4 @@
-"""f(e) of Kuwabara and Kono, against an integration that shares nothing with its polynomial."""
+"""f(e) of Kuwabara and Kono, against an integration without the fitted polynomial."""
 
 import math
 
@@ -11,7 +11,7 @@ from tests.helpers.reference import rebound
 
 @pytest.mark.parametrize("e", [1e-4, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999, 0.9999])
 def test_viscoelastic_spheres_realise_the_prescribed_restitution(e):
-    """By an integration that shares nothing with the polynomial."""
+    """The integration does not use the fitted polynomial."""
     assert rebound(1.5, 0.5, viscoelastic_factor(e)).restitution == pytest.approx(e, rel=2e-11)
 
 
@@ -22,7 +22,7 @@ def test_viscoelastic_spheres_of_hardly_any_restitution_have_the_limit(e):
 
 @pytest.mark.parametrize("e", [1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-11])
 def test_the_damping_of_viscoelastic_spheres_is_smooth(e):
-    """Where the polynomial ends as anywhere else: third differences of the logarithm are small."""
+    """Third differences of the logarithm are small everywhere, also at the end of the polynomial."""
     h = 0.1 * min(1e-2, 1.0 - e)
     values = [math.log(viscoelastic_factor(e * (1.0 - k * h))) for k in range(4)]
     assert abs(np.diff(values, 3)[0]) <= 0.02 * abs(np.diff(values)[0])

@@ -1,4 +1,4 @@
-"""The balance of energy: a step that changes the ledger is rejected, and a run that drifts ends."""
+"""The energy balance: a step that changes the total energy is rejected, and a run that drifts ends."""
 
 import math
 
@@ -66,10 +66,10 @@ def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_to
     own, ledger_now = d.balance, float(d.balance.at_end)
     own.reference = ledger_now - 200.0 * own.least_allowed
     assert balance.check_balance(d) == ENERGY_NOT_KEPT
-    # a larger energy allows for larger errors
+    # a larger energy allows larger errors
     d["step"]["state_end"][6:12] *= 10.0
     assert balance.check_balance(d) == OK
-    # and what was long ago is forgotten
+    # earlier changes no longer count
     own.reference, d["step"]["end"] = 1e9, 1.5
     assert balance.check_balance(d) == OK
     assert own.reference == ledger_now
@@ -81,13 +81,13 @@ def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_to
         (0.0, 0.09, 0.1),  # less than a tenth, and less than the error of the step
         (0.0, 0.2, 0.2),
         (0.5, 0.2, 0.4),  # of what is left
-        (2.0, 0.001, 0.2),  # as much as the budget grows in a step of that size
+        (2.0, 0.001, 0.2),  # equal to the growth of the budget in a step of that size
         (0.9, 0.2, 2.0),  # a step that would lose more is refused
         (2.0, 0.1, None),
     ],
 )
 def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
-    """Parts of what all may, after others that have lost parts of it."""
+    """Each step may lose a part of the budget that earlier steps have left."""
     d = after_a_step()
     budget = balance.loss_budget(d, float(d.balance.available))
     locate_points(d, d.step.state_end)
@@ -106,14 +106,14 @@ def test_energy_that_a_parameter_takes_is_not_lost():
     own = d.balance
     start, lost = float(own.at_start), float(own.origin - own.at_start)
     d["law"]["stiffness"] *= 0.5
-    for _ in range(2):  # there may be no step between two changes
+    for _ in range(2):  # two changes without a step between them
         balance.reinit_balance(d)
         assert own.at_end < start - 0.05
         assert own.origin - own.at_end == pytest.approx(lost, abs=1e-12)
 
 
 def test_the_available_energy_of_a_dropped_step_is_dropped():
-    """What a torque would have supplied in the part of a step that is dropped as the torque changes."""
+    """A torque changes within a step; the energy that it would have supplied afterwards is removed."""
     instance = Instance(load_scene("pinned_arm"))
     d, available = instance.record, []
     for end, torque in ((1e-4, 1e3), (2e-4, 0.0)):
@@ -124,7 +124,10 @@ def test_the_available_energy_of_a_dropped_step_is_dropped():
 
 
 def test_a_first_step_that_is_right_at_its_end_by_chance_is_refused():
-    """A chain with masses of 10 g between some of 100 kg, upright at rest; in between the step had 5 MJ."""
+    """A chain with masses of 10 g between masses of 100 kg, upright at rest.
+
+    Inside the step the error is 5 MJ.
+    """
     assert not verdict(scene(2455), 2455).findings
 
 
@@ -165,16 +168,16 @@ def test_a_balance_starts_from_the_present_energies():
     assert (own.start, own.since, own.breaks) == (1.0, 1.0, 7)
     for name in ("at_end", "at_start", "origin", "reference"):
         assert own[name] == present
-    # all energy but the potential one; nothing has been supplied, but 1.3 J were taken
+    # all energy except the potential energy; nothing is supplied, but 1.3 J were dissipated
     assert own.available == pytest.approx(present - mechanical_energy(d, y)[1] + own.least_allowed, rel=1e-13)
     assert own.available_at_start == own.available
-    # a window compares with what is now
+    # a new window compares with the present energy
     own.at_end, own.allowed = 4.5, 1e9
     balance.begin_window(d)
     assert own.reference == 4.5
     right = 3.0 * TOLERANCE * (own.unit_motion**2 + own.unit_scale)
     assert (own.least_allowed, own.allowed) == pytest.approx((right, right), rel=1e-13)
-    # where a step begins otherwise the balance is taken anew, whatever is located
+    # after a discontinuity the balance starts from the new state, with newly located points
     d.step.breaks, d.work.position.x[:] = 12, 1e9
     balance.rebase_energy(d)
     assert (own.at_end, own.breaks) == (present, 12)
@@ -194,7 +197,7 @@ def test_the_available_energy_never_falls_and_grows_by_what_is_supplied():
 
 @pytest.mark.parametrize("springs", [False, True])
 def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
-    """Springs add their moments."""
+    """Springs add their moments to the scale."""
     d, y = moving(springs=springs)
     own, (kinetic, potential) = d.balance, mechanical_energy(d, y)
     others = abs(y[dissipated_at(LINKS)]) + abs(y[supplied_at(LINKS)])
@@ -245,7 +248,7 @@ def test_a_step_may_lose_what_is_left_or_its_share():
     for lost in (-0.5, 0.0, 0.4, 2.0):
         d.balance.at_end = d.balance.origin - lost * budget
         assert balance.loss_allowed(d, 50.0) == pytest.approx(max((1.0 - lost) * budget, share), rel=1e-9)
-    # and its round-off in any case
+    # the round-off of the energy is always allowed
     d.step.start = d.step.end
     d.balance.at_end = d.balance.origin - 2.0 * budget
     assert balance.loss_allowed(d, 50.0) == pytest.approx(50e-15, rel=1e-13)
@@ -268,7 +271,7 @@ def test_a_step_is_long_in_which_a_link_turns_far(turn, right):
     d = after_a_turn(turn * balance.LONG_TURN)
     assert balance.is_long(d) == right
     d.step.dense_for = last_step.OUTPUTS
-    assert not balance.is_long(d)  # what is not known costs more than it tells
+    assert not balance.is_long(d)  # an unknown quantity would cost more than the answer is worth
 
 
 def test_the_first_step_of_a_run_is_long_at_a_loose_tolerance():
@@ -295,7 +298,7 @@ def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
 @pytest.mark.parametrize("impacts", [0.0, 50.0])
 @pytest.mark.parametrize(("before", "after"), [(1.0, 3.0), (3.0, 1.0), (1.0, 1.0)])
 def test_energy_dissipates_between_what_it_is_at_the_ends(monkeypatch, before, after, impacts):
-    """But for errors, for which the energy of impacts allows."""
+    """The dissipated energy lies between its end values, except for errors within the energy of impacts."""
     d = after_a_turn(0.1)
     at = dissipated_at(LINKS)
     monkeypatch.setattr(balance, "impact_energy", lambda _: impacts)
@@ -317,7 +320,7 @@ def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
     balance.start_balance(d, 0.0)
     assert balance.interpolates(d)
     d.step.dense[3, entry] += 1.0  # in the middle only
-    d.balance.least_allowed = 1e9 * (entry == dissipated_at(LINKS))  # where the energy would be allowed
+    d.balance.least_allowed = 1e9 * (entry == dissipated_at(LINKS))  # the balance would accept the energy
     assert not balance.interpolates(d)
     assert d.step.dense_for == last_step.SOLVER
 
@@ -335,7 +338,7 @@ def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
     ],
 )
 def test_a_run_ends_when_its_steps_have_changed_a_fifth_of_the_energy(gain, tolerance, ends):
-    """Or have taken more than twice what a loose tolerance allows, if that is more."""
+    """The run also ends after a change of twice a loose tolerance's budget, if that is larger."""
     d, _ = moving()
     own, d.solver.tolerance = d.balance, tolerance
     own.available, own.allowed, own.start = 40.0, 1e9, d.step.end

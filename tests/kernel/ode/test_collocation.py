@@ -1,4 +1,4 @@
-"""The implicit step: against another integrator, its order, its cost, and that it keeps the clearances."""
+"""The implicit step: comparison with another integrator, order, cost, and the integrated clearances."""
 
 import math
 
@@ -46,7 +46,7 @@ def test_stiff_problems_are_solved_to_the_tolerance(name, method):
     [(swinging, 1e-8, 700), (tipping, 1e-8, 1800), (PROBLEMS["hanging"], 1e-8, 2500)],
 )
 def test_cost_of_a_tolerance(scene, tolerance, most):
-    """The method of order 3 before it took 3,000, 17,000 and 12,000."""
+    """The previous method of order 3 needed 3,000, 17,000 and 12,000 evaluations."""
     assert simulate(scene(), tolerance=tolerance, method="implicit").statistics["rhs_evaluations"] < most
 
 
@@ -65,7 +65,7 @@ def test_the_dense_output_is_as_accurate_as_the_tolerance():
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
 def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
-    """Off the tangent by ½h²ω²L, they would be wrong by many penetrations, at the ends and in between."""
+    """The tangential error ½h²ω²L would be many penetrations, at the ends and in between."""
     instance = touching(tolerance)
     d, errors, seen = Plain(instance.record), {0.25: [], 0.5: [], 0.8: [], 1.0: []}, {}
     y = np.zeros(len(d.work.y))
@@ -89,7 +89,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
 def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
-    """An input that is set to what it was starts the solver anew, in between its steps."""
+    """A torque set to its present value restarts the solver in the middle of implicit steps."""
     ledger = []
     for restarts in (0, 20):
         instance = touching(tolerance)
@@ -135,7 +135,7 @@ def through(values, theta):
 
 
 def test_the_polynomial_goes_through_the_stages(step):
-    """That of the state, of a component of z, which begins at its start, and of an impulse."""
+    """The polynomials of the state, of a component of z (from the start of z), and of an impulse."""
     d, n = step, sundman_u_at(LINKS)
     stages = d.implicit.stages.copy()
     d.touch.listings = 7
@@ -151,7 +151,7 @@ def test_the_polynomial_goes_through_the_stages(step):
         for k in range(2):
             found = basis(theta) @ d.quadrature.dense[:, k]
             assert found == pytest.approx(through(stages[:, quadrature_at(d, k)], theta), abs=1e-14)
-    # what follows has a straight line, and no coefficients but that
+    # the following entries have a linear course, without higher coefficients
     assert not d.step.dense[1:, n:].any()
     assert not d.step.dense[RADAU_STAGES:, :n].any()
     assert (d.quadrature.dense[:, 2:] == 99.0).all()
@@ -172,7 +172,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
 
 
 def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clearances(step, monkeypatch):
-    """At a third and at two thirds of the step; at its ends they stay."""
+    """The changes are zero at the ends of the step; they are tested at a third and two thirds."""
     d, rng = step, np.random.default_rng(43)
     collocation.keep_stages(d)
     before, changes = {}, {}
@@ -217,7 +217,7 @@ def test_without_contacts_with_a_force_there_is_nothing_to_follow(step):
 # --- what a step begins with -------------------------------------------------------------------------------
 
 N = 3
-STALE = -1  # of implicit.listing: other contacts are active
+STALE = -1  # implicit.listing is outdated: other contacts are active
 
 
 def at_start(tolerance=1e-8, **tables):
@@ -234,7 +234,7 @@ def at_start(tolerance=1e-8, **tables):
     ("gap", "gap_rate", "size"),
     [
         (-0.5, 1.0, 0.5 * collocation.BEYOND),  # s, in which it leaves
-        (-0.99, 1.0, 1.0),  # in this step, but not so long before its end
+        (-0.99, 1.0, 1.0),  # the contact began in this step, shortly before its end
         (-2.0, 1.0, 1.0),
         (-0.5, -1.0, 1.0),  # it goes in
         (-0.9 * collocation.LEFT, 1.0, 1.0),  # it has all but left
@@ -274,9 +274,9 @@ def stiff_joint(damping, tolerance=1e-8):
 @pytest.mark.parametrize("damping", [1e3, 1e6])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
 def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, damping, h):
-    """FADED of them at an amplitude of the tolerance, and less as the error of a step goes."""
+    """FADED time constants at an amplitude of the tolerance, and fewer for larger errors of the step."""
     d, rho, fast = stiff_joint(damping, tolerance)
-    taken = 1.0 - 1.0 / (1.0 + rho * h * REAL_EIGENVALUE)  # by one solution with the real shift
+    taken = 1.0 - 1.0 / (1.0 + rho * h * REAL_EIGENVALUE)  # one linear solution with the real shift
     expected = collocation.FADED / rho * (rho / (taken * fast)) ** (1.0 / (ORDER[IMPLICIT] - 1))
     assert collocation.prepare(d, h) == pytest.approx(expected, rel=1e-6)
     collocation.attempt(d, expected)
@@ -299,7 +299,7 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
 
 
 def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
-    """The measure of a fast motion counts as three evaluations, where it is taken."""
+    """The estimate of a fast motion counts as three evaluations."""
     d, _, _ = stiff_joint(1e3)
     own, listed = d.implicit, d.touch.listings
     for listing, made_by, measured in ((listed, IMPLICIT, 0), (STALE, IMPLICIT, 3), (listed, EXPLICIT, 3)):
@@ -313,7 +313,7 @@ def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
 
 
 def last_polynomial(d, degree, end=1.0):
-    """Let the last step, of 0.2 s, have followed a polynomial of θ with this degree, up to some θ."""
+    """Let the last step, of 0.2 s, have a polynomial of this degree in θ, up to some θ."""
     own, size = d.implicit, extended_size(d)
     parts = np.zeros((degree + 1, size))
     parts[1:] = np.random.default_rng(degree).uniform(0.5, 1.0, (degree, size))
@@ -327,9 +327,9 @@ def last_polynomial(d, degree, end=1.0):
 @pytest.mark.parametrize("end", [1.0, 0.4])
 @pytest.mark.parametrize(("branch", "degree"), [(0, 5), (1, 4), (2, 3), (3, 1)])
 def test_stages_far_beyond_the_last_step_follow_a_polynomial_of_lower_degree(branch, degree, end):
-    """One that is the last one's if that is of no higher degree."""
+    """The polynomial is the last step's own if its degree is not higher."""
     bounds = (0.0, *collocation.FORETOLD, 9.0)
-    # as far beyond as the branch reaches, and a little further than the one before does
+    # at the end of the branch, and slightly beyond the end of the previous branch
     for beyond in (bounds[branch] + 1e-6, min(bounds[branch + 1], 8.0) - 1e-6):
         d = at_start()[1]
         size, h = extended_size(d), 0.2 * (1.0 + beyond - end)
@@ -439,6 +439,6 @@ def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     assert collocation.estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
     assert d.limits.other_work == before + 1
     assert free < 1e3
-    # the error of the start once more
+    # the error of the start is computed again
     assert [shift for shift, *_ in solved] == [1e-3 * REAL_EIGENVALUE] * 3
     assert solved[2][1] == solved[0][2]

@@ -1,4 +1,4 @@
-"""The outcome of a tried step, and the sizes of those that are foreseen instead of tried."""
+"""The result of a trial step, and step sizes that a prediction replaces."""
 
 import math
 
@@ -21,7 +21,7 @@ from tests.kernel.chains import chain, struck
 @pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e11])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_few_steps_of_an_impact_are_rejected(tolerance, stiffness, restitution):
-    """Without foresight: up to six at the onset, one for each step toward the end, three in flight."""
+    """Without predictions six steps are rejected at the onset, three in flight, and more toward the end."""
     changes = {("contact", "stiffness"): stiffness, ("contact", "restitution"): restitution}
     scene = with_values(load_scene("rod_drop"), changes | {("solver", "tolerance"): tolerance})
     before = simulate(scene, stop_time=0.3)

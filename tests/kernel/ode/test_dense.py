@@ -1,4 +1,4 @@
-"""The dense output of a step: its polynomial, bounds on its slopes, and the moments that belong to times."""
+"""The dense output of a step: its polynomial, bounds on its slopes, and the places θ of times."""
 
 import math
 
@@ -43,7 +43,7 @@ def test_the_bounds_of_the_basis_are_sharp():
 
 @pytest.mark.parametrize("j", [0, 4, 9])
 def test_a_component_and_its_rate_stay_within_their_bounds(d, j):
-    """Along a direction they are those of a turned vector."""
+    """The bounds along a direction are those of the rotated vector."""
     value, slope = dense.rate_bounds(d.step, j)
     state, parts = d.step.state[j], d.step.dense[:, j].copy()
     assert value >= np.abs(state + basis(TIMES).T @ parts).max()
@@ -58,7 +58,7 @@ def test_a_component_and_its_rate_stay_within_their_bounds(d, j):
 
 
 def falling(d, start, end, lasts=1.0):
-    """Let u go evenly from ``start`` to ``end``, and time as ∫u, over a step of the size 1."""
+    """Let u vary linearly from ``start`` to ``end``, and time be ∫u, over a step of size 1."""
     d.step.size, d.step.regularized = lasts, 0
     d.step.state[[ROOT, CLOCK]] = start, 0.0
     d.step.dense[:, [ROOT, CLOCK]] = 0.0
@@ -82,12 +82,12 @@ def test_of_two_moments_the_one_before_time_runs_back_is_it_and_what_comes_after
     time = falling(d, 0.3, -0.2)  # back from θ = 0.6 on
     for theta in (0.05, 0.3, 0.59):
         assert dense.regularized_fraction(d, time(theta)) == pytest.approx(theta, rel=1e-6)
-        # also where more time has passed there than at the end of the step
+        # also if the time there exceeds the time at the end of the step
         assert time(theta) > time(1.0) or theta < 0.1
     assert dense.regularized_fraction(d, 2.0 * time(0.6)) == pytest.approx(0.6, rel=1e-3)
     time = falling(d, 0.1, 0.3)
     assert dense.regularized_fraction(d, time(1.0)) == dense.regularized_fraction(d, 2.0 * time(1.0)) == 1.0
-    # without a contact of its own a step is even in time
+    # a step without its own contact is uniform in time
     d.step.regularized, d.step.size = -1, 0.25
     assert dense.fraction(d, 3.1) == pytest.approx(0.4)
 

@@ -1,4 +1,4 @@
-"""The scales of errors: those of coordinates, speeds, energies, clearances and moments of joints."""
+"""Error scales: coordinates, speeds, energies, clearances and joint moments."""
 
 import math
 
@@ -49,13 +49,13 @@ def test_the_energy_of_impacts_is_that_of_the_masses_at_their_speeds():
 
 
 def test_an_error_is_that_of_its_worst_component_in_each_estimate():
-    """That of a clearance by its penetration. Supplied energy and the step's variable are not controlled."""
+    """A clearance counts by its penetration. Supplied energy and the step's variable are not controlled."""
     _, d, touched, y = deep()
     for j, scale in enumerate(scales(d, y)):
         d.work.error[:] = 0.0
         d.work.error[ONE][j], d.work.error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
         assert control.scaled_errors(d) == pytest.approx((0.3, 0.2), rel=1e-12)
-        # beside a larger one it does not count
+        # a smaller error does not count beside a larger error
         d.work.error[ONE][0], d.work.error[OTHER][0] = 5e-6 * d.model.size, -5e-6 * d.model.size
         assert control.scaled_errors(d) == pytest.approx((0.5, 0.5), rel=1e-12)
     d.work.error[:] = 0.0
@@ -107,7 +107,7 @@ def test_scales_are_those_of_the_components_and_of_the_contacts_that_count():
 
 
 def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
-    """δ itself for fast impacts, more for slow ones, never so much that the error exceeds 1 % of it."""
+    """The scale is δ for fast impacts and larger for slow impacts; the error stays below 1 % of δ."""
     _, d, touched, _ = deep(depth=1e-4)
     c, size = touched[0], d.model.size
     depth = d.touch.depth_scale[c]
@@ -119,7 +119,7 @@ def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
         d.touch.impact_speed[c] = speed
         assert control.penetration_scale(d, c) == pytest.approx(leeway * depth, rel=1e-13)
     assert control.LARGEST_ERROR == 0.01
-    # deeper than was expected
+    # deeper than expected
     d.touch.impact_speed[c], d.touch.depth_scale[c] = 4.0 * size, 1e-6
     assert control.penetration_scale(d, c) == pytest.approx(-clearance(d, c)[0], rel=1e-13)
     assert control.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
@@ -137,7 +137,7 @@ def test_the_errors_of_clearances_are_those_of_the_coordinates_along_the_normals
 
 
 def test_the_moment_of_a_joint_is_off_by_its_own_turn():
-    """The spring's moment by the error of the joint's angle, the damper's by that of its rate."""
+    """The spring's moment has the error of the joint's angle, and the damper's moment that of the rate."""
     rng = np.random.default_rng(5)
     _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
     d.work.error[:] = rng.uniform(-1e-3, 1e-3, d.work.error.shape)

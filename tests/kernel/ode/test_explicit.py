@@ -1,4 +1,4 @@
-"""The explicit method: its order proved on the coefficients, and measured on flights with closed forms."""
+"""The explicit method: its order from the coefficients, and measured on flights in closed form."""
 
 import functools
 import itertools
@@ -75,7 +75,7 @@ def weights(tree):
 
 @pytest.mark.parametrize(("order", "count"), [*enumerate([1, 1, 2, 4, 9, 20, 48, 115], 1)])
 def test_step_fulfils_every_order_condition(order, count):
-    """There are as many rooted trees as Cayley counted."""
+    """The number of rooted trees equals Cayley's number."""
     assert len(trees(order)) == count
     for tree in trees(order):
         assert B @ weights(tree) == pytest.approx(1 / density(tree), abs=1e-13)
@@ -101,7 +101,7 @@ def test_stages_use_earlier_ones_only_and_the_last_stands_at_the_end():
 
 
 def test_the_errors_of_all_components_up_to_the_dissipated_energy_are_controlled():
-    """Neither that of the supplied energy nor those of impulses."""
+    """The errors of the supplied energy and of impulses are not controlled."""
     _, d = chain(np.random.default_rng(0), 3)
     errors, stages = [], d.work.stage
     for j in range(stages.shape[1]):
@@ -132,14 +132,14 @@ def test_dense_output_fulfils_every_condition_of_order_7(order):
 
 def tried(d, h):
     """Return the record after a step of the size h has been tried."""
-    d["step"]["state_end"][-1] = 0.0  # the time since its start
+    d["step"]["state_end"][-1] = 0.0  # the time since the start of the step
     equations.state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     methods.attempt(d, h)
     return d
 
 
 def step(d, h):
-    """Make one step of the size h, whatever its error; return the error."""
+    """Make one step of size h with any error; return the error."""
     last_step.accept(tried(d, h))
     last_step.ensure_dense(d, last_step.OUTPUTS)
     return d.trial.error
@@ -198,7 +198,7 @@ def slope(sizes, errors):
 
 @PROBLEMS
 def test_flight_converges_with_order_8(scene, exact, columns):
-    """The root mean square of the error over a second, as at one time the leading term may vanish."""
+    """The root mean square over a second is used, as the leading error term may vanish at a single time."""
     counts, errors = np.array([12, 16, 20, 24, 28]), []
     for count in counts:
         d, total = begun(scene), 0.0
@@ -206,13 +206,13 @@ def test_flight_converges_with_order_8(scene, exact, columns):
             step(d, 1.0 / count)
             total += np.sum((d["step"]["state_end"][columns] - exact((k + 1) / count)) ** 2) / count
         errors.append(math.sqrt(total))
-    assert min(errors) > 1e-13  # else it is round-off that is measured
+    assert min(errors) > 1e-13  # otherwise the test would measure round-off
     assert slope(1 / counts, errors) == pytest.approx(8.0, abs=0.2)
 
 
 @PROBLEMS
 def test_dense_output_converges_with_order_7(scene, exact, columns):
-    """Over one step, where the error is h times that of the order: between the ends it falls as h⁸."""
+    """Over one step, the error between the ends falls as h⁸, the order plus one."""
     sizes, errors, y = np.array([0.1, 0.08, 0.06, 0.05]), [], np.zeros(10)
     for h in sizes:
         d = begun(scene)
@@ -241,7 +241,7 @@ def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
     d = begun(scene)
     estimate = step(d, h) * scene.solver.tolerance
     y = d["step"]["state_end"][columns]
-    # the scales of the pendulum and of the rod: 1 m, 1 rad, and speeds with respect to themselves plus one
+    # the scales of pendulum and rod: 1 m, 1 rad, and 1 plus the speed
     scale = np.where(np.array(columns) < 3, 1.0, 1.0 + np.abs(y))
     true = np.abs((y - exact(h)) / scale).max()
     assert true < estimate < 1e5 * true
@@ -249,7 +249,7 @@ def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
 
 @pytest.mark.parametrize("entry", range(6))
 def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
-    """Error estimates of the latter are so large that their squares overflow, and their quotient is 0."""
+    """The error estimates of a far too long step overflow, so that their quotient is 0."""
     d = begun(FLYER)
     d["step"]["state_end"][entry] = math.nan
     assert tried(d, 0.1).trial.error == math.inf
@@ -259,7 +259,7 @@ def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
 
 
 def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
-    """Also if nothing touches a wall, but a joint sticks: those of the last stage are not at the end."""
+    """The points of the last stage are not those of the end, also if no point touches but a joint sticks."""
     scene = pendulum(**{"link[1].joint_friction": 0.0, "link[2].joint_friction": 50.0})
     d = begun(scene)
     assert d.friction.stuck_count == 1
@@ -281,7 +281,7 @@ def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_w
     _, d = chain(rng, 3)
     d.step.state_end[:] = struck(rng, d, [1, 6, 8])
     equations.state_rate(d, d.step.state_end, d.work.rate_start)
-    # the last one goes in
+    # the last contact moves inward
     gaps, speeds, left = [-1e-3, -1e-3, -1e-5], [0.5, 0.5, -1.0], []
     gaps[first] /= 3.0
     for c, gap, speed in zip((1, 6, 8), gaps, speeds, strict=True):
@@ -297,7 +297,7 @@ def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_w
     assert toward_end(d, 0.9 * min(left)) == longest
     assert toward_end(d, 0.8 * min(left)) == pytest.approx(0.5 * min(left), rel=1e-9)
     assert toward_end(d, 0.1 * min(left)) == 0.1 * min(left)
-    # a contact that has all but left does not count
+    # a contact that has almost left does not count
     assert toward_end(d, 0.99 * min(left) / LEFT) == longest
     assert toward_end(d, 1.01 * min(left) / LEFT) == 1.01 * min(left) / LEFT
 

@@ -1,4 +1,4 @@
-"""The equations of an implicit step: where clearances and impulses stand in z, and their rates."""
+"""The equations of an implicit step: the places of clearances and impulses in z, and their rates."""
 
 import numpy as np
 import pytest
@@ -71,7 +71,7 @@ def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at
 
 
 def test_forces_are_those_at_the_clearances_of_the_step(touching):
-    """Not at those of the coordinates, where the two differ."""
+    """The coordinates' own clearances differ from the integrated clearances."""
     scene, d, touched, _ = touching
     extended.extend_start(d)
     z, rate = d.implicit.start.copy(), np.zeros(len(d.implicit.start))
@@ -83,7 +83,7 @@ def test_forces_are_those_at_the_clearances_of_the_step(touching):
     assert rate[FIRST : FIRST + 2].tolist() == z[FIRST + 2 : FIRST + 4].tolist()
     bends = normal_accelerations(scene, d, z, rate, touched)
     assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
-    # with those of the coordinates it is the rate of the state
+    # with the coordinates' clearances the result is the rate of the state
     extended.extended_rate(d, d.implicit.start.copy(), 0.0, rate)
     assert rate[:FIRST] == pytest.approx(d.work.rate_start[:FIRST], rel=1e-9)
 

@@ -1,4 +1,4 @@
-"""The last step and what is known of it: valid as long as it may be, and no longer."""
+"""The last step and its stored quantities: each is valid only for the permitted time."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def exact_rate(d, y):
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_an_accepted_step_goes_on_where_the_last_one_ended(method):
-    """The rate there is known after an explicit step, and found after an implicit one."""
+    """The rate at the end is known after an explicit step, and computed after an implicit step."""
     d = with_a_step(started(method))
     count, known = int(d.statistics.rhs_evaluations), int(method == EXPLICIT)
     assert d.step.rate_known == known
@@ -57,7 +57,7 @@ def test_an_accepted_step_goes_on_where_the_last_one_ended(method):
     np.testing.assert_array_equal(d.step.state[:-1], before[:-1])
     assert (d.step.start, d.step.end) == pytest.approx((H, 2 * H), rel=1e-14)
     assert d.step.last_method == method
-    assert d.step.breaks == breaks  # what was known of the end holds for the start
+    assert d.step.breaks == breaks  # stored values of the end are valid for the next start
 
 
 @pytest.mark.parametrize("points", [[], [4]])
@@ -160,7 +160,7 @@ def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
 
 @pytest.mark.parametrize("touching", [0, 1, 2])
 def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monkeypatch, touching):
-    """With one contact as with two."""
+    """The step has one contact or two contacts."""
     d, told = started(), []
     methods.prepare(d, H)
     methods.attempt(d, H)

@@ -83,10 +83,10 @@ def solutions(d, size, h):
 @pytest.mark.parametrize("stiffness", [0.0, 10.0, 1e5])
 @pytest.mark.parametrize("turn", [0.0, 0.7])
 def test_they_are_solved_as_assembled(turn, stiffness, damping, h):
-    """(1 − s A) x = r."""
+    """The solution fulfils (1 − s A) x = r."""
     d = linearized(turn, stiffness, damping)
     matrix = jacobian(d, turn)
-    # an impedance at a slant is rounded in all directions, not along its normal alone
+    # an oblique impedance has round-off in all directions, also beside its normal
     slanted = 1e-6 if turn else 0.0
     for shift, r, found in solutions(d, len(matrix), h):
         left = found - shift * (matrix @ found)
@@ -95,7 +95,7 @@ def test_they_are_solved_as_assembled(turn, stiffness, damping, h):
 
 
 def held(base, stiffness, damping):
-    """Return a chain that rigid walls hold at two points, linearized where it is, and its assembled A.
+    """Return a chain held by rigid walls at two points, linearized in its state, and its assembled A.
 
     With W = J M⁻¹ Jᵀ, held points let v̇ have M⁻¹ − M⁻¹ Jᵀ W⁻¹ J M⁻¹ in place of M⁻¹.
     """

@@ -33,7 +33,7 @@ def record(start, weight=1e14):
 def problem(rate, jacobian):
     """Return a step (d, h) for y' = f(y) with an approximate Jacobian A(y); the step returns its convergence.
 
-    With it comes one (d, h) of so many iterations that it has, whatever A is.
+    The second function (d, h) makes a fixed number of iterations for any A.
     """
 
     def fill(_d, y, _elapsed, out):
@@ -163,7 +163,7 @@ def test_infinitely_stiff_component_is_damped_at_once(rate):
 
 
 def test_it_is_given_up_when_it_does_not_converge_or_is_not_finite():
-    """Without a Jacobian, h λ = 100 lets corrections grow."""
+    """Without a Jacobian, h λ = 100 makes the corrections grow."""
     step, _ = problem(decay, lambda y: np.zeros((2, 2)))
     d = record(np.array([1.0, 1e2]))
     assert not step(d, 1.0)

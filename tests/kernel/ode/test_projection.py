@@ -70,7 +70,7 @@ def test_the_mismatch_is_that_of_the_worst_contact_by_its_depth(step, k):
     _, d, touched, _, z = step
     off = 1e-5 * np.array([-1.0, 1.0])
     depths = [max(d.touch.depth_scale[c], -clearance(d, c)[0]) for c in touched]
-    assert depths == pytest.approx([2e-3, 1e-3], rel=1e-9)  # what was expected, and what is there
+    assert depths == pytest.approx([2e-3, 1e-3], rel=1e-9)  # expected depth, and actual depth
     z[gap_at(d, 0)] += off[0]
     z[gap_at(d, 1)] += off[1]
     z[gap_at(d, k)] += 9.0 * off[k]
@@ -80,7 +80,7 @@ def test_the_mismatch_is_that_of_the_worst_contact_by_its_depth(step, k):
 def test_a_projection_tells_its_largest_weighted_change_and_the_mismatch_before(step):
     scene, d, touched, y, z = step
     moved = y.copy()
-    assert extended.project_clearances(d, z, moved) == (0.0, 0.0)  # coordinates that agree stay
+    assert extended.project_clearances(d, z, moved) == (0.0, 0.0)  # consistent coordinates stay
     assert moved.tolist() == y.tolist()
     gaps, rates = np.array([1e-6, -2e-6]), np.array([3e-3, 1e-3])
     for k in range(2):

@@ -1,6 +1,6 @@
-"""Quadratures: beside a step, from the stages to the totals; and impulses of the walls in runs.
+"""Quadratures of a step, from its stages to the totals; and impulses of walls in runs.
 
-What gravity and the walls give is what the momentum of the chain changes by.
+Gravity and the walls together change the momentum of the chain.
 """
 
 from dataclasses import replace
@@ -41,7 +41,7 @@ def test_momentum_balances_at_every_communication_point_under_every_law(law):
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
 def test_points_that_a_rigid_wall_releases_have_the_integral_of_their_force(tolerance):
-    """A chain lies on the floor, and its tip is drawn up: one point after the other leaves."""
+    """A chain on the floor is lifted at its tip: one point after the other leaves the floor."""
     lying = {
         "name": "Drawn",
         "chain": {"links": [{"length": 0.5, "mass": 1.0}] * 3},
@@ -61,7 +61,7 @@ def test_points_that_a_rigid_wall_releases_have_the_integral_of_their_force(tole
     floor = force.max(axis=0) > 0.0
     assert floor.sum() == 4
     assert (force[-1, floor] == 0.0).sum() >= 2, "released"
-    # where no row is between a force and its end, by Simpson's rule
+    # by Simpson's rule, where no row lies between a force and its end
     released = (force[2::2] == 0.0) != (force[:-2:2] == 0.0)
     steps = (force[:-2:2] + 4.0 * force[1:-1:2] + force[2::2]) / 6.0 * 2e-4
     errors = np.where(released, 0.0, np.abs(np.diff(impulse[::2], axis=0) - steps)).sum(axis=0)
@@ -119,7 +119,7 @@ def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
 
 @pytest.mark.parametrize(("contacts", "joints"), [(2, False), (1, True), (0, True)])
 def test_those_of_dry_friction_follow(contacts, joints):
-    """A place for each element, and one for the energy after them."""
+    """The integrals of dry friction follow: one for each element, and the friction energy."""
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
     d.quadrature.wanted = 1
     dense.reset_quadratures(d)
@@ -151,7 +151,7 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
 
 
 def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
-    """Totals are those at its end."""
+    """The totals belong to the end of the step."""
     end, tried, total = *values(d, "state_end", "tried"), d.quadrature.total.copy()
     dense.append_quadratures(d)
     assert values(d, "state", "state_end") == [end, tried]
@@ -170,8 +170,8 @@ def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     [
         (0, (2, 0), [(5.0, 5.0), (4.9, 5.5)], [5.0, 5.5]),
         (1, (2, 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 2.0]),
-        (1, (2, 0), [(5.0, 1.0), (4.0, 1.5)], [5.0, 1.0]),  # never by more than the other one has been given
-        (1, (2, 1), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # stops of other joints have nothing to do with it
+        (1, (2, 0), [(5.0, 1.0), (4.0, 1.5)], [5.0, 1.0]),  # the correction never exceeds the other impulse
+        (1, (2, 1), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # stops of other joints do not take part
         (1, ((2, 3), 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # nor have other walls
     ],
 )
@@ -185,7 +185,7 @@ def test_one_that_has_fallen_stays_or_at_a_rigid_wall_the_sum(d, rigid, wall, co
 
 @pytest.mark.parametrize("kept", [1.0, 0.7])
 def test_a_course_that_falls_is_below_all_that_follows(d, kept):
-    """3 θ² − 2 θ³ rises slowly at first, and here it falls before that."""
+    """3 θ² − 2 θ³ rises slowly at first, and the added function falls earlier."""
     thetas = np.linspace(0.0, kept, 71)
     d.quadrature.dense[:, 0], d.step.kept = 0.0, kept
     d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
@@ -220,7 +220,7 @@ def test_without_them_nothing_is_done(d, name):
     ("rigid", "impulses", "given"), [([1, 3], (2.5, -1e-17), (2.5, 0.0)), ([3], (7.0, 2.0), (0.0, 2.0))]
 )
 def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, impulses, given):
-    """Contacts with a force are given none at once."""
+    """Compliant contacts get no immediate impulse."""
     make_rigid(d, np.isin(np.arange(d.candidates), rigid))
     d.rigid.impulse[:2] = impulses
     right = d.quadrature.total.copy()

@@ -9,7 +9,7 @@ C, MATRIX = np.array(radau.NODES), np.array(radau.Q)
 
 
 def test_each_stage_is_of_the_stage_order_and_the_result_of_its_order_and_no_more():
-    """Σ_j Q_ij c_j^(k−1) = c_i^k/k. It is stiffly accurate, and collocation at the end."""
+    """Σ_j Q_ij c_j^(k−1) = c_i^k/k. The method is stiffly accurate, and collocates at the end."""
     for k in range(1, radau.RADAU_STAGES + 1):
         np.testing.assert_allclose(MATRIX @ C ** (k - 1), C**k / k, rtol=0, atol=2e-16)
     for k in range(1, radau.ORDER + 2):
@@ -31,7 +31,7 @@ def test_the_eigenvectors_are_those_of_its_eigenvalues():
 
 
 def test_all_shifts_lie_in_a_sector_in_which_no_pivot_vanishes():
-    """Sums of 1, s and s² with factors ≥ 0 are no zero as long as |arg s| < 90°."""
+    """Sums of 1, s and s² with factors ≥ 0 do not vanish for |arg s| < 90°."""
     for real, imaginary in radau.COMPLEX_EIGENVALUES:
         assert 0.0 < np.degrees(np.arctan2(imaginary, real)) < 61.0
 

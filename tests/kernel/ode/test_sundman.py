@@ -1,4 +1,4 @@
-"""Steps in a contact's own variable: their order where the force is not smooth in time, and time in them."""
+"""Steps in a contact's own variable: their order where the force is not smooth in time, and their time."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ SPEED, STIFFNESS = 2.0, 1e8
 
 
 def test_a_step_from_the_onset_keeps_the_order_of_the_method():
-    """In time the force begins as its power 3/2, and a step errs by its power 5/2, whatever the method."""
+    """In time the force begins as t^(3/2), and a step of any method has an error of order 5/2."""
     start = Model(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0)).new_instance()
     sizes, errors, d = np.array([0.5, 0.6, 0.7, 0.8]), [], Plain(start[0])
     assert initialize(d, 0.0) == 0
@@ -37,13 +37,13 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
         depth = float(d.touch.depth_scale[0])
         methods.attempt(d, size * depth / SPEED)
         errors.append(abs(energy(d.trial.state) - energy(d.step.state_end)))
-    assert min(errors) > 1e-13  # else it is round-off that is measured
+    assert min(errors) > 1e-13  # otherwise the test would measure round-off
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 8.0
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-8])
 def test_the_last_moments_of_a_contact_are_seen(tolerance):
-    """The last step goes beyond the end, where u < 0 and time runs back: a moment shows up twice in it."""
+    """The last step goes beyond the end, where u < 0 and time runs backwards: some times occur twice."""
     scene = ball(1e-3, SPEED, stiffness=STIFFNESS, tolerance=tolerance)
     whole = Instance(scene)
     whole.advance(4e-3)
@@ -56,7 +56,7 @@ def test_the_last_moments_of_a_contact_are_seen(tolerance):
 
 @pytest.mark.parametrize(("tolerance", "most"), [(1e-4, 120), (1e-8, 230), (1e-12, 520)])
 def test_an_impact_takes_few_evaluations(tolerance, most):
-    """In time it takes 1.6 times as many at equal error."""
+    """Steps in time need 1.6 times as many evaluations at equal error."""
     instance = Instance(ball(1e-3, SPEED, stiffness=STIFFNESS, tolerance=tolerance))
     instance.advance(4.9e-4)
     before = int(instance.statistics["rhs_evaluations"])
@@ -98,7 +98,7 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
     again[:] = in_time
     sundman.to_fictitious_time(d, y, again)
     assert again.tolist() == rate.tolist()
-    # as is that of a step, and without a contact that in time
+    # the same for the rate of a step, and without a contact the rate in time
     for regularized, expected in ((c, rate.tolist()), (NO_CONTACT, in_time.tolist())):
         d.step.regularized = regularized
         sundman.regularized_rate(d, y, again)
@@ -109,14 +109,14 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
 
 @pytest.mark.parametrize("u", [-0.3, 0.2, 1.0, 1.6])
 def test_p_changes_along_the_step_as_u_does(u):
-    """p = u/(1 + u²) by its slope, for the rate u′ = 3."""
+    """The slope of p = u/(1 + u²) with the rate u′ = 3."""
     slope = (dense.time_rate(u + 1e-6) - dense.time_rate(u - 1e-6)) / 2e-6
     assert sundman.time_rate_change(u, 3.0) == pytest.approx(3.0 * slope, abs=1e-9)
 
 
 @pytest.mark.parametrize("u", [0.2, 1.0, 1.6])
 def test_u_bends_as_its_rate_changes_along_the_motion(u):
-    """u″ by the change of u′ over a short way in s, along which u, the points and their speeds move."""
+    """u″ equals the change of u′ over a short distance in s, along which u, points and speeds move."""
     d, _, y = contact()
     n, rate = LINKS, np.zeros(len(y))
     equations.state_rate(d, y, rate)
@@ -126,7 +126,7 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
     h, rates = 1e-7, []
     for s in (-h, h):
         moved = y + s * p * rate
-        # along the tangent of the velocities, not of the places of a chain with constant angles
+        # along the tangent of the velocities, not along points at constant angles
         moved[: n + 2] += 0.5 * (s * p) ** 2 * rate[n + 2 : 2 * n + 4]
         kinematics.locate_points(d, moved)
         rates.append(sundman.root_rate(d, u + s * slope))
@@ -158,7 +158,7 @@ def test_a_step_must_not_go_far_beyond_the_end(u, time, right):
 
 
 def test_an_only_contact_has_its_own_variable():
-    """More than one do not, nor does a rigid one, nor an implicit step."""
+    """Two contacts, a rigid contact, or an implicit step have no own variable."""
     d, c, _ = contact()
     assert sundman.lone_contact(d) == (c, pytest.approx((DEPTH / SCALE) ** 0.5, rel=1e-9))
     d.step.method = control.IMPLICIT

@@ -1,4 +1,4 @@
-"""When implicit steps are taken for joints' damping, and that what is not stiff does without."""
+"""The choice of implicit steps for the joints' damping, and of explicit steps for non-stiff chains."""
 
 import math
 from types import SimpleNamespace
@@ -21,7 +21,7 @@ from tests.kernel.chains import chain, struck, touch
 @pytest.mark.parametrize("last", [0.1, 10.0])
 @pytest.mark.parametrize("longer", [0.9, 1.1])
 def test_the_size_of_the_next_implicit_step_decides(longer, last):
-    """The last one may be a first step after an event, or cut short by an input."""
+    """The last step may be a first step after an event, or cut short by an input."""
     step = SimpleNamespace(method=IMPLICIT, explicit_size=2.0, start=1.0, end=1.0 + last)
     step.next_size = longer * methods.LONGER * step.explicit_size
     assert suggests_switch(SimpleNamespace(step=step)) == (longer < 1.0)
@@ -29,7 +29,7 @@ def test_the_size_of_the_next_implicit_step_decides(longer, last):
 
 @pytest.mark.parametrize("damping", [100.0, 1e4])
 def test_rigid_walls_have_implicit_steps_in_flight_and_at_rest(damping):
-    """Explicit steps take 13,000 for 100 N·m·s/rad, and for 1e4 more work than the limit allows."""
+    """Explicit steps need 13,000 evaluations for 100 N·m·s/rad, and exceed the work limit for 1e4."""
     changes = {"contact.model": "newton_impact", "contact.restitution": 0.3}
     instance = Instance(stiff_joint(damping).with_values(changes))
     assert instance.advance(2.0) == 0
@@ -43,7 +43,7 @@ def test_rigid_walls_have_implicit_steps_in_flight_and_at_rest(damping):
 
 @pytest.mark.parametrize(("damping", "most"), [(1e4, 200), (1e6, 600)])
 def test_the_projection_onto_rigid_walls_makes_no_steps_short(damping, most):
-    """It leaves a fast motion of the joints, for which 2,000 to 5,000 steps were tried."""
+    """The projection leaves a fast motion of the joints, which had needed 2,000 to 5,000 steps."""
     changes = {"contact.model": "newton_impact", "contact.restitution": 0.0, "solver.tolerance": 1e-6}
     instance = Instance(stiff_joint(damping).with_values(changes))
     assert instance.advance(1.0) == 0
@@ -55,7 +55,7 @@ def test_the_projection_onto_rigid_walls_makes_no_steps_short(damping, most):
 
 @pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10])
 def test_a_contact_that_rings_for_long_has_implicit_steps(stiffness):
-    """A tip settles on a wall and swings there, hardly damped: 4,900 explicit steps at 1e10."""
+    """A tip settles on a wall and oscillates, hardly damped: 4,900 explicit steps at 1e10."""
     links = [{"length": length, "mass": 1.0, "joint_damping": 0.5} for length in (0.5, 0.4)]
     start = {"position": [0.0, 0.0], "angles": [-0.6, -0.9]}
     contact = contact_table(model="flores", stiffness=stiffness, restitution=0.1, points=[2])
@@ -108,7 +108,7 @@ def test_the_rate_of_joints_counts_where_its_bound_exceeds_what_is_stiff(rng):
     d, _, rate = jointed(rng)
     bound = d.model.joint_bound
     assert rate < bound
-    # up to there the bound stands for the rate, which takes more work
+    # below this limit the bound replaces the rate, whose computation costs more
     for number, right in ((0.99 * STIFF, 0.99 * STIFF), (1.01 * STIFF, 1.01 * STIFF * rate / bound)):
         assert methods.joints_over(d, number / bound) == pytest.approx(right)
     assert methods.joints_over(d, 50.0) == pytest.approx(50.0 * rate)
@@ -141,7 +141,7 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
     d, touched = pressed
     d.touch.depth_scale[touched], d.touch.impact_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
     d.step.end, slow = 2.0, methods.LASTS * 4e-3 / 0.5
-    # all of them must last; the first is four times as fast
+    # all contacts must last; the first is four times as fast
     for first, second, right in (
         (1.01, 1.01, True),
         (1.01, 0.99, False),
@@ -187,7 +187,7 @@ def test_a_phase_begins_with_what_is_explicit_and_without_a_count(rng):
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 @pytest.mark.parametrize(("number", "depth"), [(0.9, 1e-6), (1.1, 1e-6), (2.0, 1e9)])
 def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, method, number, depth):
-    """With stiff joints it takes no longer step than before."""
+    """With stiff joints the first step is no longer than the previous step."""
     d, tip, rate = jointed(rng, touching=True)
     h = number * STIFF / (methods.IMPACT * rate)
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
@@ -224,7 +224,7 @@ def test_a_method_changes_after_steps_in_a_row_and_later_the_next_time(pressed):
     assert (d.step.method, d.step.stiff_count) == (IMPLICIT, 0)
     assert d.step.explicit_size == d.step.end
     assert d.step.switch_hysteresis == MIN_SWITCH_STEPS
-    # implicit steps that are no longer do not pay
+    # implicit steps that are not longer do not pay
     d.step.next_size = d.step.end
     for _ in range(MIN_SWITCH_STEPS):
         assert d.step.method == IMPLICIT
@@ -239,7 +239,7 @@ def test_one_step_that_is_not_stiff_begins_the_count_anew(pressed):
     d.step.start = d.step.end * (1.0 - 1e-6)
     choose_method(d)
     assert d.step.stiff_count == 0
-    # one that was cut says nothing about the size of explicit ones
+    # a cut step says nothing about the size of explicit steps
     d.step.start, d.step.kept, d.step.stiff_count = 0.0, 0.5, MIN_SWITCH_STEPS - 1
     choose_method(d)
     assert (d.step.method, d.step.explicit_size) == (IMPLICIT, 0.0)
@@ -256,7 +256,10 @@ def test_a_step_of_no_length_does_not_count(pressed):
 
 
 def test_what_resists_nothing_is_explicit_if_the_solver_may_choose(pressed):
-    """Flight without joints that resist; of rigid walls also if it may not, unless another has a force."""
+    """Flights without resisting joints.
+
+    With rigid walls also for a fixed method, unless another contact has a force.
+    """
     d, touched = pressed
     touch(d, [])
     d.step.method, d.step.end = IMPLICIT, 1.0

@@ -1,4 +1,4 @@
-"""How the chain gives way to impulses at its contacts, against (M + Jᵀ D J + K) Δ = Jᵀ p + Gᵀ μ."""
+"""The response of the chain to impulses at its contacts, against (M + Jᵀ D J + K) Δ = Jᵀ p + Gᵀ μ."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ from tests.kernel.chains import (
     vectors,
 )
 
-# links, base, how many candidates are in contact; None for some of the walls and stops in the joints besides
+# links, base, number of contacts; None for some walls plus joint stops
 OF_WALLS = [(1, "free", 1), (1, "pinned", 2), (3, "free", 0), (3, "free", 5), (4, "pinned", 3)]
 OF_STOPS = [(2, "free", None), (4, "free", None), (1, "pinned", None), (3, "pinned", None)]
 CASES = pytest.mark.parametrize("case", OF_WALLS + OF_STOPS, ids=lambda case: "-".join(map(str, case)))
@@ -35,7 +35,7 @@ def made(case, resist=True):
     touch(
         d, [0, 3, *stops[1::3], *stops[::4]] if stops else rng.choice(d.candidates, touching, replace=False)
     )
-    # what an earlier problem has left
+    # values from an earlier problem
     set_impedances(d.work.impedance, random_impedances(rng, count + 1, 5.0) + 0.3)
     d.work.load.x[:] = d.work.load.y[:] = 9.0
     walls = [c for c in range(d.candidates) if c not in stops]
@@ -84,7 +84,7 @@ def assert_loads(scene, d, angles, added, work):
 @pytest.mark.parametrize("time", [0.0, 0.3])
 @pytest.mark.parametrize("resist", [False, True])
 def test_it_gives_way_as_assembled(case, resist, time):
-    """K = s C + s² S, and impulses μ in the joints; at a time of 0 dampers and springs do not resist.
+    """K = s C + s² S, with impulses μ in the joints; for s = 0 dampers and springs do not resist.
 
     Also the loads and impedances: the virtual work is Jᵀ p, and the energy of impedances ½ Σ D (n·v)².
     """
@@ -121,7 +121,7 @@ def test_it_gives_way_as_assembled(case, resist, time):
 
 @CASES
 def test_the_effective_mass_is_what_an_impulse_along_the_normal_has_to_move(case):
-    """That of a stop is the inertia of its joint over the square of the arm."""
+    """The effective mass of a stop is the inertia of its joint over the square of the arm."""
     scene, d, angles, rows, _, _ = made(case)
     for c, row in enumerate(rows):
         expected = 1.0 / (row @ solved(d, mass_matrix(scene, angles), row))

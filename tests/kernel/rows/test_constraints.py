@@ -1,4 +1,4 @@
-"""The impulses of constraints: who is pressed, what is missing, and who is wrong.
+"""The impulses of constraints: pressed contacts, missing motions, and wrong contacts.
 
 They are compared with dense matrices and with every possible set of contacts.
 """
@@ -29,7 +29,7 @@ def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
 @pytest.mark.full("more cases", but=28)
 @pytest.mark.parametrize("seed", range(40))
 def test_impulses_are_complementary(seed):
-    """Against all 2^k sets of contacts, from any guess."""
+    """The result is compared with all 2^k sets of contacts, from any guess."""
     rng = np.random.default_rng(seed)
     d, _, _, response, w = problem(pressed=rng.integers(0, 2, rng.integers(1, 5)), seed=seed)
     own, count = d.rigid, len(w)
@@ -44,7 +44,7 @@ def test_impulses_are_complementary(seed):
 
 
 def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
-    """A point between opposite walls: W is singular, the motion unique, the squeeze is not."""
+    """A point lies between opposite walls: W is singular; the motion is unique, the two forces are not."""
     d, *_ = problem(pressed=(1, 1))
     own, (first, second) = d.rigid, d.touch.active_index[:2]
     d.candidate.place[second] = d.candidate.place[first]
@@ -66,7 +66,7 @@ def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
     assert not own.impulse[:4].any()
     assert (own.impulse[4:] == 9.0).all()
     np.testing.assert_array_equal(own.reached[:4], own.start[:4])
-    own.target[1] = 1e3  # of one that is not pressed
+    own.target[1] = 1e3  # target of a contact that is not pressed
     for amount in (0.0, 4.5):
         constraints.set_impedance(d, amount)
         assert own.impedance[:5].tolist() == [amount, 0.0, amount, amount, 9.0]
@@ -78,7 +78,7 @@ def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
-    """An impulse p moves it by W/(1 + D W) p, some millionths of W p."""
+    """An impulse p moves the point by W/(1 + D W) p, some millionths of W p."""
     d, _, _, _, w = problem(base)
     amount = compliance.holding_impedance(d)
     assert amount == pytest.approx(compliance.STIFF * d.model.mass.mean(), rel=1e-14)
@@ -98,7 +98,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     "pressed", [(0, 0, 0, 0), (1, 1, 1, 1), (1, 0, 0, 1), (1, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)]
 )
 def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(base, pressed):
-    """One that is pressed alone takes one solution, and others a few sweeps."""
+    """A single pressed contact takes one solution, and several contacts take a few sweeps."""
     d, _, _, response, w = problem(base, pressed)
     own, rows, before, alone = d.rigid, np.flatnonzero(pressed), d.limits.other_work, sum(pressed) == 1
     assert constraints.only_active(d) == (rows[0] if alone else -1)
@@ -139,7 +139,7 @@ def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
         expected = [0, int(pull > 1.0), 0, int(short > 1.0)]
         assert constraints.count_violations(d, scale) == sum(expected)
         assert own.violated[:4].tolist() == expected
-    # the largest may be one that pulls
+    # the largest error may be a pulling contact
     own.impulse[:4], own.reached[:4] = (1.0, -4.0, 0.0, 0.0), 1.0
     assert constraints.count_violations(d, scale) == 1
     assert holding.least_impulse(d) == -4.0
@@ -148,7 +148,7 @@ def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
 
 
 def test_all_that_are_wrong_change_at_once_and_only_the_last_after_stalls(monkeypatch):
-    """The block pivots; those that fail to reduce the number of the wrong; and one at a time from then on."""
+    """Cases: block pivots; block pivots that do not reduce the wrong contacts; single pivots afterwards."""
     d, *_ = problem()
     wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.rigid
 
@@ -166,7 +166,7 @@ def test_all_that_are_wrong_change_at_once_and_only_the_last_after_stalls(monkey
 
 
 def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
-    """The share of a motion that sweeps leave is (1 + D W)⁻ⁿ, also that which one element alone leaves."""
+    """n sweeps leave the share (1 + D W)⁻ⁿ of a motion, also of a motion that one element alone leaves."""
     d, *_ = problem()
     amount = compliance.holding_impedance(d)
     for part in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):
@@ -178,7 +178,7 @@ def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
 
 
 def test_points_that_cannot_be_held_are_told_by_what_is_left():
-    """Two constraints on one motion that contradict each other: the search ends, and half of it is left."""
+    """Two constraints demand contradictory motions: the search ends, and half of the motion is left."""
     d, *_ = problem(pressed=(1, 1, 0, 0))
     own = d.rigid
     d.touch.active_index[1] = d.touch.active_index[0]
@@ -198,7 +198,7 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
 
 @pytest.mark.parametrize("part", [0.5, 1.0, 2.0])
 def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part):
-    """Where D W is about 1 the residual would take 30 iterations and more to become round-off."""
+    """For D W ≈ 1 plain iterations would need 30 or more until the residual is round-off."""
     d, _, _, _, w = problem(pressed=(0, 1, 0, 0))
     monkeypatch.setattr(constraints, "LEAST_SINGLE", 1e9)
     monkeypatch.setattr(constraints, "holding_impedance", lambda _: part / w[1, 1])

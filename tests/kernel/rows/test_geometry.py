@@ -1,4 +1,4 @@
-"""Walls as the kernel finds them from the record, against NumPy."""
+"""Walls as the kernel computes them from the record, against NumPy."""
 
 import math
 
@@ -34,7 +34,7 @@ from tests.helpers.plain import record_of
 from tests.helpers.problems import default_scene
 from tests.kernel.chains import random_state, stopped_chain, stops_of
 
-# angle and point; the last angle is beyond what the kernel's own sines are for
+# angle and point; the last angle exceeds the range of the kernel's own sines
 SLOPES = [
     (-0.3, (-1.0, 0.2)),
     (math.pi / 2, (40.0, 3.0)),
@@ -68,7 +68,7 @@ def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
         np.testing.assert_allclose(normal(d, c)[1:], expected.normal, rtol=0, atol=3e-16)
         assert d.candidate.offset[c] == pytest.approx(expected.offset, rel=1e-14, abs=1e-14)
         wall = d.candidate.wall[c]
-        if wall < len(WALLS):  # of the box they are exact
+        if wall < len(WALLS):  # walls of the box are exact
             assert normal(d, c)[1:] == NORMALS[wall]
             assert abs(d.candidate.offset[c]) == abs(d.model.wall[wall])
 
@@ -91,7 +91,7 @@ def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
 
 @pytest.mark.parametrize("c", [0, 3])
 def test_a_candidate_can_be_given_any_wall(c):
-    """Points on the wall have no clearance and those to its free side have their distance."""
+    """Points on the wall have no clearance, and points on its free side have their distance."""
     scene, d = prepared(box=True)
     planes = list(scene.half_planes.values())
     for side in range(len(WALLS)):
@@ -131,7 +131,7 @@ def differenced(d, y, change):
 
 
 def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(stopped):
-    """g = s (ψ − joint_min) or s (joint_max − ψ), and its rate by a difference along the motion."""
+    """g = s (ψ − joint_min) or s (joint_max − ψ); its rate equals a difference along the motion."""
     d, y = stopped
     size, angles, joints = d.model.size, np.diff(y[2:5], prepend=0.0), [1, 2, 3] if d.model.pinned else [2, 3]
     assert lever(d, 0) == 1.0
@@ -149,7 +149,7 @@ def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(st
 def assert_adjoint(d, rows, change):
     """Assert F·(J v) = (Jᵀ F)·v for directions of points and joints, and the energy D (J v)² of impedances.
 
-    Also where loads and impedances of joints have become moments and those of the joints.
+    Also check loads and impedances of joints that have been converted into moments.
     """
     rng, motion, load, own = np.random.default_rng(9), d.work.motion, d.work.load, d.work.impedance
     turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
@@ -193,7 +193,7 @@ def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
 
 
 def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
-    """g̈ of a stop, which has no centripetal part."""
+    """g̈ of a stop has no centripetal part."""
     d, y = stopped
     rate = np.zeros(len(y))
     rate[:5], rate[5:10] = y[5:10], np.random.default_rng(1).normal(size=5)
@@ -207,7 +207,7 @@ def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
 
 @pytest.mark.parametrize("place", range(1, 7))
 def test_any_place_may_be_the_fastest(place):
-    """Points 0 to 3, and the joints of three links."""
+    """The places are points 0 to 3, and the joints of three links."""
     d = stopped_chain(3)[1]
     for axis in "xy":
         d.work.motion[axis][:] = 0.25

@@ -29,7 +29,7 @@ def stuck(seed, case, part):
 
 
 def set_limits(chain, limits):
-    """Give the elements limits of friction [N]."""
+    """Set the friction limits of the elements [N]."""
     d = chain.d
     for e, limit in zip(chain.elements, limits, strict=True):
         if e < d.candidates:
@@ -55,7 +55,7 @@ def forces(d):
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("part", [0.3, 1.0])
 def test_forces_hold_as_much_as_they_can(part, seed, case):
-    """They are the minimum of ½ pᵀ W p + pᵀ (t·a without them), within the limits."""
+    """They are the minimum of ½ pᵀ W p + pᵀ a₀, where a₀ is t·a without them, within the limits."""
     chain = stuck(seed, case, part)
     d = chain.d
     solve(d)
@@ -72,7 +72,7 @@ def test_forces_hold_as_much_as_they_can(part, seed, case):
 @pytest.mark.parametrize("total", [0.5, 1.0, 1.5])
 @pytest.mark.parametrize("seed", range(4))
 def test_of_two_in_one_place_each_takes_what_the_other_cannot(seed, total):
-    """The least sum of squares would give more to the one with the small limit; together they hold all."""
+    """The least sum of squares would exceed the small limit; together both elements hold all."""
     chain = Doubled(seed)
     d = chain.d
     d.element.mode[chain.elements] = STICKS

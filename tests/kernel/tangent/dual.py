@@ -1,4 +1,4 @@
-"""Dual numbers in plain Python, for the kernel's functions as plain Python; and runs to look into."""
+"""Dual numbers in plain Python for the kernel's functions, and runs whose instances tests can inspect."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class Duals(SimpleNamespace):
 def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...] = ()) -> Duals:
     """Return a record with random dual numbers for its reals, and zeros for its integers.
 
-    Of a table with some rows it has each column as an array.
+    A table with rows becomes a record of arrays, one for each column.
     """
 
     def number() -> Dual:

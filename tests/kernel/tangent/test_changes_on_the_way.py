@@ -1,4 +1,4 @@
-"""Derivatives of runs in which something is set on the way, against differences of such runs."""
+"""Derivatives of runs in which values change at some times, against differences of changed runs."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Kinks of a force inside a contact: derivatives up to them, and on from there."""
+"""Kinks of a force inside a contact: derivatives before and behind the kinks."""
 
 import math
 from functools import partial
@@ -49,7 +49,7 @@ def height_of(time, stiffness, restitution, vy):
 
 
 def test_a_damped_spring_before_and_behind_its_kink():
-    """Where the force would begin to pull, while the ball is still in the wall, and when it has left."""
+    """The kinks: the force would begin to pull while the ball is in the wall, and the ball leaves."""
     contact = {"stiffness": STIFFNESS, "restitution": RESTITUTION, **of_law("kelvin_voigt")}
     scene = ball(HEIGHT, SPEED, stop_time=0.1, **contact)
     impact, (omega, zeta) = simulate(scene).impacts[0], map(float, damped(STIFFNESS, RESTITUTION))
@@ -72,7 +72,7 @@ def test_a_damped_spring_before_and_behind_its_kink():
 
 @pytest.mark.parametrize("law", ["kelvin_voigt", "jankowski", "gharib_hurmuzlu"])
 def test_where_one_looks_does_not_matter(law):
-    """A look within a step lets it be made in pieces, before and behind its kinks."""
+    """An observation within a step divides the replay into pieces, before and behind its kinks."""
     case = struck_twice(law, restitution=0.4)
     case = Case(case.scene, ("contact.restitution", "link[1].mass"), case.times)
     first = simulate(case.scene).impacts[0]

@@ -15,7 +15,7 @@ REAL = np.dtype(np.float64)
 
 
 def leaves(dtype, path=(), rows=()):
-    """Yield path, type and shape of every number, array and column of a record; a dual number is one."""
+    """Yield path, type and shape of every number, array and column of a record (a dual number is a leaf)."""
     for name in dtype.names:
         kind = dtype[name]
         shape = rows + kind.shape
@@ -67,7 +67,7 @@ def test_the_parts_that_apply_then_are_copied_and_no_other():
 
 
 def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
-    """A part with parameters that is not declared would have numbers before a run begins."""
+    """An undeclared part with parameters would hold numbers before a run begins."""
     found = set()
     mounted = load_scene("pinned_arm").with_values({"inputs.base_motion": True, "initial.x": 0.1})
     push = {"form": "steps", "times": [0.1], "values": [1.0], "input": "base.ay"}

@@ -1,4 +1,4 @@
-"""What a caller asks of an instance with derivatives: any times, any number of parameters, any pieces."""
+"""Requests to an instance with derivatives: any times, any number of parameters, any pieces."""
 
 import math
 
@@ -27,7 +27,7 @@ def together():
 
 
 def test_the_number_of_parameters_beside_one_does_not_matter(together):
-    """They are carried in several instances of dual numbers, one after the other."""
+    """Several instances of dual numbers carry the parameters, one after the other."""
     values, slopes = together
     for k in (0, duals.DIRECTIONS - 1, duals.DIRECTIONS, 2 * duals.DIRECTIONS):
         alone, slope = followed(started(of(NAMES[k])), TIMES)
@@ -43,7 +43,7 @@ def test_the_pieces_in_which_a_run_is_made_do_not_matter(together):
 
 
 def test_impacts_are_followed_to_the_communication_point():
-    """Within a contact: its largest force until then, and how that varies, as the run itself has it."""
+    """The largest force of a contact until then, and its derivative, equal those of the run."""
     names = ("contact.stiffness", "contact.restitution")
     onset = simulate(CASE.scene).impacts["onset"][0]
     at = onset + 4e-4
@@ -72,7 +72,7 @@ def test_a_log_that_is_full_is_emptied_on_the_way():
     assert len(impacts) > len(Instance(scene).record["finished"]["point"])
     powers = np.arange(1, len(impacts))
     terms = 2.0 * impacts["impact_speed"][0] / -scene.gravity[1] * powers * e ** (powers - 1.0)
-    bounces = 40  # before it comes to rest
+    bounces = 40  # bounces before rest
     found = result.impact_sensitivity("onset", name)
     np.testing.assert_allclose(found[1:bounces], np.cumsum(terms)[: bounces - 1], rtol=1e-6)
     often = simulate(scene, sensitivities=name)

@@ -1,4 +1,4 @@
-"""The times of events, by functions whose zeros are known."""
+"""The derivatives of event times, by functions with known zeros."""
 
 import math
 from types import SimpleNamespace
@@ -40,7 +40,7 @@ def test_an_event_is_late_by_its_clearance_over_its_rate(monkeypatch, tangent, k
 
 
 def test_a_contact_that_is_latched_anew_is_late_by_its_speed_over_its_acceleration(monkeypatch, tangent):
-    """φ = −ġ − 2 v₀, and φ̇ = −g̈."""
+    """The event function is φ = −ġ − 2 v₀, with φ̇ = −g̈."""
     monkeypatch.setattr(event_times, "clearance", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0)))
     monkeypatch.setattr(event_times, "gap_acceleration", lambda _t, c: dual(-4.0 * c, 9.0, 9.0))
     value, slopes = parts(event_times.delay_of_crossing(tangent, 1, RELATCH))
@@ -58,7 +58,7 @@ def test_a_function_of_the_motion_is_late_by_its_derivatives_over_its_rate(tange
     value, slopes = parts(event_times.delay_along_motion(after)(tangent, 1, rate))
     assert value == pytest.approx(0.0, abs=1e-15)
     assert slopes == pytest.approx([-0.25, 1.0], rel=1e-9)
-    # a rate that is off by a hundredth is off by that squared after two iterations
+    # after two iterations an error of 1 % in the rate leaves an error of its square
     _, slopes = parts(event_times.delay_along_motion(after)(tangent, 1, 1.01 * rate))
     assert slopes == pytest.approx([-0.25, 1.0], rel=2e-4)
 

@@ -1,4 +1,4 @@
-"""When modes of dry friction change, in dual numbers: by how much later, and where that is not determined."""
+"""Changes of friction modes in dual numbers: derivatives of their times, and undetermined cases."""
 
 from types import SimpleNamespace
 
@@ -53,7 +53,7 @@ def test_sliding_that_ends_goes_before_sliding_that_begins(monkeypatch, t, event
 
 @pytest.mark.parametrize(("acceleration", "late"), [(-4.0, [0.75, -2.0]), (-1e-3, [0.0, 0.0])])
 def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch, t, acceleration, late):
-    """Below √tolerance · 9 N/3 kg = 3e-3 m/s² the acceleration may be an error, and the speed is stopped."""
+    """Below √tolerance · 9 N/3 kg = 3e-3 m/s² the acceleration may be an error; the speed becomes zero."""
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
     along = {"rate": dual(1e-12, 3.0, -8.0), "acceleration": dual(acceleration, 50.0, 50.0)}
     for what, motion in along.items():
@@ -90,14 +90,14 @@ def margin_of(monkeypatch, t, rate):
 
 
 def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, t, ended):
-    """φ = µ_s F_n − |F_t| by differences along the rate, whose own derivatives do not matter."""
+    """φ = µ_s F_n − |F_t| by differences along the rate, whose own derivatives have no effect."""
     located = margin_of(monkeypatch, t, 0.5)
     delay = friction.delay_of_sliding(t, 2)
     assert delay.value == 0.0
     np.testing.assert_allclose(delay.slope, [-2.0 / 0.5, 6.0 / 0.5], rtol=1e-9)
     apart = event_times.DIFFERENCE * 0.5 * 0.5
     assert located[:2] == pytest.approx([apart, -apart], abs=1e-15)
-    assert located[-1] == 0.0  # points and forces are those of the end again
+    assert located[-1] == 0.0  # points and forces belong to the end again
     assert ended == []
 
 
@@ -113,7 +113,7 @@ def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, t, ended
 def test_sliding_that_begins_at_no_certain_time_matters_where_the_force_drops(
     monkeypatch, t, ended, given, reasons
 ):
-    """By the speed that a drop of 9 N (1 − 3/4) gives to 3 kg in a delay of −φ′/φ̇."""
+    """A drop of 9 N (1 − 3/4) gives 3 kg a speed in a delay of −φ′/φ̇."""
     rate, static, small = given
     margin_of(monkeypatch, t, rate)  # below √tolerance · 9 N · 2 rad/s
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
@@ -136,7 +136,10 @@ def settling(monkeypatch, t, largest):
 
 
 def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch, t):
-    """4e-3 of the largest twice, but not a third time, and neither 2e-2 nor what nothing compares with."""
+    """A share of 4e-3 of the largest is negligible twice, not three times.
+
+    2e-2, and shares of zero, are not.
+    """
     settling(monkeypatch, t, (1.0, 0.1))
     small = dual(0.0, 8e-3, 8e-5)
     assert friction.negligible(t, small)
@@ -153,7 +156,7 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
 
 
 def test_what_has_stopped_has_no_speed_left(monkeypatch, t):
-    """Element 2 slid until now: only the derivatives of its speed are stopped."""
+    """Element 2 has just stopped: only the derivatives of its speed become zero."""
     t.friction.stuck_count, t.element.stuck = 2, [1, 2]
     t.element.before = [friction.STICKS, friction.STICKS, 1]
     assert friction.any_stops(t)
@@ -184,7 +187,7 @@ def test_what_has_stopped_has_no_speed_left(monkeypatch, t):
     ],
 )
 def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, t, ended, given, reasons):
-    """Element 2 halts too if its speed is zero after the delay of 0.5 per unit, by slope + 0.5 · 4 m/s²."""
+    """Element 2 stops too if its speed after the delay of 0.5 per unit is zero: slope + 0.5 · 4 m/s²."""
     slope, small, slow = given
     t.element.event[1:] = SLIDING_ENDS, SLIDING_ENDS
     rates = {1: dual(0.0), 2: dual(0.0, slope, 0.0)}
@@ -206,7 +209,7 @@ def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, 
 def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     monkeypatch, t, ended, margins, together
 ):
-    """Where friction drops: the slopes of both margins must be zero after the delay."""
+    """Where friction drops, the slopes of both margins must be zero after the delay."""
     t.element.event[1:] = STICKING_ENDS, STICKING_ENDS
     t.element.mode = [friction.STICKS] * 3
     t.law.static_friction = [dual(0.4)] * 2
@@ -232,7 +235,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     ],
 )
 def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended, found, is_open):
-    """Within 100 tolerances: of the limit, by the force that holds it; of 9 N/3 kg, by its acceleration."""
+    """The limit is reached within 100 tolerances of the holding force, or of the acceleration 9 N/3 kg."""
     mode, known = found
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
     monkeypatch.setattr(friction, "excess", lambda _t, _e: dual(1e-9))

@@ -1,4 +1,4 @@
-"""Derivatives through implicit steps that are long beside a disturbance: of a chain that stays at rest."""
+"""Derivatives through long implicit steps of a chain that stays at rest after a disturbance."""
 
 import math
 from dataclasses import replace
@@ -56,7 +56,7 @@ def collocated(length, damping):
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])
 @pytest.mark.parametrize("length", [50.0, 2.0, 0.8])
 def test_derivatives_solve_the_equations_of_a_step_whatever_the_values_need(length, tolerance, damping):
-    """The values are solved by the first guess, and the derivatives only by a slow iteration."""
+    """The first guess solves the values, but the derivatives need a slow iteration."""
     slopes, instance = slopes_of(hanging(length, tolerance, damping))
     assert instance.statistics["steps"] == instance.statistics["implicit_steps"] == len(slopes)
     step = collocated(length, damping)
@@ -68,7 +68,7 @@ def test_derivatives_solve_the_equations_of_a_step_whatever_the_values_need(leng
 
 @pytest.mark.parametrize("more", [(), IDLE])
 def test_derivatives_that_an_iteration_does_not_reach_are_not_there(more):
-    """0.05 m swings three times a second: beyond the start there are none, and a sentence says why.
+    """A chain of 0.05 m swings at 3 Hz: derivatives end after the start, and a sentence tells why.
 
     Nor are there any of what has no influence, in whichever instance of dual numbers.
     """
@@ -107,9 +107,10 @@ WAVES = [0.9 * FALLS, *PAUSE, 0.8 * FALLS**2, *PAUSE, 0.0]
     [
         ([1.0, 1e-2, 1.01 * FAST, 0.99 * FAST, 0.0], (True, 4)),  # a small part of the tolerance
         ([LARGE] * MOST, (False, END)),  # they fall no more
-        ([1.0, *[SLOW] * STALLED, *[0.0] * MOST], (False, END)),  # a fall counts from the least before it
+        # a fall counts from the lowest earlier value
+        ([1.0, *[SLOW] * STALLED, *[0.0] * MOST], (False, END)),
         ([1.0, *[SLOW] * (STALLED - 1), 0.0], (True, END)),
-        (WAVES, (True, len(WAVES))),  # one that falls within some iterations goes on
+        (WAVES, (True, len(WAVES))),  # a value that falls within some iterations continues
         ([1e300 * 0.5**k for k in range(MOST)], (False, MOST)),
     ],
 )
@@ -142,7 +143,7 @@ def slopes(start, end, parts):
 
 
 def test_a_correction_is_relative_to_the_derivatives_at_the_end_in_its_worst_direction():
-    """Weighted: 2·(3 + 1) and 10·(1 − 0.5) in one direction, 2 and 20 in another."""
+    """Weighted sums: 2·(3 + 1) and 10·(1 − 0.5) in one direction, 2 and 20 in the other."""
     d, t = slopes(
         [(3.0, 1.0), (1.0, 2.0)], [(1.0, 0.0), (-0.5, 0.0)], {(0, 0): (-0.04,), (2, 1): (0.004, 0.06)}
     )
@@ -158,7 +159,7 @@ def test_a_correction_is_relative_to_the_derivatives_at_the_end_in_its_worst_dir
         ([(1.0,)] * 2, {(3, 0): (0.0, math.nan)}),
         ([(1.0,)] * 2, {(3, 0): (0.0, math.inf)}),
         ([(1.0,), (math.inf,)], {}),
-        ([(0.0,)] * 2, {(1, 1): (1e-9,)}),  # zero derivatives allow no correction
+        ([(0.0,)] * 2, {(1, 1): (1e-9,)}),  # zero derivatives permit no correction
     ],
 )
 def test_what_is_not_finite_is_far_off(start, parts):

@@ -1,4 +1,4 @@
-"""Each step once more in dual numbers: the values are those of the run, whatever happens in it."""
+"""Replay of each step in dual numbers: its values are bit-equal to the run's."""
 
 from functools import partial
 from types import SimpleNamespace
@@ -23,7 +23,7 @@ CASES = {
     "other root": struck_twice("kuwabara_kono"),
     "stop": AT_STOPS["stop, rigid wall"],
 }
-# what the last step is, and what is told: the same bits
+# the last step and its results: equal bits
 SAME = {
     "step": ("start", "end", "size", "state", "state_end", "dense", "kept", "regularized"),
     "touch": ("active", "onset", "onset_speed", "impact_speed", "effective_mass", "damping", "peak_force"),
@@ -123,7 +123,10 @@ def calls(monkeypatch):
     ],
 )
 def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
-    """Whole, and cut if it was; up to the end of its contact it is short, as a force has a kink there."""
+    """Whole and cut steps.
+
+    A step up to the end of its contact is repeated in short steps, as a force has a kink there.
+    """
     d, t = instances(**last)
     monkeypatch.setattr(replay, "make", lambda _d, t, h: calls.append(("make", t.step.method, h)))
     monkeypatch.setattr(replay, "take_values", lambda _d, _t: calls.append(("take_values",)))
@@ -152,7 +155,7 @@ def test_a_step_ends_with_its_contact_or_with_another(regularized, events, right
     ("method", "active", "stuck"), [(EXPLICIT, 0, 0), (EXPLICIT, 1, 0), (EXPLICIT, 0, 1), (IMPLICIT, 1, 0)]
 )
 def test_a_step_that_is_made_is_accepted(monkeypatch, calls, method, active, stuck):
-    """After an explicit one with contacts or stuck joints the points are located."""
+    """After an explicit step with contacts or sticking joints the points are located."""
     d, t = instances()
     t.step.method, t.touch.active_count, t.friction.stuck_count = method, active, stuck
     monkeypatch.setattr(replay, "make_implicit", lambda _d, _t, h: calls.append((IMPLICIT, h)))
@@ -174,7 +177,7 @@ def test_values_are_those_of_the_run_and_slopes_stay():
 
 
 @pytest.mark.parametrize(
-    ("regularized", "events", "moved"),  # those of two candidates, of an element and of the drives
+    ("regularized", "events", "moved"),  # events of two candidates, of an element and of the drives
     [
         (-1, (NONE, ONSET, NONE, 0), (1, ONSET)),
         (-1, (RELATCH, ONSET, NONE, 0), (0, RELATCH)),
@@ -192,7 +195,7 @@ def test_values_are_those_of_the_run_and_slopes_stay():
 def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     monkeypatch, calls, regularized, events, moved
 ):
-    """Contacts go before changes of modes, and these before what only bends a force."""
+    """Contacts have priority over mode changes, and mode changes over kinks of a force."""
     _, t = instances(regularized)
     t.step.start = t.step.end - 0.2
     *t.touch.event, t.element.event[1], t.drive.event = events
@@ -212,7 +215,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
 
 @pytest.mark.parametrize("events", [(RELATCH, NONE), (KINK, NONE), (NONE, RELEASE)])
 def test_what_a_jump_brings_about_has_the_time_of_the_jump(calls, events):
-    """A step of no length ends where a force is beyond its kink, or a speed is much larger than before."""
+    """A step of zero length ends where a force is beyond its kink, or a speed is much larger than before."""
     _, t = instances(events=events)
     *t.touch.event, t.step.start, t.drive.event = *events, t.step.end, 1
     replay.move_end(t)
@@ -220,7 +223,7 @@ def test_what_a_jump_brings_about_has_the_time_of_the_jump(calls, events):
 
 
 def test_the_end_of_a_step_moves_along_the_motion(calls):
-    """y by ẏ, the end of the step by the time itself, a quadrature by its rate."""
+    """y moves by ẏ, the end of the step by the time itself, and a quadrature by its rate."""
     _, t = instances()
     before = [parts(one) for one in t.step.state_end]
     replay.move_along(t, dual(0.0, 2.0, -3.0))

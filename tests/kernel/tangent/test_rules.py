@@ -1,4 +1,4 @@
-"""What gives the derivatives where they do not follow from how a value is worked out."""
+"""Derivatives by explicit rules, where the computation of a value does not give its derivative."""
 
 import inspect
 import math
@@ -29,7 +29,7 @@ def test_a_rule_is_called_as_the_function_that_it_stands_for(function):
 @pytest.mark.parametrize("exponent", [0.25, 0.5, 1.0, 1.5, 1.7, 3.0])
 @pytest.mark.parametrize("depth", [1e-9, 2e-3, 0.7])
 def test_a_power_varies_with_both(depth, exponent, varies):
-    """Most exponents do not vary: then a logarithm is spared."""
+    """Most exponents are constant: then the rule needs no logarithm."""
     found = rules.power(Dual(depth, DEPTH), Dual(exponent, varies))
     assert found.value == contact_force.power(depth, exponent)
     by_depth = mpmath.diff(lambda x: mpmath.power(x, exponent), depth, h=1e-9 * depth)
@@ -93,7 +93,7 @@ def test_a_constant_of_a_joint_that_is_zero_may_vary():
     assert rules.resists(Dual(0.1, [0.0, 0.0]))
 
 
-COUNT = 10  # numbers in the state of a chain of one link
+COUNT = 10  # length of the state of a chain of one link
 
 
 def step_of(numbers, regularized, make=lambda number, _: number):
@@ -108,7 +108,7 @@ def step_of(numbers, regularized, make=lambda number, _: number):
 
 @pytest.mark.parametrize("regularized", [-1, 0])
 def test_the_fraction_of_a_step_varies_with_the_step_and_the_time(regularized):
-    """Against differences of the function of plain numbers, in a step in which time goes steadily."""
+    """The reference is the difference of the function of plain numbers, in a step with uniform time."""
     clock, root = time_at(1), sundman_u_at(1)
     size, depth_root, elapsed = 0.5, 0.6, 0.09
     numbers = np.concatenate([np.random.default_rng(5).normal(size=8 * COUNT), [0.25, size]])

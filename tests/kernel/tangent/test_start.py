@@ -1,4 +1,4 @@
-"""How an instance of dual numbers begins."""
+"""The start of an instance of dual numbers."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ from tests.kernel.tangent.dual import random_duals, started
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.95])
 @pytest.mark.parametrize("law", FACTORS)
 def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
-    """That of every law with a force."""
+    """The test covers every law with a force."""
     assert {*CONTACT_LAWS} - {*FACTORS} == {"newton_impact"}
     found = complex(FACTORS[law](complex(e, TINY)))
     case = Case(ball(1e-3, 1.0, restitution=e, **of_law(law)), ("contact.restitution",), ())
@@ -82,7 +82,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
     assert contact_law.update_laws(d) == OK
     duals.copy_given(d, t, AT_START)
-    starts.take_given(d, t)  # which takes the walls, whose material may change in a run
+    starts.take_given(d, t)  # reads the walls, whose material may change during a run
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)
         np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
@@ -118,7 +118,7 @@ def test_what_was_given_holds_with_its_derivatives(both):
 
 @pytest.mark.parametrize("law", ["hunt_crossley", "lankarani_nikravesh", "ye", "jankowski", "newton_impact"])
 def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivatives(both, law):
-    """d f/d e by a difference, times those of the restitution."""
+    """The reference is d f/d e by a difference, times the derivatives of the restitution."""
     d, t = both
     entry, e, h = CONTACT_LAWS[law], 0.6, 1e-6
     d.given.law, d.given.restitution = entry.number, e
@@ -166,7 +166,7 @@ def test_it_starts_as_the_instance_does(twins):
     records = ["model", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch"]
     records += ["given", "stops", "solver"]
     for record in records:
-        dtype = d._record.dtype[record].base  # that of the rows of a table
+        dtype = d._record.dtype[record].base  # the type of a table's rows
         for name in dtype.names:
             if not dtype[name].names:
                 np.testing.assert_array_equal(t[record][name], d[record][name], err_msg=f"{record}.{name}")
@@ -180,7 +180,7 @@ def test_it_starts_as_the_instance_does(twins):
 
 @pytest.mark.parametrize("law", ["hunt_crossley", "newton_impact"])
 def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law, monkeypatch):
-    """Contacts that last take the new law; those at rigid walls stay as they are."""
+    """Lasting compliant contacts use the new law; contacts at rigid walls stay as they are."""
     d, t = twins
     assert initialize(d, 0.0) == OK
     starts.start_tangent(d, t)

@@ -1,4 +1,4 @@
-"""How far derivatives are trusted: up to an impact, which is named, or to a step, and why."""
+"""The end of trust in derivatives: at an impact, which is named, or at a step, and the reason."""
 
 from types import SimpleNamespace
 
@@ -23,7 +23,7 @@ def falling(speed):
 
 @pytest.mark.parametrize(("times_the_floor", "trusted"), [(0.8, False), (1.2, True)])
 def test_the_floor_of_the_approach_speed(times_the_floor, trusted):
-    """Below it the law takes another speed than that of the impact, above it the same."""
+    """Below the floor the law uses another speed than the impact's speed, above the floor the same speed."""
     floor = falling(1.0).values[FLOOR]
     result = simulate(falling(times_the_floor * floor), sensitivities=NAMES)
     assert len(result.impacts) >= 1
@@ -53,7 +53,7 @@ def hysteresis(penetration, rate, stiffness, restitution):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize(("restitution", "trusted"), [(0.7, False), (1.0, True)])
 def test_a_law_whose_force_jumps(tmp_path, restitution, trusted):
-    """Where the point turns, in the middle of its impact: before that there are derivatives."""
+    """The force jumps where the point reverses, in the middle of its impact: derivatives end there."""
     file = tmp_path / "hysteresis.py"
     file.write_text(HYSTERESIS)
     scene = ball(0.01, 1.0, stiffness=1e6, restitution=restitution, stop_time=0.05).with_values(
@@ -113,7 +113,7 @@ def instance(events=(), speeds=(3.0, 4.0)):
 
 
 def approaching(monkeypatch, *rates):
-    """Let the candidates have these rates of their clearances [m/s]."""
+    """Set these rates of the clearances of candidates [m/s]."""
     monkeypatch.setattr(trust, "clearance", lambda _, c: (dual(-1e-4), dual(rates[c])))
 
 
@@ -123,7 +123,7 @@ def told(t):
 
 @pytest.mark.parametrize(
     ("rate", "rigid", "reason"),
-    # √tolerance of the fastest speed, 5 m/s, is 5e-3 m/s; the floor is 1e-2 m/s, and a rigid wall has none
+    # √tolerance of the fastest speed, 5 m/s, is 5e-3 m/s; the floor is 1e-2 m/s; a rigid wall has no floor
     [
         *((-4.9e-3, 0, trust.GRAZING), (5e-3, 0, trust.GRAZING), (-5.1e-3, 0, trust.AT_FLOOR)),
         *((-0.99e-2, 0, trust.AT_FLOOR), (-1.01e-2, 0, trust.TRUSTED), (-0.99e-2, 1, trust.TRUSTED)),
@@ -142,7 +142,7 @@ def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
 
 
 def test_of_several_onsets_the_slowest_is_named(monkeypatch):
-    """What is no onset, or comes after the end of trust, changes nothing."""
+    """An event that is no onset, or an onset behind the end of trust, changes nothing."""
     for rates, slowest in (((-3.0, -2.0, -4.0), 2), ((-1.0, -2.0, -4.0), 0), ((-3.0, -2.0, -1.0), 3)):
         t = instance([ONSET, END, ONSET, ONSET])
         approaching(monkeypatch, rates[0], 0.0, *rates[1:])
@@ -161,12 +161,12 @@ def test_of_several_onsets_the_slowest_is_named(monkeypatch):
 @pytest.mark.parametrize("jumps", [True, False])
 @pytest.mark.parametrize("at_end", [1, 0])
 def test_where_a_point_turns_the_force_of_a_users_law_may_jump(monkeypatch, rates, turned, jumps, at_end):
-    """What is kept is the rate of the penetration: a rate of the clearance of the same sign is a turn."""
+    """The stored value is the rate of the penetration: a clearance rate of the same sign is a reversal."""
     asked, located = [], []
     approaching(monkeypatch, 0.0, 0.0, rates[1], 0.0)
     monkeypatch.setattr(trust, "locate_points", lambda t, y: located.append(y))
     monkeypatch.setattr(trust, "jumps_at_rest", lambda _t, c, depth: asked.append((c, depth.value)) or jumps)
-    # the laws of the registry are not asked
+    # registered laws are not checked
     for present, number in ((False, trust.USER_LAW), (True, 1), (True, trust.USER_LAW)):
         t = instance()
         t.touch.speed[2], t.law.number[2], t.work.at_end = dual(rates[0]), number, at_end

@@ -82,7 +82,7 @@ def test_the_table_of_impacts_of_a_result_is_one():
     assert "joint" in table
     every = read({name: table[name].tolist() for name in table.columns})
     assert "impulse" in every.quantity
-    assert "joint_force" not in every.quantity  # which is not known without loads
+    assert "joint_force" not in every.quantity  # unknown without loads
 
 
 def test_a_force_in_a_joint_needs_a_scene_with_loads():

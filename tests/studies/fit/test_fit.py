@@ -1,4 +1,4 @@
-"""Fits from end to end: values, intervals, several data sets, bounds, what is left out."""
+"""Fits from end to end: values, intervals, several data sets, bounds, omitted data."""
 
 import math
 from types import SimpleNamespace
@@ -30,7 +30,7 @@ def test_values_and_their_errors(found):
         assert low < found.values[name] < high
         assert abs(found.values[name] - true) < 4.0 * found.standard_errors[name]
     assert found.standard_errors[FREE[1]] < 0.01
-    # symmetric on the scale of the search: 1.96 standard errors, of a positive value as a factor
+    # symmetric on the scale of the search: 1.96 standard errors, as a factor for a positive value
     low, high = found.intervals[FREE[0]]
     relative = found.standard_errors[FREE[0]] / found.values[FREE[0]]
     assert math.log(high / low) == pytest.approx(2 * 1.959964 * relative, rel=1e-6)
@@ -105,7 +105,7 @@ def test_an_estimated_standard_deviation_widens_the_intervals():
 
 @pytest.mark.full("takes long")
 def test_few_values_give_wide_intervals_that_hold_the_truth():
-    """K is told by three peak forces, however many rows the path has: by two degrees of freedom."""
+    """Three peak forces determine K, however many rows the path has: two degrees of freedom."""
     path, result = motion(0.9)
     held, widths = 0, []
     for seed in range(40):
@@ -119,7 +119,7 @@ def test_few_values_give_wide_intervals_that_hold_the_truth():
         held += low < TRUE[0] < high
         widths.append(math.log(high / low) / (2 * found.standard_errors[FREE[0]] / found.values[FREE[0]]))
     assert min(widths) > 3.0
-    assert held >= 35  # of 40 at 95 %, fewer come by chance once in 200 times
+    assert held >= 35  # of 40 runs at 95 %; fewer occur by chance once in 200 times
     assert any(note.startswith("peak_force has 3 values: a σ that is estimated") for note in found.notes)
 
 
@@ -143,7 +143,7 @@ def test_impacts_after_the_stop_time_are_not_used():
 
 
 def test_several_data_sets_share_what_is_free():
-    """Three throws with other speeds: each has its own, and its own known height."""
+    """Three throws have different speeds and different known heights; each speed is a separate parameter."""
     heights, speeds = (1.4, 1.3, 1.45), (1.5, 1.2, 1.8)
     tables = []
     for k, (y, vx) in enumerate(zip(heights, speeds, strict=True)):
@@ -166,7 +166,7 @@ def test_several_data_sets_share_what_is_free():
     assert list(found.values.values()) == pytest.approx([0.7, *speeds], abs=1e-3)
     assert [one.values["initial.y"] for one in found.scenes] == list(heights)
     assert [one.values["initial.vx"] for one in found.scenes] == list(found.values.values())[1:]
-    # the speed of one does not depend on those of others, but through what they share
+    # the speed of one throw depends on the others only through shared parameters
     assert abs(found.correlation[1, 2]) < 0.5
 
 
@@ -181,7 +181,7 @@ def test_bounds_are_kept_and_said():
 
 
 def test_a_value_that_nears_a_bound_is_on_it():
-    """Negative damping would fit best: the search nears 0 without an end, the fit is at 0."""
+    """Negative damping would fit best: the search approaches 0 endlessly, and the fit is at 0."""
     arm = load_scene("triple_pendulum")
     truth = simulate(arm.with_values({"link[1].joint_damping": 0.0}), stop_time=1.0, output_step=0.01)
     columns = {"time": truth.time, "link[1].angle": truth["link[1].angle"] * (1.0 + 0.01 * truth.time)}
@@ -194,7 +194,7 @@ def test_a_value_that_nears_a_bound_is_on_it():
 
 
 def test_a_small_value_is_not_taken_for_its_bound():
-    """In SI units a damping is small: 1e-7 is far from 0, when the data tell it to a percent."""
+    """A damping in SI units is small: 1e-7 is far from 0 if the data determine it to a percent."""
     arm = load_scene("triple_pendulum")
     true = {f"link[{k}].joint_damping": 1e-7 for k in (1, 2, 3)}
     scaled = {
@@ -277,7 +277,7 @@ def test_an_input_can_be_free():
 
 
 def test_measured_impacts_of_a_golf_ball():
-    """Times of nine impacts; the closed form by SciPy as the second witness."""
+    """The data are times of nine impacts; the closed form by SciPy gives a second fit."""
     from scipy.optimize import least_squares
 
     ball, g = load_scene("golf_ball"), 9.81

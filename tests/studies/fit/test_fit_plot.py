@@ -29,7 +29,7 @@ def test_data_model_residuals_and_impacts(found):
     np.testing.assert_allclose(residuals.get_ydata(), found.residuals[found.columns[TIP[0]]] / NOISE)
     (lines,) = values.collections
     assert len(lines.get_paths()) == 2  # impacts
-    # quantities of impacts stand over their numbers
+    # quantities of impacts are drawn over the impact numbers
     assert axes[4].get_lines()[0].get_xdata().tolist() == [1, 2]
 
 
@@ -41,7 +41,7 @@ def test_the_headline_has_what_was_found(found):
 
 
 def test_rows_with_a_point_and_a_wall_stand_at_their_own_impacts():
-    """Without the column ``impact`` a row is about the next impact at its point and wall."""
+    """Without the column ``impact`` a row belongs to the next impact at its point and wall."""
     columns, result = motion(0.7)
     known = {"point": result.impacts["point"], **impacts(result, ["peak_force"])}
     numbers = known.pop("impact")[::-1]

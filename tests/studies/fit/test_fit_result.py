@@ -1,4 +1,4 @@
-"""What a fit holds, and its file."""
+"""The content of a fit, and its file."""
 
 import math
 

@@ -9,7 +9,7 @@ NOISE = 1e-4  # m
 
 
 def test_the_friction_of_a_puck_that_slides_up_a_slope_and_back():
-    """µ is found with an interval that holds it, from a start that stops on the slope."""
+    """The interval of µ contains the true value, from a start at which the puck stops on the slope."""
     true = puck(friction=0.2).scene
     result = simulate(true, output_step=0.01)
     names = ("point[0].x", "point[0].y")

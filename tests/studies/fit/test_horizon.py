@@ -1,4 +1,4 @@
-"""The search with a growing horizon."""
+"""The search with a growing time horizon."""
 
 import math
 from types import SimpleNamespace
@@ -49,14 +49,14 @@ def test_standard_deviations_are_estimated_by_column():
     assert sigma[TIP[0]] == pytest.approx(1e-3, rel=0.15)
     assert sigma[TIP[1]] == pytest.approx(math.hypot(1e-3, 4e-3), rel=0.15)
     assert sigma["peak_force"] == pytest.approx(0.02 * one.value[one.group == 2])
-    # at the end nothing changes any more
+    # at the end the estimates no longer change
     again = estimate_sigma(one, found.search.best, found.sigma)
     np.testing.assert_allclose(again, found.sigma, rtol=horizon.SETTLED)
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_column_that_its_parameters_meet_exactly_keeps_its_standard_deviation(seed):
-    """It has no degree of freedom: what is computed for it is round-off of either sign."""
+    """The column has no degree of freedom: its computed variance is round-off of either sign."""
     random = np.random.default_rng(seed)
     slopes = np.zeros((12, 4))
     slopes[:2, :2], slopes[2:, 2:] = random.standard_normal((2, 2)), random.standard_normal((10, 2))

@@ -1,4 +1,4 @@
-"""Fits to runs with inputs that were measured, too: torques of motors, a base that moves."""
+"""Fits with measured inputs: torques of motors, a moving base."""
 
 import csv
 

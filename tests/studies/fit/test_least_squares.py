@@ -1,4 +1,4 @@
-"""The search on functions whose least sum of squares is known."""
+"""The search, on functions with a known least sum of squares."""
 
 import numpy as np
 import pytest
@@ -85,7 +85,7 @@ def test_a_parameter_without_effect_costs_no_steps():
 def test_rows_that_are_not_there_do_not_count_and_none_may_be_lost():
     def gap(place):
         residuals, slopes = line(place)
-        lost = place[1] > 1.0  # beyond, an impact is missing
+        lost = place[1] > 1.0  # beyond this place an impact is missing
         return np.append(residuals, np.nan if lost else 0.1), np.vstack([slopes, [[0.0, 0.0]]])
 
     found, calls = search(gap, [0.0, 0.0])
@@ -110,8 +110,7 @@ def test_nothing_to_fit_does_not_converge():
 
 
 def test_slopes_without_bounds_near_a_bound():
-    """The best value is beyond the bound 0, and the slope grows as x^(−1/2) towards it, until its square
-    overflows."""
+    """The best value is beyond the bound 0. The slope grows as x^(−1/2) near 0 until its square overflows."""
 
     def root(place):
         x = max(float(place[0]), 1e-323)

@@ -1,4 +1,4 @@
-"""What is fitted, its scale and its bounds."""
+"""Fitted parameters, their scale and their bounds."""
 
 import math
 

@@ -73,7 +73,7 @@ def test_each_data_set_has_its_own_parameters():
     found = both.evaluate(both.start)
     assert both.start[1:].tolist() == [1.5, 1.0]
     first, second = found.slopes[:10], found.slopes[10:]
-    # x = x₀ + v t, y not
+    # x = x₀ + v t depends on the data set, y does not
     np.testing.assert_allclose(first[::2, 1], columns["time"], rtol=1e-5)
     np.testing.assert_allclose(second[::2, 2], columns["time"], rtol=1e-5)
     assert not first[:, 2].any()
@@ -83,7 +83,7 @@ def test_each_data_set_has_its_own_parameters():
 
 @pytest.mark.full("takes long")
 def test_a_contact_that_lasts_has_no_peak_yet():
-    columns, _ = motion(0.5005, count=5, noise=0.0)  # the first impact is from 0.4994 to 0.5016 s
+    columns, _ = motion(0.5005, count=5, noise=0.0)  # the first impact lasts from 0.4994 to 0.5016 s
     table = {"impact": [1, 1], "onset": [0.5, None], "peak_force": [None, 1e4]}
     found = problem([[columns, table]], [scene().with_values({"simulation.stop_time": 0.5005})])
     run = found.evaluate(found.start)
@@ -101,7 +101,7 @@ def test_a_run_that_fails_says_why():
 
 
 def test_a_run_leaves_nothing_behind(both):
-    """Not even one that ended in a contact, or failed."""
+    """Also a run that ended in a contact, or failed."""
     first = both.evaluate(both.start)
     both.evaluate(both.start, 0.5)
     both.evaluate(both.start * [1.0, 3.0, 1.0])  # e = 2.1 is refused
@@ -122,7 +122,7 @@ def test_a_scene_that_cannot_start_is_refused(monkeypatch):
 
 
 def test_bounds_that_are_reached():
-    """Within a hundredth of a standard error and of the way, or of round-off where both bounds are known."""
+    """A bound is reached within 1 % of a standard error and of the range, or within round-off."""
     columns, _ = motion(0.3, count=5)
     one = problem([columns], [scene()], ["contact.restitution", "link[1].joint_damping", "initial.x"])
     place = np.array([0.7, 1e-7, 0.5])

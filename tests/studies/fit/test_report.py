@@ -1,4 +1,4 @@
-"""What a fit says when it is printed."""
+"""The printed report of a fit."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The coefficient of friction from the places where thrown chains come to rest, and from nothing else."""
+"""A fit of the coefficient of friction to the final positions of thrown chains only."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Scenes as files that keep what they can of the file that they came from."""
+"""Scenes written to files that keep as much as possible of their source file."""
 
 import shutil
 
@@ -61,7 +61,7 @@ def test_only_values_change_and_comments_keep_their_column():
 
 
 def test_what_is_derived_is_not_written():
-    """The inertia of a fitted scene is that of a rod of the new mass; the file leaves it to the default."""
+    """The inertia of a fitted scene follows from the new mass; the file does not give it."""
     before = TEXT.replace("count = 1\n", "")
     scene = parse_scene(before, "ball.toml").with_values({"link[1].mass": 0.625})
     text = updated(before, scene, "ball.toml")
@@ -129,7 +129,7 @@ def test_the_file_of_another_law_is_not_replaced(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     scene, taken = with_law(parse_scene(TEXT, "ball.toml"), springy), tmp_path / "springy.py"
     write_scene(scene, tmp_path / "one.toml")
-    write_scene(scene, tmp_path / "two.toml")  # the same law may be there
+    write_scene(scene, tmp_path / "two.toml")  # the same law file may exist there
     taken.write_text("mine")
     with pytest.raises(SceneError, match=r"springy\.py: is another file than the contact law springy"):
         write_scene(scene, tmp_path / "three.toml")

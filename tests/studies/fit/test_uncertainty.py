@@ -13,7 +13,7 @@ SIGMA = np.full(4, 0.5)
 
 
 def test_a_straight_line():
-    """Standard errors of intercept and slope as in every textbook."""
+    """The textbook gives standard errors of intercept and slope."""
     known, x = information(SLOPES, SIGMA), np.arange(4.0)
     spread = ((x - x.mean()) ** 2).sum()
     wanted = 0.5 * math.sqrt(0.25 + x.mean() ** 2 / spread), 0.5 / math.sqrt(spread)
@@ -54,7 +54,7 @@ def test_degrees_of_freedom_of_one_column_are_its_own():
 
 
 def test_degrees_of_freedom_are_those_of_the_column_that_tells_a_parameter():
-    """The first parameter is told by three values, the second by a hundred: as in two fits."""
+    """Three values determine the first parameter, and 100 values the second: as in two separate fits."""
     slopes = np.zeros((103, 2))
     slopes[:3, 0] = slopes[3:, 1] = 1.0
     few = np.arange(103) < 3
@@ -65,7 +65,7 @@ def test_degrees_of_freedom_are_those_of_the_column_that_tells_a_parameter():
 
 
 def test_degrees_of_freedom_of_two_means_are_those_of_welch():
-    """The difference of two means with unequal variances: the number in Welch's test."""
+    """The reference is the number in Welch's test for the difference of two means with unequal variances."""
     n, m, s, r = 4, 7, 2.0, 0.3
     slopes = np.vstack([np.repeat([[1.0, 1.0]], n, 0), np.repeat([[1.0, 0.0]], m, 0)])  # mean, difference
     first = np.arange(n + m) < n
@@ -76,7 +76,7 @@ def test_degrees_of_freedom_of_two_means_are_those_of_welch():
 
 
 def test_a_mean_that_is_weighted_by_estimates_has_a_larger_error():
-    """Meier's variance of a weighted mean of two samples (Biometrics 9 (1953) 59)."""
+    """The reference is Meier's variance of a weighted mean of two samples (Biometrics 9 (1953) 59)."""
     n, m, s, r = 4, 7, 2.0, 0.3
     first = np.arange(n + m) < n
     sigma, columns = np.where(first, s, r), [(first, n - 1.0), (~first, m - 1.0)]

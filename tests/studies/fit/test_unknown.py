@@ -1,4 +1,4 @@
-"""What the data cannot tell, and with what it acts together: each word is checked by doing it."""
+"""Parameters that the data cannot determine, and their companions; tests confirm each statement by runs."""
 
 import math
 
@@ -32,7 +32,7 @@ def test_what_has_no_effect():
 
 
 def test_masses_are_known_up_to_a_factor():
-    """A swing without force from outside tells masses and inertias up to a common factor only."""
+    """A motion without external forces determines masses and inertias up to a common factor only."""
     arm = load_scene("pinned_arm").with_values({"box.x_max": 5.0})
     result = simulate(arm, stop_time=1.0, output_step=0.02)
     names = ["link[1].mass", "link[1].inertia", "link[2].mass", "link[2].inertia"]

@@ -1,4 +1,4 @@
-"""A sweep on a real dask scheduler with two workers gives the rows that this machine gives."""
+"""A sweep on a real dask scheduler with two workers gives the rows of a local sweep."""
 
 import os
 import re
@@ -131,7 +131,7 @@ def test_a_worker_with_another_version(scheduler, monkeypatch):
 
 
 class Other:
-    """Another version here than on the workers, where it is found by its name."""
+    """Another version than on the workers, which find it by its name."""
 
     def __call__(self):
         return "9.9", "abc"
@@ -146,7 +146,7 @@ class Other:
     "address", ["tcp:", "tls://127.0.0.1:9", "inproc://127.0.0.1/1/1", "tcp://127.0.0.1:9"]
 )
 def test_a_client_that_could_not_connect_is_closed(address, monkeypatch):
-    """Else the garbage collector closes it, and waits for ever if that is while another one starts."""
+    """Otherwise the garbage collector would close the client, and could wait forever while another starts."""
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
     from distributed import Client
 

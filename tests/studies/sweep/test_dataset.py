@@ -1,4 +1,4 @@
-"""A sweep into a folder: rows go to Parquet files as they come, and are the same as in the memory."""
+"""A sweep into a folder: rows go to Parquet files during the run, equal to the rows in memory."""
 
 import errno
 import itertools
@@ -117,7 +117,7 @@ def test_what_is_done_is_not_done_again(tmp_path, whole, monkeypatch):
     monkeypatch.setattr(module, "run_in_threads", spy)
     assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
     assert {path: path.stat().st_mtime_ns for path in files} == files
-    monkeypatch.setattr(work, "Runner", None)  # nor is a kernel, nor a scheduler, nor are files written
+    monkeypatch.setattr(work, "Runner", None)  # no kernel, scheduler or file is needed either
     monkeypatch.setattr(FileLock, "acquire", None)
     before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
     again = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")
@@ -135,7 +135,7 @@ def test_a_damaged_file_is_made_again(tmp_path, whole, harm, caplog):
         file.write_bytes(file.read_bytes()[:-10])
     elif harm == "gone":
         file.unlink()
-    elif harm == "not listed":  # as it was renamed just before the process was killed
+    elif harm == "not listed":  # renamed just before the process was killed
         (folder / "runs-000000000000790.parquet").write_bytes(file.read_bytes())
     else:
         (folder / f".{file.name}-1").write_bytes(b"half")
@@ -226,7 +226,7 @@ def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
 def test_a_file_that_was_made_and_not_listed_goes_when_the_sweep_fails(tmp_path, monkeypatch):
     real = module.run_in_threads
 
-    done = []  # which piece is the first to be done is up to the threads
+    done = []  # the threads decide which piece is finished first
 
     def full(work, *arguments):
         done.append(next(real(work, *arguments)))
@@ -256,7 +256,7 @@ def test_a_folder_that_can_only_be_read_is_said_with_the_path_of_the_table(tmp_p
 
 def test_two_sweeps_do_not_write_one_folder(tmp_path):
     def second(_):
-        assert [path.name for path in tmp_path.iterdir()] == ["runs"]  # whose parent may be read-only
+        assert [path.name for path in tmp_path.iterdir()] == ["runs"]  # the parent folder may be read-only
         with pytest.raises(SceneError, match="runs is being written by another sweep: wait until"):
             sweep(SCENE, VARY, path=tmp_path / "runs")
         raise StopError
@@ -268,7 +268,7 @@ def test_two_sweeps_do_not_write_one_folder(tmp_path):
 
 @pytest.mark.parametrize("room", [10, 14_000])
 def test_a_full_disk_is_said_with_the_folder_and_what_is_whole_is_kept(tmp_path, whole, room):
-    """The system takes so many bytes for a file, and no more."""
+    """The operating system limits the size of a file."""
     resource = pytest.importorskip("resource", reason="Windows has no such limit")
     folder, before = tmp_path / "runs", resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
@@ -432,7 +432,7 @@ def test_a_picture_of_a_folder_is_that_of_the_memory(tmp_path, whole):
 
 
 def test_what_is_not_of_the_sweep_stays_and_what_a_kill_has_left_goes(tmp_path):
-    """A kill within the first manifest leaves a folder; a user's file has a name like those of runs."""
+    """A kill during the first manifest leaves a folder; a user's file has a name similar to run files."""
     folder, vary = tmp_path / "runs", {"contact.restitution": [0.2, 0.4]}
     (folder / f".{MANIFEST}-killed").mkdir(parents=True)
     first = sweep(SCENE, vary, path=folder)

@@ -1,4 +1,4 @@
-"""Grids are all combinations, samples fill the space evenly; both are bounded."""
+"""Designs of sweeps: grids contain all combinations, samples fill the space evenly; both are limited."""
 
 import itertools
 import math
@@ -65,7 +65,7 @@ def test_refused(count, sampling, seed, words):
 @pytest.mark.parametrize("sampling", ["lhs", "sobol"])
 @pytest.mark.parametrize("count", [1, 10, 1000, 3001])
 def test_samples_are_scipys_whatever_block_is_asked_for(sampling, count):
-    """So those of a seed stay what they are, and nothing is kept between blocks that changes them."""
+    """Samples of a seed never change, because no state is kept between blocks."""
     variations, generator = variations_of(SCENE, INTERVALS), np.random.default_rng(7)
     if sampling == "lhs":
         parts = qmc.LatinHypercube(2, seed=generator).random(count)

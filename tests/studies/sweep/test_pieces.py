@@ -1,6 +1,6 @@
-"""Pieces cover what is missing, each run once, and are cut to the time that they shall take.
+"""Pieces of a sweep cover the missing runs exactly once, and are sized by their expected time.
 
-The rows do not depend on how many threads there are, nor on how the runs are cut into pieces.
+The rows do not depend on the number of threads and the sizes of pieces.
 """
 
 import threading
@@ -63,7 +63,7 @@ def test_pieces_take_a_part_of_the_time_so_far():
         assert size <= max(1000 * SHORTEST, 0.11 * first)
     assert max(sizes) == 1000 * LONGEST
     assert len(sizes) < 150
-    assert sizes[-1] < 0.1 * max(sizes)  # at the end, everybody gets a share
+    assert sizes[-1] < 0.1 * max(sizes)  # at the end, all threads get a share
     assert max(end - first for first, end in taken(Pieces([(0, 10**7)], 2), 1e-9)) == LONGEST_PIECE
 
 
@@ -79,7 +79,7 @@ def parts(vary):
 
 @pytest.mark.full("takes long")
 def test_rows_do_not_depend_on_threads():
-    # more than the kernel does in a call: it pauses within a run, and goes on
+    # more rows than the kernel computes in one call, so that it pauses within a run and continues
     vary = {"contact.restitution": "0.3:0.7:15000"}
     job, design = parts(vary)
     at_once = Runner(job).run(design.values(0, 15000))

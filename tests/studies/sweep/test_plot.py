@@ -1,4 +1,4 @@
-"""The picture of a sweep: what is drawn is what is in the table, and nothing covers anything else."""
+"""The picture of a sweep: it shows the values of the table, and nothing overlaps."""
 
 import numpy as np
 import pytest
@@ -93,7 +93,7 @@ def test_a_scene_with_stops_has_panels_for_them():
     outputs = ["point[2].x", "point[2].y", "joint[2].stop_moment", "impact.last_time"]
     page = drawn(sweep(knee(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs))
     labels = [axes.get_ylabel() for axes in page.axes]
-    # without loads nothing is known of joints
+    # joint forces are unknown without loads
     assert labels[:6] == [quantity.label for quantity in QUANTITIES if quantity.column != "joint_force"]
     assert len(labels) == 6 + len(outputs)
     assert "kN, peak moment of stops" in page.get_suptitle()
@@ -115,7 +115,7 @@ def test_maps_are_the_columns_with_ordered_axes():
     shown = mesh.get_array()
     assert panel.get_xscale() == "linear"
     force = 1e-3 * found["peak_force"].reshape(2, 3)
-    # restitutions upward in order, stiffnesses to the right
+    # restitutions upward in ascending order, stiffnesses to the right
     assert np.array_equal(shown[[1, 2]], force[::-1][:, [0, 2]].T)
     assert shown.mask[0].all()
     assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)

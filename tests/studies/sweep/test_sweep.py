@@ -1,4 +1,4 @@
-"""A run of a sweep is what `simulate()` gives, bit by bit."""
+"""A run of a sweep is bit-equal to `simulate()`."""
 
 import numpy as np
 import pytest
@@ -29,11 +29,11 @@ def short(model="four_link_box", stop=0.6, tolerance=1e-6):
 
 
 def check(scene, row, varied, outputs=()):
-    """Hold a row of a sweep against `simulate()`; returns the status."""
+    """Compare a row of a sweep with `simulate()`, and return the status."""
     fault = None
     try:
         result = simulate(with_settings(scene, {name: repr(row[name].item()).strip("'") for name in varied}))
-    except SceneError:  # refused before it starts
+    except SceneError:  # refused before the start
         assert row["status"] in ("restitution_not_allowed", "exponent_not_allowed", "starts_inside_wall")
         assert row["time"] == row["impact.count"] == row["solver.steps"] == 0
         return row["status"]
@@ -56,8 +56,8 @@ def check(scene, row, varied, outputs=()):
         assert row[column] == max(result.impacts[name][stops], default=0.0), column
     if scene.outputs.loads:
         peaks = result["joint[*].peak_force"].values()
-        largest = max(peak[-1] for peak in peaks)  # of a fault in the last row before it
-        assert row["joint_force"] == largest or fault  # which may lie before the last row
+        largest = max(peak[-1] for peak in peaks)  # the value at a fault in its last row
+        assert row["joint_force"] == largest or fault  # a fault may have its peak before the last row
     assert row["impact.count"] == len(result.impacts)
     for name, count in result.statistics.items():
         assert row[f"solver.{name}"] == count, name
@@ -163,7 +163,7 @@ def test_random_scenes(seed):
 
 
 def test_contacts_at_stops_have_columns_of_their_own():
-    """Also one that lasts at the end."""
+    """Also test a contact that lasts at the end."""
     scene = knee()
     result = simulate(scene)
     assert {at_stop(scene, wall) for wall in result.impacts["wall"]} == {False, True}
@@ -177,7 +177,7 @@ def test_contacts_at_stops_have_columns_of_their_own():
 
 
 def test_a_scene_with_loads_has_the_largest_force_in_a_joint(tmp_path):
-    """In joint 2 or in joint 1, as the arm is turned; also in a run that faults, and in the table's file."""
+    """The joint is 2 or 1, depending on the arm's angle; also for failed runs, and in the table's file."""
     scene = with_values(short("pinned_arm"), {"outputs.loads": True})
     vary = {"contact.stiffness": "1e5:1e9:3:log", "initial.angle[2]": [-2.1, 0.0, 2e9]}
     found = sweep(scene, vary, outputs=["joint[2].peak_force"])
@@ -222,7 +222,7 @@ def test_a_law_of_ones_own():
 
 
 def test_a_mass_matrix_that_is_singular_is_a_row():
-    """The sweep has a word for every status of the kernel."""
+    """The sweep has a text for every status of the kernel."""
     assert STATUS_NAME.keys() == STATUS_TEXT.keys()
     swept = sweep(load_scene("rod_drop"), {"link[1].inertia": [0.0, 0.1], "link[1].center_of_mass": [0.0]})
     assert swept["status"].tolist() == ["mass_matrix_singular", "ok"]
@@ -230,7 +230,7 @@ def test_a_mass_matrix_that_is_singular_is_a_row():
 
 
 def test_a_joint_without_dry_friction_is_free_after_one_with_it():
-    """A joint that sticks, with the tip on a rough floor, leaves nothing to a run without its friction."""
+    """A run with a sticking joint and a rough floor must not change a later run without that friction."""
     links = [{"length": 0.4, "mass": 1.0, "joint_damping": 5.0, "joint_stiffness": 1e4}] * 3
     links[1] = links[1] | {"joint_friction": 50.0}
     scene = scene_from_dict(
@@ -259,7 +259,7 @@ def test_derivatives_of_a_run_that_was_refused_are_unknown():
 
 
 def test_no_run_ends_after_its_stop_time():
-    """The last step before a fault may, as the solver runs ahead."""
+    """The solver runs ahead, so the last step before a fault may end later."""
     found = sweep(short("pinned_arm", stop=1.0), {"solver.work_limit": "20:3000:300"})
     assert 10 < found.failed.sum() < 300
     assert found["time"].max() == 1.0

@@ -1,4 +1,4 @@
-"""What a parameter can be varied over, in text and in numbers; and what is refused, in one sentence."""
+"""Variations of a parameter as text and as numbers, and refused variations with one-sentence messages."""
 
 import numpy as np
 import pytest
