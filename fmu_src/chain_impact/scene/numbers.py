@@ -8,9 +8,9 @@ from __future__ import annotations
 import functools
 import math
 import sys
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any, TypeVar
 
 from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.checks import check_joint_angles, check_start
@@ -20,6 +20,7 @@ from chain_impact.scene.names import Place, name_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
 
+Table = TypeVar("Table")
 LARGEST = sys.float_info.max
 LINKS = 64  # number of links up to which the fast path applies; a longer chain is read as a whole
 _KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
@@ -96,13 +97,13 @@ def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
             if k >= len(numbers) or (key == "velocity" and scene.chain.base != "free"):
                 return None
             changed: dict[str, Any] = {key: (*numbers[:k], value, *numbers[k + 1 :])}
-            return replace(scene, initial=replace(scene.initial, **changed))
+            return _with(scene, initial=_with(scene.initial, **changed))
         case "contact", str(key) if value == 0.0 or ("stops", key) in scene.derived_places:
             return None
         case str(table), str(key):
             before = getattr(scene, table)
             same = getattr(before, key) == value
-            return scene if same else replace(scene, **{table: replace(before, **{key: value})})
+            return scene if same else _with(scene, **{table: _with(before, **{key: value})})
     return None
 
 
@@ -112,15 +113,31 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
     if i >= len(links):
         return None
     change: dict[str, Any] = {key: value}
-    link = replace(links[i], **change)
+    link = _with(links[i], **change)
     if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_places:
         rule = _rules_of_links()["inertia"]["default"]
-        link = replace(
+        link = _with(
             link, inertia=rule.value({key: getattr(link, key) for key in ("mass", "length", "height")})
         )
     if key in ("mass", "inertia") and not 0.0 < link.inertia < math.inf:
         return None
-    return replace(scene, chain=replace(scene.chain, links=(*links[:i], link, *links[i + 1 :])))
+    return _with(scene, chain=_with(scene.chain, links=(*links[:i], link, *links[i + 1 :])))
+
+
+def _with(table: Table, **changes: Any) -> Table:
+    """Return a table with some values changed, as ``dataclasses.replace`` does, in half the time."""
+    kind: Any = type(table)
+    fresh: Table = object.__new__(kind)
+    for name, read, write in _slots(kind):
+        write(fresh, changes[name] if name in changes else read(table))
+    return fresh
+
+
+@functools.cache
+def _slots(table: type) -> list[tuple[str, Callable[..., Any], Callable[..., None]]]:
+    """Return the name of each value of a table, and the functions that read and write it."""
+    slots = [(entry.name, getattr(table, entry.name)) for entry in fields(table)]
+    return [(name, slot.__get__, slot.__set__) for name, slot in slots]
 
 
 @functools.cache
