@@ -40,6 +40,15 @@ def test_no_path_and_nothing_pickled_is_in_it(what):
         assert path not in module
 
 
+@pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
+def test_of_the_c_library_only_roots_and_whole_parts_are_called(what):
+    """Every C library rounds them correctly; other functions of it differ in the last digit."""
+    module = library._lowered_kernel(what)
+    called = set(re.findall(r"^declare double @([\w.]+)\(", module, re.M)) - {"user_law_force"}
+    assert called == {"sqrt", "floor", "llvm.fabs.f64", "llvm.copysign.f64"}
+    assert " frem " not in module
+
+
 def test_no_path_is_in_a_law_that_could_raise(tmp_path):
     """In numba, powers with an integer exponent and ranges with step 0 raise exceptions."""
     law = tmp_path / "mine.py"

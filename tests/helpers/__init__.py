@@ -12,6 +12,6 @@ Random scenes, and checks that hold for all of them; each file is also a command
     random_scenes, search, oracle, load_checks, random_bodies, random_derivatives, resting,
     resting_chains, arches.
 Tools:
-    plain, stamps, kernel_calls, registers, binaries, processes, forks, shared, reader, page_data, refusal,
-    cpu_profile.
+    plain, stamps, kernel_calls, own_functions, registers, binaries, processes, forks, shared, reader,
+    page_data, refusal, cpu_profile.
 """

@@ -134,8 +134,8 @@ def test_a_top_of_faded_values_is_found(size):
 @small
 @pytest.mark.parametrize("exponent", [0.0, 0.25, 0.5, 1.0, 1.5, 1.7])
 def test_powers_and_their_derivatives_are_finite(size, exponent):
-    found = rules.power(Dual(size, [1.0, -2.0]), Dual(exponent, [0.0, 0.0]))
-    assert found.value == contact_force.power(size, exponent)
+    found = rules.power_of_depth(Dual(size, [1.0, -2.0]), Dual(exponent, [0.0, 0.0]))
+    assert found.value == contact_force.power_of_depth(size, exponent)
     assert finite(found.value, *found.slope)
 
 

@@ -194,27 +194,6 @@ for _function, _codes in _CODES.items():
             _lower(_one, _code, *_kinds)
 
 
-def _power_of_number(context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
-    a, da = _parts(builder, x)
-    # (aᵇ)′ = b aᵇ⁻¹ a′
-    below = _of_numbers(context, builder, operator.pow, a, builder.fsub(b, ir.Constant(b.type, 1.0)))
-    value = _of_numbers(context, builder, operator.pow, a, b)
-    return _made(builder, value, _times(builder, builder.fmul(b, below), da))
-
-
-def _power(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
-    (a, _), (b, db) = _parts(builder, x), _parts(builder, y)
-    value, slopes = _parts(builder, _power_of_number(context, builder, x, b))
-    # the second term, aᵇ ln a b′
-    slope = builder.fmul(value, _of_numbers(context, builder, math.log, a))
-    return _made(builder, value, builder.fadd(slopes, _times(builder, slope, db)))
-
-
-_declare(operator.pow, DUAL)
-_lower(operator.pow, _power, Dual, Dual)
-_lower(operator.pow, _power_of_number, Dual, types.Float)
-
-
 # ---- comparisons, extremes and functions ------------------------------------------------------------------
 
 for _function, _relation in (
@@ -280,17 +259,6 @@ def _sign(_context: Any, builder: ir.IRBuilder, a: ir.Value, _value: ir.Value) -
 
 
 _chain(math.sqrt, _root_slope)
-_chain(math.exp, lambda _context, _builder, _a, value: value)
-_chain(math.expm1, lambda _context, builder, _a, value: builder.fadd(value, ir.Constant(value.type, 1.0)))
-_chain(math.log, lambda _context, builder, a, _value: builder.fdiv(ir.Constant(a.type, 1.0), a))
-_chain(
-    math.log1p,
-    lambda _context, builder, a, _value: builder.fdiv(
-        ir.Constant(a.type, 1.0), builder.fadd(a, ir.Constant(a.type, 1.0))
-    ),
-)
-_chain(math.cos, lambda context, builder, a, _value: builder.fneg(_of_numbers(context, builder, math.sin, a)))
-_chain(math.sin, lambda context, builder, a, _value: _of_numbers(context, builder, math.cos, a))
 _chain(abs, _sign)
 
 

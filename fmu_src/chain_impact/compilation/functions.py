@@ -70,7 +70,9 @@ class Function(types.Dispatcher):
         return types.Dispatcher(compiled(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """Return the signature of the function for some arguments."""
+        """Return the signature for some arguments; a rule with a dual number takes dual numbers only."""
+        if self._function in _RULES and DUAL in args:
+            args = tuple(DUAL if one == float64 else one for one in args)
         return self._for(args).get_call_type(context, args, kws)
 
     def get_overload(self, sig: Any) -> Any:

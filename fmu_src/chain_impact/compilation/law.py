@@ -1,21 +1,45 @@
-"""A user's own contact law as a C function, to be linked to a kernel."""
+"""A user's own contact law as a C function, to be linked to a kernel.
+
+A law has the kernel's own functions for exponentials, logarithms, powers, sines and cosines, which have the
+same bits on every machine. Other functions of ``math`` are those of the platform's C library.
+"""
 
 from __future__ import annotations
 
 import math
+import operator
 import re
 from collections.abc import Callable
+from types import ModuleType
 from typing import Any
 
 from numba import float64, types
 from numba.core.errors import NumbaError
+from numba.extending import lower_builtin
 
 from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled
 from chain_impact.compilation.law_file import LawError, UserLaw
-from chain_impact.compilation.law_syntax import FUNCTIONS
+from chain_impact.compilation.law_syntax import FUNCTIONS, MATH
 from chain_impact.kernel.forces.user_law import ARGUMENTS
+from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 
 MEMORY = "NRT required"  # the message of numba for a function that allocates memory
+MATHEMATICS = ModuleType(math.__name__)
+"""``math``, as a law has it."""
+vars(MATHEMATICS).update(
+    {name: getattr(math, name) for name in MATH}
+    | {name: getattr(exponentials, name) for name in ("exp", "expm1")}
+    | {name: getattr(logarithms, name) for name in ("log", "log1p")}
+    | {"pow": powers.power, "sin": angles.sine, "cos": angles.cosine}
+)
+
+
+def _power(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return context.compile_internal(builder, powers.power, signature, arguments)
+
+
+for _operation in (pow, operator.pow, operator.ipow):
+    lower_builtin(_operation, float64, float64)(_power)
 
 
 def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
@@ -36,7 +60,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
     Raises:
         LawError: when the law cannot be compiled.
     """
-    known = {**FUNCTIONS, "__import__": lambda *_: math}
+    known = {**FUNCTIONS, "__import__": lambda *_: MATHEMATICS}
     space: dict[str, Any] = {"__name__": law.id, "__builtins__": known}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)

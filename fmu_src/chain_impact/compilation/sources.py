@@ -16,7 +16,7 @@ MAKERS = (
 COMPILED = (
     "kernel",
     *(f"compilation/{name}.py" for name in MAKERS),
-    *("compilation/c_interface", "compilation/mathematics"),
+    "compilation/c_interface",
 )
 """The folders and files of the package from which kernels are made."""
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}

@@ -96,7 +96,8 @@ def rotor_energy(d, y):
     energy, before = 0.0, 0.0
     for i in range(d.links):
         omega = y[omega_at(d.links) + i]
-        energy += 0.5 * joint_armature(d, i) * (omega - before) ** 2
+        change = omega - before
+        energy += 0.5 * joint_armature(d, i) * (change * change)
         before = omega
     return energy
 

@@ -26,6 +26,7 @@ from chain_impact.kernel.forces.friction import clear_friction
 from chain_impact.kernel.forces.inputs import apply_inputs, begin_motion
 from chain_impact.kernel.functions import clear
 from chain_impact.kernel.loads import start_loads
+from chain_impact.kernel.mathematics.angles import direction
 from chain_impact.kernel.ode.balance import start_balance
 from chain_impact.kernel.ode.control import (
     IMPLICIT,
@@ -190,7 +191,7 @@ def derive_chain(d):
 
 def derive_slider(d):
     """Derive the direction of the slider's line, and whether the slider's drive has a limit."""
-    d.slider.ux, d.slider.uy = math.cos(d.slider.angle), math.sin(d.slider.angle)
+    d.slider.ux, d.slider.uy = direction(d.slider.angle)
     if d.slider.force_limit < math.inf:
         d.model.limited = 1
 

@@ -244,7 +244,7 @@ def rises_between(left, top, right, highest):
     # The maximum of a parabola through the samples counts if it lies between the outer samples.
     if bend <= 0.0 or abs(right - left) > 2.0 * bend:
         return False
-    return top + (right - left) ** 2 / (8.0 * bend) > NEARLY * highest
+    return top + (right - left) * (right - left) / (8.0 * bend) > NEARLY * highest
 
 
 def load_joints_at(d, theta):

@@ -6,13 +6,11 @@ the joint's own angle θ_i − θ_{i−1} times a lever arm, the length of the l
 other modules treat a stop like a wall at a point. The last P places are the sites (chain/sites.py).
 """
 
-import math
-
-from chain_impact.kernel.chain.angles import LARGEST, cosine_and_sine
 from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.sites import accelerate_sites, clear_sites, place_sites, turn_sites
 from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
 from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.mathematics.angles import LARGEST, cosine_and_sine, direction
 
 
 def polar(radius, y, first, horizontal, vertical):
@@ -23,8 +21,9 @@ def polar(radius, y, first, horizontal, vertical):
     count = len(radius)
     if not in_reach(y, first, count):
         for i in range(count):
-            horizontal[i] = radius[i] * math.cos(y[first + i])
-            vertical[i] = radius[i] * math.sin(y[first + i])
+            cosine, sine = direction(y[first + i])
+            horizontal[i] = radius[i] * cosine
+            vertical[i] = radius[i] * sine
         return
     # The copy lets the compiler know that the results do not overwrite the angles,
     copy(y, first, count, vertical)

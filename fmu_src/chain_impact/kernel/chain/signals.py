@@ -15,8 +15,8 @@ position, velocity and acceleration always agree. The integrals of a sine are in
 
 import math
 
-from chain_impact.kernel.chain.angles import direction
 from chain_impact.kernel.chain.sines import TAU, integral, phase, smooth
+from chain_impact.kernel.mathematics.angles import direction
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp

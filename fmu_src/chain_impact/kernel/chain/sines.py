@@ -21,7 +21,7 @@ In a rise during which Φ turns little, E_n has large terms that cancel; there I
 
 import math
 
-from chain_impact.kernel.chain.angles import direction
+from chain_impact.kernel.mathematics.angles import direction
 
 TAU = 2.0 * math.pi
 RISING = 5  # degree of the smooth ramp

@@ -100,7 +100,7 @@ def update_held_extremes(d):
             left, top, right = samples[0, k], samples[1, k], d.rigid.impulse[k]
             peak, bend = right, left - 2.0 * top + right
             if j >= 2 and top > max(left, right):
-                peak = top - (right - left) ** 2 / (8.0 * bend)
+                peak = top - (right - left) * (right - left) / (8.0 * bend)
             set_extremes(d, c, max(d.touch.peak_force[c], peak), d.touch.max_penetration[c])
             samples[0, k], samples[1, k] = top, right
     count_evaluations(d, HELD_SAMPLES)

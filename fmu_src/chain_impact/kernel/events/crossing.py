@@ -117,7 +117,7 @@ def find_crossing(d):
             keep_start(d)
             # the next interval is the widest one of the bisection's tree that begins at b
             a, width = b, b - a
-            while a + width < 1.0 and a % (2.0 * width) == 0.0:
+            while a + width < 1.0 and math.floor(0.5 * a / width) == 0.5 * a / width:
                 width *= 2.0
             b = min(1.0, a + width)
     return -1.0  # TOO_MUCH_WORK has been reached: the caller will end the run

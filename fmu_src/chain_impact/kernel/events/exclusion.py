@@ -76,7 +76,9 @@ def excludes_events(d):
     way = way_per_radian(d)
     if d.channels > 0:
         way += travel_of_piece(d)
-    error = way * turn**2 * max(turn, fade) ** 4 / 4608.0
+    turns, larger = turn * turn, max(turn, fade)
+    larger *= larger
+    error = way * turns * (larger * larger) / 4608.0
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
         # Without branches the compiler can use vector instructions. A point that a rigid wall holds has φ =

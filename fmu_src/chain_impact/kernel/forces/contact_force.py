@@ -14,6 +14,8 @@ import math
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.contact_law import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
+from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint, lever
 
 # The relative increment of penetration and speed for the central differences of a user's law. It is about the
@@ -24,8 +26,8 @@ DIFFERENCE = 1e-5
 TURNED = 0.3
 
 
-def power(depth, exponent):
-    """Return δ^exponent for δ ≥ 0; the usual exponents need no call of pow()."""
+def power_of_depth(depth, exponent):
+    """Return δ^exponent for δ ≥ 0; the most usual exponents need roots and products only."""
     if exponent == 1.5:
         return depth * math.sqrt(depth)
     if exponent == 1.0:
@@ -34,14 +36,23 @@ def power(depth, exponent):
         return 1.0
     if exponent == 0.5:
         return math.sqrt(depth)
+    return rare_power(depth, exponent)
+
+
+def rare_power(depth, exponent):
+    """Return δ^exponent for δ ≥ 0, with roots and products if they suffice."""
     if exponent == 0.25:
         return math.sqrt(math.sqrt(depth))
-    return depth**exponent
+    if exponent == 2.0:
+        return depth * depth
+    if exponent == 2.5:
+        return depth * depth * math.sqrt(depth)
+    return power(depth, exponent)
 
 
 def elastic_force(d, c, penetration):
     """Return K δⁿ [N] of candidate c for a penetration δ ≥ 0 [m]."""
-    return d.law.stiffness[c] * power(penetration, d.law.exponent[c])
+    return d.law.stiffness[c] * power_of_depth(penetration, d.law.exponent[c])
 
 
 def elastic_energy(d, c, penetration):
@@ -54,7 +65,7 @@ def elastic_depth(d, c, mass, speed):
     stiffness, exponent = d.law.stiffness[c], d.law.exponent[c]
     # K δⁿ⁺¹/(n+1) = ½ m v²
     energy = 0.5 * mass * speed * speed
-    return (energy * (exponent + 1.0) / stiffness) ** (1.0 / (exponent + 1.0))
+    return power(energy * (exponent + 1.0) / stiffness, 1.0 / (exponent + 1.0))
 
 
 def set_expected_depth(d, c):
@@ -78,7 +89,8 @@ def set_damping(d, c):
     else:
         # f K^(1−s) m^s
         ratio = touch.effective_mass[c] / stiffness
-        touch.damping[c] = factor * stiffness * ratio**mass_power * unit_of_damping(d, c, mass_power)
+        share = power(ratio, mass_power)
+        touch.damping[c] = factor * stiffness * share * unit_of_damping(d, c, mass_power)
     touch.kink_margin[c] = turning_margin(d, c) if law.approach_only[c] else 0.0
 
 
@@ -92,7 +104,7 @@ def unit_of_damping(d, c, mass_power):
         return 1.0
     law = d.law
     lengths = (law.exponent[c] + 1.0) * (1.0 - mass_power) + 2.0 * mass_power - law.rate_exponent[c] - 2.0
-    return lever(d, c) ** lengths
+    return power(lever(d, c), lengths)
 
 
 def turning_margin(d, c):
@@ -162,12 +174,13 @@ def cut_off(d, c):
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
+@inlined
 def uncut_force(d, c, depth, rate, leaves):
     """Return the values of ``law_force`` without the cut of the force at 0.
 
     ``leaves``: whether the point moves outward, so that a law that damps on approach only has no damping.
     """
-    spring = power(depth, d.law.exponent[c])
+    spring = power_of_depth(depth, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
     if d.law.number[c] == USER_LAW and user_law.present():
         return user_contact_force(d, c, depth, rate), elastic
@@ -183,7 +196,7 @@ def user_contact_force(d, c, depth, rate):
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
     if at_joint(d, c):
-        stiffness *= arm ** (law.exponent[c] + 1.0)
+        stiffness *= power(arm, law.exponent[c] + 1.0)
     force = user_force(depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c])
     return force / arm
 
@@ -204,7 +217,7 @@ def damping_slope(d, c, depth, leaves, spring):
     if law.approach_only[c] and leaves:
         return 0.0
     same = law.rate_exponent[c] == law.exponent[c]
-    return d.touch.damping[c] * (spring if same else power(depth, law.rate_exponent[c]))
+    return d.touch.damping[c] * (spring if same else power_of_depth(depth, law.rate_exponent[c]))
 
 
 def law_slopes(d, c, depth, rate):
@@ -219,7 +232,7 @@ def law_slopes(d, c, depth, rate):
     exponent = d.law.exponent[c]
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
-    damping = damping_slope(d, c, depth, beyond, power(depth, exponent))
+    damping = damping_slope(d, c, depth, beyond, power_of_depth(depth, exponent))
     # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the kink F may be < 0
     stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
     return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping

@@ -23,6 +23,7 @@ from chain_impact.kernel.forces.laws import (
     RATE_EXPONENTS,
     damping_factor,
 )
+from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
@@ -133,7 +134,7 @@ def given_number(d, c):
 def given_stiffness(d, c):
     """Return the given stiffness K [N/mⁿ] of candidate c; for a stop, K of the contact at the lever arm."""
     if at_joint(d, c):
-        return d.given.stop_stiffness / d.model.size ** (d.stops.exponent + 1.0)
+        return d.given.stop_stiffness / power(d.model.size, d.stops.exponent + 1.0)
     if d.candidate.stop[c] != 0:
         return d.given.stiffness
     own = d.walls.stiffness[d.candidate.wall[c]]

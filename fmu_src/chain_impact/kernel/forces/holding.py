@@ -160,7 +160,8 @@ def project_state(d, y):
         y[lost] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
     for k in range(d.touch.compliant_count):
         # the impulse −D (u⁺ − u⁻) of the resistance D also changes the energy
-        y[lost] += 0.5 * own.resistance[k] * (own.reached[k] ** 2 - own.start[k] ** 2)
+        squares = own.reached[k] * own.reached[k] - own.start[k] * own.start[k]
+        y[lost] += 0.5 * own.resistance[k] * squares
         own.resistance[k] = 0.0
 
 

@@ -22,6 +22,8 @@ from dataclasses import dataclass
 
 from chain_impact.kernel.forces.viscoelastic import viscoelastic_factor
 from chain_impact.kernel.functions import dispatch
+from chain_impact.kernel.mathematics.exponentials import exp, expm1
+from chain_impact.kernel.mathematics.logarithms import log, log1p
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
 POWERS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ "}
@@ -136,7 +138,7 @@ def hunt_crossley(e):
 @contact_law("Herbert & McWhannell", "1977, J Eng Ind 99:513", "6(1−e)/[(2e−1)²+3]", (0.66, 1.0), "B")
 def herbert_mcwhannell(e):
     """Impact of a gear pair, integrated over the contact."""
-    return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
+    return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) * (2.0 * e - 1.0) + 3.0)
 
 
 @contact_law("Lee & Wang", "1983, J Mech Transm Autom Des 105:534", "3(1−e)/4", (0.915, 1.0), "B")
@@ -186,17 +188,17 @@ def zhang_sharf(e):
     # decreases monotonically to the root.
     s, before = 2.0 + 2.0 / e, math.inf
     while s < before:
-        d = -math.expm1(-s)
-        value = s - d * (1.0 + 1.0 / e) + math.log1p(d / e)
+        d = -expm1(-s)
+        value = s - d * (1.0 + 1.0 / e) + log1p(d / e)
         slope = 1.0 - (1.0 - d) * (1.0 + 1.0 / e - 1.0 / (e + d))
         before, s = s, s - value / slope
-    return -math.expm1(-s) / e
+    return -expm1(-s) / e
 
 
 @contact_law("Zhiying & Qishao", "2006, J Dyn Control 4:294", "¾(1−e²)e^{2(1−e)}", (0.335, 1.0), "B")
 def zhiying_qishao(e):
     """Lankarani and Nikravesh, corrected for lower e."""
-    return 0.75 * (1.0 - e * e) * math.exp(2.0 * (1.0 - e))
+    return 0.75 * (1.0 - e * e) * exp(2.0 * (1.0 - e))
 
 
 @contact_law(
@@ -282,7 +284,8 @@ def tsuji(e):
 
 def _logarithmic_damping(scale, e):
     """Return a multiple of the damping ratio ζ of a linear oscillator whose half-cycles shrink to e."""
-    return -scale * math.log(e) / math.sqrt(math.pi * math.pi + math.log(e) ** 2)
+    decrement = log(e)
+    return -scale * decrement / math.sqrt(math.pi * math.pi + decrement * decrement)
 
 
 @contact_law(

@@ -14,6 +14,9 @@ come from solutions of the impact by Taylor series of order 24, at 64 Chebyshev 
 
 import math
 
+from chain_impact.kernel.mathematics.exponentials import exp, expm1
+from chain_impact.kernel.mathematics.logarithms import log
+
 SERIES = (
     1.03271384845832,
     0.1847072566438916,
@@ -58,9 +61,9 @@ NEAREST = 1e-12
 
 def viscoelastic_factor(e):
     """Return f(e), for 0 < e ≤ 1."""
-    exponent = math.log(e)
-    root = math.sqrt(-math.expm1(0.125 * exponent)) if 1.0 - e > NEAREST else 0.0 * e
-    return (1.0 - e) * math.exp(-0.6 * exponent) * series(2.0 * root - 1.0)
+    exponent = log(e)
+    root = math.sqrt(-expm1(0.125 * exponent)) if 1.0 - e > NEAREST else 0.0 * e
+    return (1.0 - e) * exp(-0.6 * exponent) * series(2.0 * root - 1.0)
 
 
 def series(x):

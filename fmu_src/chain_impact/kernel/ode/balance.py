@@ -116,7 +116,8 @@ def begin_window(d):
     balance = d.balance
     balance.reference = balance.at_end
     # the part of the allowed change that does not depend on the state
-    balance.least_allowed = OF_A_STEP * d.solver.tolerance * (balance.unit_motion**2 + balance.unit_scale)
+    energy = balance.unit_motion * balance.unit_motion + balance.unit_scale
+    balance.least_allowed = OF_A_STEP * d.solver.tolerance * energy
     balance.allowed = balance.least_allowed
 
 

@@ -22,6 +22,7 @@ from fractions import Fraction
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, supplied_at, time_at, velocity_at
 from chain_impact.kernel.equations import clear_stage_notes
+from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.ode.control import (
     IMPLICIT,
     ORDER,
@@ -206,7 +207,7 @@ def first_size(d, h):
     # the factor 1/(1 + ρ h μ) remains of a motion that decays with the rate ρ
     rho = (most / remains - 1.0) / shift
     if rho * h > 1.0 and most > rho:
-        return min(h, FADED / rho * (rho / most) ** (1.0 / (ORDER[IMPLICIT] - 1)))
+        return min(h, FADED / rho * power(rho / most, 1.0 / (ORDER[IMPLICIT] - 1)))
     return h
 
 

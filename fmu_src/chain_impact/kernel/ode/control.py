@@ -27,6 +27,7 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.forces.contact_force import damping_share
 from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
 from chain_impact.kernel.rows.geometry import along, clearance, normal
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
@@ -118,7 +119,7 @@ def factor(d):
     if not math.isfinite(d.trial.error):
         return SHRINK
     method, error = d.step.method, max(d.trial.error, LEAST)
-    return max(SHRINK, SAFETY[method] * d.trial.cost_factor * error ** EXPONENT[method])
+    return max(SHRINK, SAFETY[method] * d.trial.cost_factor * power(error, EXPONENT[method]))
 
 
 def in_flight(d, y, rate):
@@ -126,25 +127,25 @@ def in_flight(d, y, rate):
     n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
-    turn = TURN * d.solver.tolerance ** -EXPONENT[EXPLICIT]
+    turn = TURN * power(d.solver.tolerance, -EXPONENT[EXPLICIT])
     return turn / max(fastest, turn)
 
 
 def at_onset(d, c, method):
     """Return a size for the first step of a method in the contact of candidate c, which began just now."""
-    return ONSET_SIZE[method] * time_scale(d, c) * d.solver.tolerance ** ONSET_EXPONENT[method]
+    return ONSET_SIZE[method] * time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
 
 def at_onset_beside(d, c):
     """Return the size for a contact that begins beside others, where an explicit step is a step in time."""
-    return BESIDE_SIZE * time_scale(d, c) * d.solver.tolerance ** (1.0 / BESIDE_ORDER)
+    return BESIDE_SIZE * time_scale(d, c) * power(d.solver.tolerance, 1.0 / BESIDE_ORDER)
 
 
 def time_scale(d, c):
     """Return the time [s], at most δ*/v₀, in which the force of candidate c rises after its onset."""
-    share, power = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
+    share, exponent = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
     # damping that stops the point makes this time shorter
-    return d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
+    return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + share, -exponent)
 
 
 # The largest relative error of a penetration, however loose the tolerance is. With an error above some
@@ -244,7 +245,8 @@ def impact_energy(d):
     energy = 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        energy += 0.5 * d.touch.effective_mass[c] * d.touch.impact_speed[c] ** 2
+        speed = d.touch.impact_speed[c]
+        energy += 0.5 * d.touch.effective_mass[c] * (speed * speed)
     return energy
 
 

@@ -23,6 +23,7 @@ error, θ/(1 − θ) of the last correction, is a small part of the tolerance.
 import math
 
 from chain_impact.kernel.functions import sequence
+from chain_impact.kernel.mathematics.powers import power
 
 ORDER = 9
 RADAU_STAGES = 5
@@ -183,7 +184,9 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
             # A first correction shows no θ. At rest it is small, and to stop there would leave its error.
             if k > 1 and ratio * own.correction <= ENOUGH:
                 return True
-            left = theta ** (ITERATIONS - k) / (1.0 - theta) * own.correction if theta < 1.0 else math.inf
+            left = math.inf
+            if theta < 1.0:
+                left = power(theta, float(ITERATIONS - k)) / (1.0 - theta) * own.correction
             # the iteration diverges, or will not converge in time
             if k > 2 and (theta > DIVERGES or left > ENOUGH):
                 return False

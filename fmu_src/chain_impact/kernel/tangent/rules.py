@@ -4,12 +4,11 @@ Each function has the name of the function that it replaces, and is called inste
 derivatives. The returned value is the same up to round-off.
 """
 
-import math
-
-from chain_impact.kernel.chain import angles, joints, kinematics
+from chain_impact.kernel.chain import joints, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import contact_force, holding, user_law
+from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.kernel.ode import dense
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows import constraints
@@ -20,19 +19,52 @@ DIFFERENCE = 1e-3  # relative increment of an argument of a user's law, for deri
 ITERATIONS = 3  # number of iterations for the forces of constraints
 
 
-def power(depth, exponent):
+def exp(x):
+    """Return e^x."""
+    result = exponentials.exp(value(x))
+    return carried(result, result, x)
+
+
+def expm1(x):
+    """Return e^x − 1."""
+    result = exponentials.expm1(value(x))
+    return carried(result, result + 1.0, x)
+
+
+def log(x):
+    """Return ln x."""
+    return carried(logarithms.log(value(x)), 1.0 / value(x), x)
+
+
+def log1p(x):
+    """Return ln(1 + x)."""
+    return carried(logarithms.log1p(value(x)), 1.0 / (1.0 + value(x)), x)
+
+
+def power(x, y):
+    """Return x^y."""
+    a, b = value(x), value(y)
+    result = powers.power(a, b)
+    # (x^y)′ = y x^(y−1) x′ + x^y ln x y′
+    total = carried(result, b * powers.power(a, b - 1.0), x)
+    if varies(y):
+        total += carried(0.0, result * logarithms.log(a), y)
+    return total
+
+
+def power_of_depth(depth, exponent):
     """Return δ^n with derivatives with respect to δ and n.
 
     The replaced function has special cases of n without derivatives with respect to n. For n < 1 the slope at
     δ = 0 is infinite.
     """
     base, n = value(depth), value(exponent)
-    result = contact_force.power(base, n)
+    result = contact_force.power_of_depth(base, n)
     # (δⁿ)′ = n δⁿ⁻¹ δ′ + δⁿ ln δ n′
     slope = n * result / base if base > 0.0 else (1.0 if n == 1.0 else 0.0)
     total = carried(result, slope, depth)
     if base > 0.0 and varies(exponent):
-        total += carried(0.0, result * math.log(base), exponent)
+        total += carried(0.0, result * logarithms.log(base), exponent)
     return total
 
 
@@ -41,15 +73,9 @@ def polar(radius, y, first, horizontal, vertical):
 
     Dual numbers in the reduction of the angle would give wrong derivatives.
     """
-    near = kinematics.in_reach(y, first, len(radius))
     for i in range(len(radius)):
-        phi = y[first + i]
-        if near:
-            cosine, sine = angles.cosine_and_sine(value(phi))
-        else:
-            cosine, sine = math.cos(value(phi)), math.sin(value(phi))
-        horizontal[i] = radius[i] * carried(cosine, -sine, phi)
-        vertical[i] = radius[i] * carried(sine, cosine, phi)
+        cosine, sine = direction(y[first + i])
+        horizontal[i], vertical[i] = radius[i] * cosine, radius[i] * sine
 
 
 def direction(angle):
@@ -158,7 +184,12 @@ def moved(argument, by, at):
 RULES = {
     holding.contact_resistance: contact_resistance,
     constraints.iterated_enough: iterated_enough,
-    contact_force.power: power,
+    contact_force.power_of_depth: power_of_depth,
+    exponentials.exp: exp,
+    exponentials.expm1: expm1,
+    logarithms.log: log,
+    logarithms.log1p: log1p,
+    powers.power: power,
     friction_modes.choose_modes: choose_modes,
     contact_force.user_force: user_force,
     saturation.choose_saturation: choose_saturation,

@@ -30,10 +30,13 @@ function wordSpans(outputs) {
   return spans.flat().map(BigInt);
 }
 
+/** The functions that a user's law may ask for. */
+const mathematics = Object.assign(Object.create(Math), { fmod: (x, y) => x % y });
+
 export class Kernel {
   /** Return a promise of the kernel of a module, for the scene of a description. */
   static async load(module, scene) {
-    const { exports } = await WebAssembly.instantiate(module, {});
+    const { exports } = await WebAssembly.instantiate(module, { Math: mathematics });
     return new Kernel(exports, scene, scene.record);
   }
 

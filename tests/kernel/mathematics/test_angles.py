@@ -4,8 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.angles import LARGEST, cosine_and_sine
 from chain_impact.kernel.chain.kinematics import copy, in_reach, polar
+from chain_impact.kernel.mathematics.angles import LARGEST, cosine, cosine_and_sine, sine
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel_calls import initialize
@@ -81,11 +81,14 @@ def test_a_radius_scales_both_and_angles_begin_where_they_are_said_to(largest):
     np.testing.assert_allclose(across + 1j * along, radius * np.exp(1j * angles[1:3]), rtol=0, atol=1e-15)
 
 
-def test_larger_angles_are_left_to_the_c_library():
-    angles = np.array([0.3, 2.0 * LARGEST, -1e15])
-    cosine, sine = kernel(angles)
-    np.testing.assert_array_equal(cosine, np.cos(angles))
-    np.testing.assert_array_equal(sine, np.sin(angles))
+def test_larger_angles_are_as_exact():
+    """The last one is closer to a multiple of π/2 than any other double."""
+    sizes = 2.0 ** np.random.default_rng(5).uniform(20.0, 1024.0, 200)
+    with mpmath.workprec(1300):
+        for angle in [*sizes, *-sizes, LARGEST, -1e15, 6381956970095103.0 * 2.0**797]:
+            exact = mpmath.mpf(float(angle))
+            assert abs(mpmath.cos(exact) - cosine(float(angle))) < 2e-16
+            assert abs(mpmath.sin(exact) - sine(float(angle))) < 2e-16
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])

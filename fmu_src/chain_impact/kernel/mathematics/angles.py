@@ -1,0 +1,128 @@
+"""Cosines and sines of angles.
+
+``cosine_and_sine`` has no branches, so the compiler computes several angles at once, three times faster than
+the C library. With the C library, sines would take half the time of a right-hand side. The errors are below
+2e-16, see tests/kernel/mathematics/test_angles.py.
+"""
+
+import math
+
+import numpy as np
+
+from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits, double
+
+# [rad] the largest angle that ``cosine_and_sine`` accepts; the reduction of a larger angle loses digits
+LARGEST = 1e6
+TWO_OVER_PI = 0.6366197723675814
+# π/2 as a sum of two numbers. The first has 33 bits, so its product with any integer k < 2²⁰ is exact (after
+# Cody & Waite 1980).
+HALF_PI_1, HALF_PI_2 = 1.5707963267341256, 6.077100506506192e-11
+HALF_PI = 1.5707963267948966
+# coefficients of the best approximations on |r| ≤ π/4, by Remez's exchange: sin r = r + r³ S(r²), cos r = 1 −
+# r²/2 + r⁴ C(r²)
+# fmt: off
+S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
+     2.75573125428654e-06, -2.505059994965131e-08, 1.58885695564513e-10)
+C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
+     -2.75573143539534e-07, 2.0875723499343115e-09, -1.1359659812851872e-11)
+# fmt: on
+# the binary digits of 2/π in pieces of PIECE bits; a reduction takes PIECES of them, and more would not change
+# the result
+PIECE, PIECES = 24, 6
+LAST = 971  # the exponent of 2 in the last binary digit of the largest double
+
+
+def _pieces():
+    """Return the binary digits of 2/π behind the point, in pieces."""
+    count = LAST // PIECE + PIECES + 1
+    places = PIECE * count + 32
+    # π = 16 arctan(1/5) − 4 arctan(1/239) (Machin 1706)
+    digits = (2 << 2 * places) // (16 * _fixed_arctangent(5, places) - 4 * _fixed_arctangent(239, places))
+    pieces = (digits >> (places - PIECE * (i + 1)) & ((1 << PIECE) - 1) for i in range(count))
+    return np.array([float(one) for one in pieces])
+
+
+def _fixed_arctangent(n, places):
+    """Return arctan(1/n), times 2^places."""
+    term, total, k = (1 << places) // n, 0, 1
+    while term:
+        total += term // k if k % 4 == 1 else -(term // k)
+        term, k = term // (n * n), k + 2
+    return total
+
+
+DIGITS = _pieces()
+
+
+def direction(angle):
+    """Return the cosine and sine of any angle."""
+    if abs(angle) < LARGEST:
+        return cosine_and_sine(angle)
+    if not abs(angle) < math.inf:
+        return math.nan, math.nan
+    turns, r = far_reduction(angle)
+    return of_parts(turns, r)
+
+
+def cosine(angle):
+    """Return the cosine of any angle."""
+    return direction(angle)[0]
+
+
+def sine(angle):
+    """Return the sine of any angle."""
+    return direction(angle)[1]
+
+
+@inlined
+def cosine_and_sine(angle):
+    """Return the cosine and sine of an angle below LARGEST."""
+    # φ = k π/2 + r
+    k = (angle * TWO_OVER_PI + ROUND) - ROUND
+    r = (angle - k * HALF_PI_1) - k * HALF_PI_2
+    # number of quarter turns k mod 4, from −2 to 2
+    turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
+    return of_parts(turns, r)
+
+
+@inlined
+def of_parts(turns, r):
+    """Return the cosine and sine of quarter turns, from −2 to 2, and an angle |r| ≤ π/4 more."""
+    t = r * r
+    t2 = t * t
+    s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
+    c = 1.0 - (0.5 * t - t2 * ((C[0] + t * C[1]) + t2 * ((C[2] + t * C[3]) + t2 * (C[4] + t * C[5]))))
+    # p = cos(turns π/2) and q = sin(turns π/2) as polynomials in turns, which floating point computes exactly
+    u = turns * turns
+    p, q = 1.0 - u * (7.0 - u) * (1.0 / 6.0), turns * (4.0 - u) * (1.0 / 3.0)
+    return p * c - q * s, p * s + q * c
+
+
+def far_reduction(angle):
+    """Return the quarter turns, from −2 to 2, and the rest of an angle from LARGEST on.
+
+    Digits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
+    """
+    pattern = bits(abs(angle))
+    # |φ| = m 2^e, m = a 2²⁷ + b
+    e = (pattern >> FRACTION) - 1075
+    m = double((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
+    a = float(math.floor(m * 2.0**-27))
+    b = m - a * 2.0**27
+    first = max(0, (e - 2) // PIECE)
+    total, lost = 0.0, 0.0
+    for i in range(first, first + PIECES):
+        for half, exponent in ((a, e + 27 - PIECE * (i + 1)), (b, e - PIECE * (i + 1))):
+            if exponent >= 2:
+                continue
+            # The product is exact, and so is the product without its whole turns.
+            part = half * (float(DIGITS[i]) * double(ONE + (exponent << FRACTION)))
+            rest = part - 4.0 * math.floor(0.25 * part)
+            # The sum of the rests is the sum of two numbers.
+            before, total = total, total + rest
+            lost += rest - (total - before) if before > rest else before - (total - rest)
+    k = math.floor(total + 0.5)
+    r = ((total - k) + lost) * HALF_PI
+    turns = k - 4.0 * math.floor(0.25 * k + 0.5)
+    return (turns, r) if angle > 0.0 else (-turns, -r)

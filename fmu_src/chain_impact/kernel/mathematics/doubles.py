@@ -1,0 +1,45 @@
+"""Doubles as patterns of bits, as sums, and from integers with a fixed point."""
+
+import numpy as np
+
+from chain_impact.kernel.functions import inlined
+
+ONE, INFINITY, LEAST_NORMAL = 0x3FF << 52, 0x7FF << 52, 1 << 52
+"""The bits of 1, of infinity, and of the least number that is not subnormal."""
+FRACTION = 52  # number of bits behind the leading one of a double; the exponent is above them
+HALF, FRONT = 1 << 26, -(1 << 27)  # to round a number to 26 bits: the product of two of these is exact
+FIXED = 160  # bits behind the point of the integers that tables are made from
+ROUND = 1.5 * 2.0**52
+"""Adding and subtracting it rounds to an integer, as doubles of its size have no fraction."""
+
+
+@inlined
+def bits(number):
+    """Return the bits of a double as an integer."""
+    return int(np.float64(number).view(np.int64))
+
+
+@inlined
+def double(pattern):
+    """Return the double with these bits."""
+    return float(np.int64(pattern).view(np.float64))
+
+
+@inlined
+def front(number):
+    """Return a number rounded to 26 bits."""
+    return double((bits(number) + HALF) & FRONT)
+
+
+@inlined
+def product(y, high, low):
+    """Return y (high + low) as the sum of two numbers (T. J. Dekker 1971, Numer Math 18:224)."""
+    of_y, of_high = front(y), front(high)
+    return of_y * of_high, (y - of_y) * of_high + y * ((high - of_high) + low)
+
+
+def in_two(fixed, places):
+    """Return an integer over 2^FIXED as the sum of two doubles, the first a multiple of 2^−places."""
+    unit = 1 << (FIXED - places)
+    first = (fixed + unit // 2) // unit
+    return first / (1 << places), (fixed - first * unit) / (1 << FIXED)

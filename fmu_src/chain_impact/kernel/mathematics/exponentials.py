@@ -1,0 +1,88 @@
+"""Exponentials, with errors below 1 ulp.
+
+e^x = 2^k 2^(j/128) e^r, with 2^(j/128) from a table (P. T. P. Tang 1989, ACM Trans Math Softw 15:144).
+"""
+
+import math
+
+import numpy as np
+
+from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.mathematics.doubles import FIXED, FRACTION, ROUND, bits, double, in_two
+from chain_impact.kernel.mathematics.logarithms import LN_2, PLACES, TINY, parts_beside_one
+
+SIZE_BITS = 7  # the table has 2⁷ powers
+SIZE = 1 << SIZE_BITS
+# best approximation on |r| < ln 2/256: e^r = 1 + r + r² P(r), by Remez's exchange
+P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.008333335946890487)
+STEP_HIGH, STEP_LOW = in_two(LN_2 // SIZE, PLACES)
+STEPS_PER_ONE = (SIZE << FIXED) / LN_2
+ROUND_BITS = bits(ROUND)
+COMMON = 650.0  # |x| up to which e^x has far more digits than a subnormal number, and is finite
+# half of the range: e^x is e^(x ∓ 512 ln 2) times 2^±512, which is rounded once
+FAR = 512
+UP, DOWN = 2.0**FAR, 2.0**-FAR
+FAR_HIGH, FAR_LOW = in_two(FAR * LN_2, PLACES)
+LARGEST, LEAST = 710.0, -746.0  # beyond them e^x is infinite, or 0
+NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 has eleven digits of e^x − 1
+STEEP = 40.0  # x from which 1 is less than a hundredth of the last digit of e^x
+
+
+def _table():
+    """Return the bits of 2^(j/128), and what rounding has left out over the power itself."""
+    patterns, rests = [], []
+    for j in range(SIZE):
+        power, root = 1 << FIXED, 2 << FIXED
+        for place in reversed(range(SIZE_BITS)):  # a factor √2, √√2, … for each bit of j
+            root = math.isqrt(root << FIXED)
+            power = power * root >> FIXED if j >> place & 1 else power
+        high, low = in_two(power, FRACTION)
+        patterns.append(bits(high))
+        rests.append(low / high)
+    return np.array(patterns), np.array(rests)
+
+
+POWER_BITS, REST = _table()
+
+
+@inlined
+def common(high, low):
+    """Return e^(high + low), for |high| < COMMON and a small second number."""
+    shifted = high * STEPS_PER_ONE + ROUND
+    steps = shifted - ROUND
+    count = bits(shifted) - ROUND_BITS
+    r = ((high - steps * STEP_HIGH) - steps * STEP_LOW) + low
+    j, r2 = count & (SIZE - 1), r * r
+    tail = (float(REST[j]) + r) + r2 * ((P[0] + r * P[1]) + r2 * (P[2] + r * P[3]))
+    power = double(int(POWER_BITS[j]) + ((count >> SIZE_BITS) << FRACTION))
+    return power + power * tail
+
+
+def of_sum(high, low):
+    """Return e^(high + low), for any number and a small second one."""
+    if abs(high) < COMMON:
+        return common(high, low)
+    if high > LARGEST:
+        return math.inf
+    if high < LEAST:
+        return 0.0
+    if high > 0.0:
+        return common(high - FAR_HIGH, low - FAR_LOW) * UP
+    return common(high + FAR_HIGH, low + FAR_LOW) * DOWN
+
+
+def exp(x):
+    """Return e^x."""
+    return math.nan if math.isnan(x) else of_sum(x, 0.0)
+
+
+def expm1(x):
+    """Return e^x − 1."""
+    if abs(x) < TINY:
+        return 1.0 * x
+    if not -1.0 < x < STEEP:
+        return exp(x) - 1.0
+    y = x + 0.5 * x * x if abs(x) < NEARLY_LINEAR else exp(x) - 1.0
+    # a step of Newton's method for ln(1 + y) = x
+    high, low = parts_beside_one(y)
+    return y + ((x - high) - low) * (1.0 + y)

@@ -1,0 +1,123 @@
+"""Natural logarithms, with errors below 1 ulp.
+
+With x = 2^k m and a number c near 1/m from a table, ln x = k ln 2 − ln c + ln(1 + r), r = m c − 1 (P. T. P.
+Tang 1990, ACM Trans Math Softw 16:378). The result is the sum of two doubles, with a relative error below
+2⁻⁶³, as powers need it.
+"""
+
+import math
+
+import numpy as np
+
+from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.mathematics.doubles import (
+    FIXED,
+    FRACTION,
+    LEAST_NORMAL,
+    ONE,
+    bits,
+    double,
+    front,
+    in_two,
+)
+
+SIZE, WIDTH_BITS = 256, 44  # number of intervals of m; an interval has 2⁴⁴ doubles
+# The first interval begins near √½. The interval MIDDLE, where c = 1, reaches as far below 1 as above it: so
+# ln x is exact near x = 1.
+MIDDLE = 150
+FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
+PLACES = 42  # bits behind the point of ln 2 and ln c, with which k ln 2 − ln c is exact for |k| < 2¹¹
+# best approximation on |r| < 0.0035: ln(1 + r) = r − r²/2 + r³ P(r), by Remez's exchange
+P = (0.33333333333333337, -0.24999999999045547, 0.1999999999789618, -0.1666689359914569, 0.14285993276740327)
+TINY = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are x
+
+
+def fixed_logarithm(a, b):
+    """Return ln(a/b) of two integers, times 2^FIXED."""
+    # ln(a/b) = 2 (z + z³/3 + z⁵/5 + …), z = (a − b)/(a + b)
+    term = ((a - b) << FIXED) // (a + b)
+    square, total, n = term * term >> FIXED, 0, 1
+    while abs(term) > 1:
+        total += term // n
+        term, n = term * square >> FIXED, n + 2
+    return 2 * total
+
+
+def _table():
+    """Return c, and −ln c in two parts, for each interval."""
+    rows = []
+    for i in range(SIZE):
+        m = double(FIRST + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))
+        # c has 9 bits, so r is exact
+        unit = 512 if m > 1.0 else 256
+        c = unit if i == MIDDLE else round(unit / m)
+        rows.append((c / unit, *in_two(fixed_logarithm(unit, c), PLACES)))
+    return tuple(np.array(column) for column in zip(*rows, strict=True))
+
+
+INVERSE, LOG_HIGH, LOG_LOW = _table()
+LN_2 = fixed_logarithm(2, 1)
+LN_2_HIGH, LN_2_LOW = in_two(LN_2, PLACES)
+
+
+@inlined
+def parts(pattern):
+    """Return the logarithm of a positive number that is not subnormal as the sum of two.
+
+    Args:
+        pattern: the bits of the number.
+    """
+    k = (pattern - FIRST) >> FRACTION
+    i = ((pattern - FIRST) >> WIDTH_BITS) & (SIZE - 1)
+    m, c = double(pattern - (k << FRACTION)), float(INVERSE[i])
+    # r = u + v is exact, and u², too
+    m_front = front(m)
+    u, v = m_front * c - 1.0, (m - m_front) * c
+    r = u + v
+    base = float(k) * LN_2_HIGH + float(LOG_HIGH[i])
+    # high + … = base + r − u²/2, where each number is larger than the next one
+    first, half_square = base + r, 0.5 * (u * u)
+    high = first - half_square
+    rounded = ((base - first) + r) + ((first - high) - half_square)
+    # r² − u² = v (u + r)
+    small = (float(k) * LN_2_LOW + float(LOG_LOW[i])) - 0.5 * v * (u + r)
+    r2 = r * r
+    tail = r * r2 * ((P[0] + r * P[1]) + r2 * ((P[2] + r * P[3]) + r2 * P[4]))
+    return high, (rounded + small) + tail
+
+
+def any_parts(x):
+    """Return the logarithm of a positive finite number as the sum of two."""
+    pattern = bits(x)
+    if pattern < LEAST_NORMAL:
+        pattern = bits(x * 2.0**52) - (52 << FRACTION)
+    return parts(pattern)
+
+
+def log(x):
+    """Return ln x: −∞ of 0, and no number of x < 0."""
+    if 0.0 < x < math.inf:
+        high, low = any_parts(x)
+        return high + low
+    if x == 0.0:
+        return -math.inf
+    return math.inf if x > 0.0 else math.nan
+
+
+def parts_beside_one(x):
+    """Return ln(1 + x), for −1 < x < ∞, as the sum of two."""
+    whole = 1.0 + x
+    lost = x - (whole - 1.0) if abs(x) < 1.0 else 1.0 - (whole - x)
+    # 1 + x = w + d: ln(1 + x) = ln w + d/w − …
+    high, low = any_parts(whole)
+    return high, low + (lost - 0.5 * lost * lost) / whole
+
+
+def log1p(x):
+    """Return ln(1 + x)."""
+    if abs(x) < TINY:
+        return 1.0 * x
+    if not -1.0 < x < math.inf:
+        return log(1.0 + x)
+    high, low = parts_beside_one(x)
+    return high + low
