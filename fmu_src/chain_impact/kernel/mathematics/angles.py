@@ -27,8 +27,8 @@ S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
 C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
      -2.75573143539534e-07, 2.0875723499343115e-09, -1.1359659812851872e-11)
 # fmt: on
-# the binary digits of 2/π in pieces of PIECE bits; a reduction takes PIECES of them, and more would not change
-# the result
+# the bits of 2/π in pieces of PIECE bits; a reduction takes PIECES of them, and more would not change the
+# result
 PIECE, PIECES = 24, 6
 LAST = 971  # the exponent of 2 in the last binary digit of the largest double
 
@@ -102,7 +102,7 @@ def of_parts(turns, r):
 def far_reduction(angle):
     """Return the quarter turns, from −2 to 2, and the rest of an angle from LARGEST on.
 
-    Digits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
+    Bits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """
     pattern = bits(abs(angle))
     # |φ| = m 2^e, m = a 2²⁷ + b
