@@ -55,7 +55,7 @@ int main(int count, char **names) {
 
 
 def arguments(name: str, count: int) -> np.ndarray:
-    """Return arguments of a function over the whole range, and where the function is small; shape (count, 2)."""
+    """Return arguments over the whole range, and where the function is small; shape (count, 2)."""
     chance = np.random.default_rng(NAMES.index(name))
     sign, small = chance.choice([-1.0, 1.0], count), 10.0 ** chance.uniform(-18.0, 0.5, count)
     wide, far = chance.uniform(-745.1, 709.7, count), 10.0 ** chance.uniform(-307.0, 308.0, count)
