@@ -2,7 +2,7 @@
 
 import { MOST_CURVES, MOST_UNITS } from "./curve_charts.js";
 import { find, make } from "./dom.js";
-import { unitText } from "./format.js";
+import { breakable, unitText } from "./format.js";
 
 /** Return the names that match a text in which `*` stands for any text. */
 function like(text, columns) {
@@ -58,8 +58,9 @@ export class CurveChoice {
   open() {
     this.rows = this.#columns.map(({ name, unit }) => {
       const box = make("input", { type: "checkbox" });
+      box.setAttribute("aria-label", name);
       box.addEventListener("change", () => this.#choose([...this.names.filter((one) => one !== name), ...(box.checked ? [name] : [])].join()));
-      return { name, box, row: make("label", {}, box, make("span", { textContent: name }), make("small", { textContent: unitText(unit) })) };
+      return { name, box, row: make("label", {}, box, make("span", { textContent: breakable(name) }), make("small", { textContent: unitText(unit) })) };
     });
     this.list.replaceChildren(...this.rows.map(({ row }) => row));
     this.#refresh();

@@ -1,7 +1,7 @@
 // Functions that turn numbers into text.
 
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
-const UNITS = [["exponent", "ⁿ"], ["^", ""], ["m/s2", "m/s²"], ["kg.m2", "kg\u202fm²"], [".", "\u202f"]];
+const UNITS = [["exponent", "ⁿ"], ["^", ""], ["/s2", "/s²"], ["kg.m2", "kg\u202fm²"], [".", "\u202f"]];
 
 /** Return a unit as the page shows it; "" for a pure number. */
 export function unitText(unit) {
@@ -47,3 +47,7 @@ export function unitsOf({ atStop }) {
   return atStop ? { speed: "rad/s", force: "N\u202fm" } : { speed: "m/s", force: "N" };
 }
 
+/** Return a name in which a line may be broken after each part. */
+export function breakable(name) {
+  return name.replaceAll(/(\.|_)/g, "$1\u200b");
+}

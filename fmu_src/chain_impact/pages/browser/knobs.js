@@ -2,7 +2,7 @@
 
 import { make } from "./dom.js";
 import { numberText } from "./changes.js";
-import { unitText } from "./format.js";
+import { breakable, unitText } from "./format.js";
 
 /** The parameters with a knob: name, label, and the ends of the knob's slider. */
 export const KNOBS = [
@@ -20,11 +20,6 @@ export const KNOBS = [
 const STEPS = 400; // number of steps of a slider
 // numbers of a signal that get a knob only if the scene gives them, because they are 0 otherwise
 const TRIVIAL = ["mean", "frequency_rate", "phase", "initial", "start", "rise"];
-
-/** Return a name in which a line may be broken after each part. */
-function breakable(name) {
-  return name.replaceAll(/(\.|_)/g, "$1\u200b");
-}
 
 /** Make a change; if its value is refused, mark the field, and show the reason in its row. */
 function attempt(field, change) {
