@@ -1,8 +1,10 @@
-"""What the README's first command has installed: run by the Python of its environment, in its folder.
+"""Check the package that the README's first command installs.
 
-``CHAIN_IMPACT_CACHE`` has to name a folder that is not there.
+The script runs in the folder and with the Python of its environment.
 
-No compiler, kernels for every chain and every kind of FMU, the right tag, and not too much.
+``CHAIN_IMPACT_CACHE`` must name a folder that does not exist.
+
+The checks: no compiler, kernels for every chain and every kind of FMU, the right tag, and a small size.
 """
 
 import sys
@@ -18,13 +20,14 @@ from chain_impact.compilation import places, ready
 from chain_impact.scene.scene import scene_from_dict, with_values
 
 MOST = 470  # MB
-LIBRARIES = 5  # the kernel and that with derivatives, still and moving, and for browsers
-CLOSE = 1e-3  # between the fitted restitution and that of the data
+# the kernel and the kernel with derivatives, each with static and with moving walls, and a browser module
+LIBRARIES = 5
+CLOSE = 1e-3  # allowed difference of the fitted restitution from the data's restitution
 TAG = "Tag: py3-none-manylinux_2_17_x86_64"
 
 
 def chain(links: int) -> dict[str, object]:
-    """A scene in which a chain falls on the floor."""
+    """Return a scene in which a chain falls on the floor."""
     return {
         "name": "Chain",
         "chain": {"links": [{"length": 0.2, "mass": 0.3}] * links},

@@ -23,11 +23,9 @@ def run(*command: str | Path, **options: object) -> None:
 
 
 def pythons() -> list[str]:
-    """The supported Pythons that are here: those of pyenv, and on the path."""
+    """Return the supported Pythons on this machine: pyenv's Pythons, and those on the path."""
     kept = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"), "versions")
-    path = os.pathsep.join(
-        [*map(str, sorted(kept.glob("*/bin"))), os.environ["PATH"]]
-    )  # pyenv's own stand-ins last
+    path = os.pathsep.join([*map(str, sorted(kept.glob("*/bin"))), os.environ["PATH"]])  # pyenv's shims last
     found = (shutil.which(name, path=path) for name in SUPPORTED)
     return [python for python in found if python]
 
@@ -43,7 +41,7 @@ def install(tool: str, python: str, wheel: Path, venv: Path) -> None:
 
 
 def install_tool(tool: str, source: Path, place: Path) -> Path:
-    """Install the command alone, from a wheel or a clone; return the folder that it is in."""
+    """Install the command alone, from a wheel or a clone; return the folder of the command."""
     places = ("UV_TOOL_DIR", "UV_TOOL_BIN_DIR", "PIPX_HOME", "PIPX_BIN_DIR")
     settings = {name: str(place / name) for name in places}
     command = [UV, "tool", "install", "--quiet"] if tool == "uv" else [PIPX, "install", "--quiet"]
@@ -52,7 +50,7 @@ def install_tool(tool: str, source: Path, place: Path) -> Path:
 
 
 def use(programs: Path, folder: Path) -> None:
-    """Do what a user does first, in a folder that has nothing to do with the repository."""
+    """Do the first steps of a user, in a folder outside the repository."""
     folder.mkdir()
     unused = folder / "cache"
     environment = {**os.environ, "CHAIN_IMPACT_CACHE": str(unused), "MPLBACKEND": "Agg"}

@@ -1,6 +1,6 @@
 """The instances and kernels of one commit for the scenes of against.py, pickled, on standard output.
 
-It runs in a process of its own, which imports the package of that commit.
+The script runs in a separate process that imports the package of that commit.
 """
 
 from __future__ import annotations

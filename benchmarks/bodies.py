@@ -1,4 +1,4 @@
-"""A brick with four corners, against one that touches with two: ``python benchmarks/bodies.py [--quick]``.
+"""A brick whose four corners may touch, against a brick with two such corners: ``benchmarks/bodies.py``.
 
 The brick bounces on its two lower corners. All four corners are points of its link; or only the two lower
 ones touch, as the ends of the link, which lies along the bottom. The motion and its contacts are the same. So
@@ -17,7 +17,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 
 BREADTH, HEIGHT, MASS = 0.25, 0.12, 3.5  # m, m, kg
 LOWER, UPPER = ([(0.0, y), (BREADTH, y)] for y in (0.0, HEIGHT))
-STOP = 1.0  # s, in which it does not turn over
+STOP = 1.0  # s; the brick does not turn over in this time
 FRICTIONS = (0.0, 0.3)
 ROUNDS = 11
 CORNERS, ENDS = "four corners, points of the link", "two corners, ends of the link"
@@ -45,7 +45,7 @@ def brick(ends: list[int], points: list[tuple[float, float]], friction: float) -
 
 
 def compared(friction: float, rounds: int) -> dict[str, Any]:
-    """Contacts, and times of each brick, at a coefficient of friction."""
+    """Return the number of contacts, and the times of each brick, at a coefficient of friction."""
     scenes = {CORNERS: brick([], LOWER + UPPER, friction), ENDS: brick([0, 1], [], friction)}
     runs = {name: Kernel(scene, STOP) for name, scene in scenes.items()}
     contacts = {name: len(run.outcome().onsets) for name, run in runs.items()}

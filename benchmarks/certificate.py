@@ -31,7 +31,7 @@ from chain_impact.kernel.ode.dense import POWERS
 NO_EVENT, ONE_EVENT, UNDECIDED = "no event", "one event", "undecided"
 ORDER = 12  # degree of the Taylor polynomials in a part of a step
 PARTS = (2, 6, 18, 54, 162)  # numbers of parts of a step, which are tried until all candidates are decided
-# part of a step, beyond 1, up to which it is followed in search of an event that is marked at its end
+# factor of the step's length up to which the search for an event marked at the end of the step continues
 BEYOND = 1.01
 MARGINS = (0.3, 1.0, 3.0, 10.0)  # margins of the logarithmic norm above the largest Re λ, over a step
 TUBE, WIDEST = 1e-4, 0.1  # radius of the tube: the first one that is tried, and an upper bound

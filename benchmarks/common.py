@@ -17,8 +17,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-# set before numpy and numba are imported; this module is imported first
-PORTABLE_CPU = "x86-64-v2"  # as the shipped kernel, see compilation/compilers.py
+# set these variables before the import of numpy and numba; therefore this module is imported first
+PORTABLE_CPU = "x86-64-v2"  # the target of the shipped kernel, see compilation/compilers.py
 os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = PORTABLE_CPU, ""
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 os.environ["CHAIN_IMPACT_RELEASE"] = "1"  # a kernel for each number of links up to ten, as in a release

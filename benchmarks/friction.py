@@ -39,9 +39,9 @@ AT_REST = {"contact.friction": 0.6, "initial.vx": 0.0, "initial.vy": 0.0}
 TIMES = {"moving": 0.3, "resting": 1.5}  # s, of the thrown chain
 THROWN_STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)  # s
 PATIENCE = 60.0  # s
-UNSTABLE = 10.0  # m, rad, m/s, rad/s: an error that is no longer one
+UNSTABLE = 10.0  # m, rad, m/s, rad/s: upper limit of a meaningful error
 RADIUS = 1e-6  # m, of MuJoCo's spheres: friction acts at the surface of a sphere and not at its centre
-# balls touch walls and nothing else
+# balls collide with walls only
 BALL, WALL = (f'contype="{a}" conaffinity="{1 - a}"' for a in (1, 0))
 
 
@@ -125,13 +125,13 @@ class Engine:
     """One model, which is reset to the start for each run."""
 
     def __init__(self, scene: Scene, integrator: str, dt: float, contact: Contact) -> None:
-        import mujoco  # which the chart does not need
+        import mujoco  # the chart does not need mujoco
 
         self.mujoco = mujoco
         self.first, self.dt = scene.initial, dt
         self.model = mujoco.MjModel.from_xml_string(model_text(scene, integrator, dt, contact))
         self.data = mujoco.MjData(self.model)
-        self.plane = np.delete(np.arange(self.model.nq), 2)  # all but the slide along y
+        self.plane = np.delete(np.arange(self.model.nq), 2)  # all coordinates except the slide along y
 
     def run(self, stop: float) -> None:
         """Run from the start to ``stop`` [s]."""
@@ -242,7 +242,7 @@ def off(state: np.ndarray, truth: np.ndarray) -> float:
 # --- the chart ----------------------------------------------------------------------------------------------
 
 SIZE = (12.5, 5.0)  # inches
-LEAST = 1e-6  # µm/s, where the chart draws slower drifts
+LEAST = 1e-6  # µm/s, lower limit of the chart's axis
 CREEPS, SHOWN = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
 LOOKS = {
     "ours": (OURS, "o"),

@@ -1,4 +1,4 @@
-"""The kernel's model as C functions, for solvers that take pointers to such: what peers integrate.
+"""The kernel's model as C functions, for peer solvers that take function pointers.
 
 Compiled by numba and linked just as the kernel is, on the same record: so peers evaluate the very machine
 code that ours does, and their contacts are latched, released and latched anew by the kernel. Functions named
@@ -53,11 +53,11 @@ from chain_impact.system import HOST
 REALS, COUNTS = types.CPointer(float64), types.CPointer(int32)
 PLAIN, CVODE = 4, 3  # numbers of components at the end of the kernel's state that they lack
 AT_ZERO = 1e-12  # [s] distance from zero in time at which a candidate has an event
-# m, by which an event comes late: a contact that has just begun or ended is then clear of zero, as peers
+# m, delay of an event: a contact that has just begun or ended then has a nonzero clearance, because peers
 # need a change of sign between the ends of a step
 CLEAR = 1e-13
-HOP = 0.2  # first step of a flight over separation speed / g: a low hop must not be stepped over
-# first step of a contact over expected penetration / impact speed: the force rises as δⁿ, unseen at onset
+HOP = 0.2  # first step of a flight over separation speed / g, so that a low flight is not skipped
+# first step of a contact over expected penetration / impact speed, because the force δⁿ is flat at onset
 FIRST_STEP = 0.09
 POLISH = 1e-7  # [s] largest correction of a solver's root
 POSITION_ERROR = 1e-2  # error of a careful CVODE's position in a contact, over the static penetration
@@ -367,7 +367,7 @@ def built(links: int) -> Path:
 
 
 def link(lowered_file: Path, links: int | None, library: Path) -> None:
-    """Make a library as for the kernel, but without the C interface of FMUs, which calls the kernel."""
+    """Build a library as for the kernel, without the C interface of FMUs."""
     functions = library.with_name("functions.o")
     compilers.compile_part(lowered_file.read_text(), functions, HOST, compilers.KERNEL, links)
     compilers.prepare_zig(HOST)

@@ -28,7 +28,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 
 FITTED, UNSEEN = "20230629-143601", "20230629-143524"
 SPAN, STEP = 0.5, 0.02  # s
-AROUND = 5  # the samples before and after a start, through which a parabola gives the rates there
+AROUND = 5  # number of samples before and after a start, whose parabola gives the rates there
 KEYS = ("center_of_mass", "inertia", "joint_damping", "joint_friction")
 START, HIGHEST, SCALE = (0.2, 0.005, 0.01, 0.1), (1.0, 0.2, 0.5, 1.0), (0.1, 0.005, 0.02, 0.05)
 DRY = "joint_friction"
@@ -106,7 +106,7 @@ def off(
     if not derivatives:
         return errors, None
     slopes = [[result.sensitivity(f"link[{i}].angle", name) for i in (1, 2)] for name in names]
-    # where no derivative exists, as when a joint just fails to stop, a step of the fit leaves the row out
+    # where no derivative exists, for example when a joint almost stops, the fit leaves the row out
     return errors, np.nan_to_num(np.stack([joints(*pair) for pair in slopes], axis=1))
 
 

@@ -29,9 +29,9 @@ from chain_impact import Fit, fit, simulate
 from chain_impact.scene.scene import Scene, scene_from_dict
 
 MASS, GYRATION = 0.0364, 0.0192  # kg, m: of the ellipse
-STOP, GAP = 1e-3, 1e-6  # s, m: the impact begins within 1e-5 s and lasts as long
+STOP, GAP = 1e-3, 1e-6  # s, m: the impact begins within 1e-5 s and takes about 1e-5 s
 START = {"contact.restitution": 0.6, "contact.friction": 0.2}
-MINDLIN = 0.82  # tangential over normal stiffness of an elastic contact, 2 (1 − ν)/(2 − ν) for ν = .3
+MINDLIN = 0.82  # tangential over normal stiffness of an elastic contact, 2 (1 − ν)/(2 − ν) for ν = 0.3
 STEPS = 400  # the steps of half an elastic impact, in the model with a compliance
 
 
@@ -163,9 +163,9 @@ def errors(trials: Trials, after: np.ndarray) -> np.ndarray:
 
 
 def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str, Any]:
-    """Return median error and that which 90 % stay below [m/s]; and parts of the trials.
+    """Return the median error, the error that 90 % of trials stay below [m/s], and shares of the trials.
 
-    In these parts the point moves along the wall afterwards in the measured direction, and back.
+    In these trials the point moves along the wall afterwards in the measured direction, or backward.
     """
     off = np.quantile(errors(trials, after), (0.5, 0.9))
     found = trials.at_contact(after)[:, 0]

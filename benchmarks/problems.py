@@ -1,4 +1,4 @@
-"""The problems that integrators are compared on; reference.py has their answers."""
+"""The problems of the comparison of integrators; reference.py has their solutions."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from chain_impact.scene.scene import Scene, load_scene, scene_from_dict
 
 STEEL = 2.145e10  # N/m^1.5, a steel sphere of 20 mm on a steel wall
 Onsets = list[tuple[int, float]]
-"""Candidate and time [s] of each."""
+"""Candidate and time [s] of each onset."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A scene and the times at which its state is known [s]."""
+    """A scene, and the times [s] at which its reference state is known."""
 
     name: str
     title: str

@@ -1,4 +1,4 @@
-"""Contenders against each other: judged by what they come to, then timed in turn."""
+"""A race of contenders: their results are judged first, and their times are then measured in turn."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from problems import Problem
 
 ROUNDS, SPAN = 5, 0.02
 Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]]
-"""Name and setting (tolerance, or step [s]) → a run and what it comes to; with ``failed`` it is not timed."""
+"""Name and setting (tolerance, or step [s]) → a run and its result; an entry with ``failed`` is not timed."""
 
 
 def judge(found: Outcome, problem: Problem, expected: dict, stop: float) -> dict[str, Any]:
@@ -34,9 +34,9 @@ def judge(found: Outcome, problem: Problem, expected: dict, stop: float) -> dict
 
 
 def race(entries: Entries, base: str, rounds: int, patience: float = 5.0) -> list[dict[str, Any]]:
-    """Return the rows of all entries: what each comes to and its time [s], with the range over the rounds.
+    """Return the rows of all entries: result, and time [s] with its range over the rounds.
 
-    ``ratio`` is the time over that of ``base`` at the same setting, if that is timed.
+    ``ratio`` is the time over the time of ``base`` at the same setting, if ``base`` is timed.
     """
     timings = common.interleave(
         {key: run for key, (run, figures) in entries.items() if "failed" not in figures},
@@ -66,7 +66,7 @@ def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> fl
         for row in rows
         if row.get("right", True) and "seconds" in row and row.get(key, 0.0) > 0.0
     ]
-    # a run that is beaten by another in both is no part of the front
+    # a run with a worse error and time than another run is not part of the front
     front = [(x, y) for x, y in points if not any(a < x and b < y for a, b in points)]
     line = sorted((math.log(x), math.log(y)) for x, y in front)
     if not line or error <= 0.0 or math.log(error) < line[0][0]:

@@ -1,4 +1,4 @@
-"""References that share no equation with the kernel: ``python benchmarks/reference.py [problem …]``.
+"""References independent of the kernel's equations: ``python benchmarks/reference.py [problem …]``.
 
 Equations of motion assembled by the textbook (tests/helpers/textbook.py), integrated in 80-bit arithmetic
 (round-off 5e-20) by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner 1993, II.9)
@@ -29,11 +29,14 @@ SETTINGS = {"reference": (7, 1e-14), "check": (6, 1e-13)}  # order / 2, toleranc
 MANY, LOOSER = (
     10,
     10.0,
-)  # links, beyond which the mass matrix loses a digit more; the factor of the tolerances
+)  # number of links above which the mass matrix loses a further digit; factor of the tolerances
 
 
 def cholesky_solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve a symmetric positive definite system in the precision of its numbers, as NumPy's cannot."""
+    """Solve a symmetric positive definite system in the precision of its numbers.
+
+    NumPy has no such function.
+    """
     a = np.column_stack([matrix, right])
     n = len(right)
     for k in range(n - 1):
@@ -106,7 +109,7 @@ class Bouncing:
         return [(-g, -v) if c in self.v0 else (g, v) for c, (g, v) in enumerate(self.clearances(y))]
 
     def advance(self, stop: float) -> None:
-        """Go on to a time [s]."""
+        """Advance to a time [s]."""
         stop = REAL(str(stop))
         while self.t < stop:
             last = self.step >= stop - self.t
@@ -121,7 +124,7 @@ class Bouncing:
             )
             start, end = self.events(self.y), self.events(y)
             for c, (value, slope) in enumerate(end):
-                # a dip between the ends would need a fall and a rise inside this step
+                # an undetected dip would need a fall and a rise inside this step
                 assert not (start[c][1] < 0 < slope and min(start[c][0], value) < -start[c][1] * h / 4), "dip"
             falling = [c for c, (value, slope) in enumerate(end) if value < 0 and slope < 0]
             if falling:
@@ -144,7 +147,7 @@ class Bouncing:
         return h, y
 
     def switch(self) -> None:
-        """Begin and end the contacts that are at zero now."""
+        """Begin or end the contacts whose event function is zero now."""
         for c, (value, slope) in enumerate(self.events(self.y)):
             if abs(value) < 1e-15 and slope < 0:
                 point, wall = self.pairs[c]

@@ -29,7 +29,7 @@ ROUNDS = 5
 USERS, CAREFUL, ADAMS = "BDF as users have it", "BDF, careful", "Adams, careful"
 CVODES = {USERS: (0, 0), CAREFUL: (0, 1), ADAMS: (1, 1)}  # name → (adams, careful)
 FINE_ONSETS = f"onsets at tolerance {FINE:g}"
-EXPLICIT_CASE = (0.1, 1e10)  # where ours is run without implicit steps, too
+EXPLICIT_CASE = (0.1, 1e10)  # case in which our kernel also runs without implicit steps
 
 
 class Ours(OnInstance):
@@ -123,7 +123,7 @@ def draw(page, record) -> None:
         stiffness = [row["stiffness"] for row in rows]
         for axes, key in zip(column, ("milliseconds", "steps"), strict=True):
             for name, (colour, marker, line) in looks.items():
-                # a run that did not finish has no place in the chart
+                # a failed run has no mark in the chart
                 values = [row[name][key] if row[name]["flag"] == 0 else np.nan for row in rows]
                 text = "chain-impact" if name == "ours" else f"CVODE {name}"
                 axes.loglog(stiffness, values, label=text, **strong(name == "ours", colour, marker, line))

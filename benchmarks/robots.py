@@ -1,4 +1,4 @@
-"""Robots of files beside MuJoCo: do their joints turn alike for half a second, or is the cause told?
+"""Robots from files against MuJoCo: the joints move alike for 0.5 s, or a message names the cause.
 
     python benchmarks/robots.py [--joints NAMES] FILE…
 
@@ -36,14 +36,14 @@ from chain_impact.scene.scene import scene_from_dict
 DURATION = 0.5  # s
 SPEED = 0.3  # rad/s or m/s, of the joints at the start, with changing sign
 TOLERANCE = 1e-11
-ALIKE = 1e-6  # rad, up to which two angles are the same
+ALIKE = 1e-6  # rad, largest difference of equal angles
 TOUCHING = ("joint_min", "joint_max", "joint_friction", "slider_min", "slider_max", "slider_friction")
 """The properties of a link or a slider that MuJoCo treats otherwise, by soft constraints."""
 CONSTRAINTS = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
 
 
 class Compared(NamedTuple):
-    """A robot beside MuJoCo.
+    """A robot compared with MuJoCo.
 
     Attributes:
         joints: those that move.
@@ -57,7 +57,7 @@ class Compared(NamedTuple):
 
     @property
     def holds(self) -> bool:
-        """Whether the robot is the robot, or it is told why not."""
+        """Whether the converted robot moves as in MuJoCo, or a message names the difference."""
         return self.difference is None or self.difference <= ALIKE or bool(self.cause)
 
 
@@ -133,7 +133,8 @@ def mujoco_model(path: Path) -> Any:
                     ElementTree.SubElement(root, "link", name=element.get("link", ""))
                     named.add(element.get("link"))
         compiler = ElementTree.SubElement(ElementTree.SubElement(root, "mujoco"), "compiler")
-        compiler.attrib |= {"fusestatic": "true", "balanceinertia": "true"}  # else it refuses many files
+        # without these settings MuJoCo refuses many files
+        compiler.attrib |= {"fusestatic": "true", "balanceinertia": "true"}
         compiler.attrib |= {"boundmass": "1e-12", "boundinertia": "1e-15"}
         for inertial in root.iter("inertial"):
             if inertial.find("inertia") is None:

@@ -1,4 +1,4 @@
-"""Where methods succeed and fail, over stiffness and restitution: ``python benchmarks/stability.py``.
+"""The success of methods over stiffness and restitution: ``python benchmarks/stability.py``.
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
 impacts and sustained contact in 3 s. Each cell of the map is one run with a budget of CPU time. The peers are
@@ -33,12 +33,12 @@ METHODS = ("explicit", "implicit", "auto")
 FIXED = {f"{name} {dt:g} s": (name, dt) for name in ("Euler", "RK4") for dt in (1e-3, 1e-4, 1e-5, 1e-6)}
 TOLERANCE = 1e-8
 STOP = 3.0  # s
-SAMPLE = 1e-4  # s, between looks at ours
+SAMPLE = 1e-4  # s, interval of the checks of our run
 BUDGET = 2.0  # s of CPU time for a cell
 HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # m, rad, m
-# part of the energy at the start above rest that a run may gain; largest depth, as a part of the rod's length
+# energy gain of a run, over the initial energy above rest; largest depth, over the rod's length
 GAIN, DEEPEST = 1e-3, 0.06
-OUTSIDE = 1e-9  # m, a point this deep without a contact: the onset was missed
+OUTSIDE = 1e-9  # m, depth without a contact at which an onset was missed
 
 OUTCOMES = {
     "completed": GREEN,
@@ -123,7 +123,7 @@ def run_fixed(scene: Scene, name: str, dt: float) -> dict:
 def run_scipy(scene: Scene, method: str) -> dict:
     """Return a cell of one of solve_ivp's methods."""
     otherwise, note = "completed", ""
-    Scipy(drop(1e4, 0.7), 0.2, "DOP853", watch=True).run()  # compiles, onset and all
+    Scipy(drop(1e4, 0.7), 0.2, "DOP853", watch=True).run()  # compiles all functions, with an onset
     peer = Scipy(scene, STOP, method, watch=True)
     peer.tick = alarm(BUDGET)
     try:
@@ -210,7 +210,7 @@ def cell(task: tuple[str, float, float]) -> dict:
 
 
 SIZE = (9.5, 8.2)  # inches, of the chart
-COST_COLOURS, DEAREST = "YlGn_r", 100.0  # of costs over the cheapest, up to so many times
+COST_COLOURS, DEAREST = "YlGn_r", 100.0  # for costs over the cheapest, up to this ratio
 
 
 def title_of(method: str) -> str:
@@ -221,8 +221,8 @@ def title_of(method: str) -> str:
 def draw(page: Any, record: Any) -> None:
     """Draw one map for each method: stiffness to the right, restitution upwards.
 
-    A run that completes is coloured by its cost over that of the cheapest method that completes in the cell,
-    others by the outcome.
+    A completed run has the colour of its cost over the cheapest completed run in the cell; other runs have
+    the colour of their outcome.
     """
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]

@@ -1,4 +1,4 @@
-"""Runs a second of a sweep with 1, 2 and 4 workers: ``python benchmarks/sweep.py [--quick]``.
+"""Runs per second of a sweep with 1, 2 and 4 workers: ``python benchmarks/sweep.py [--quick]``.
 
 The default scene to 0.6 s with two impacts, tolerance 1e-6, and many restitutions. The numbers of threads
 take turns, so that other work on the machine hits all; CPU time is that of this process alone. They are held

@@ -23,8 +23,8 @@ import work_precision
 from problems import PROBLEMS, STEEL
 
 CHARTS = (fidelity, friction, rest, stability, work_precision)
-NO_DRIFT = 1e-9  # µm/s: less is round-off
-# the contents of the tables: tolerances, steps of MuJoCo [s], and choices of fidelity.py
+NO_DRIFT = 1e-9  # µm/s, below which a drift is round-off
+# rows of the tables: tolerances, steps of MuJoCo [s], and choices of fidelity.py
 WORK, OURS, STEPS = (1e-4, 1e-8), (1e-4, 1e-8), (1e-2, 1e-3)
 STIFFNESSES, TOLERANCES = (1e5,), (1e-4, 1e-8)
 DEFAULT_TOLERANCE = 1e-8

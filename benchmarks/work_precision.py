@@ -51,9 +51,9 @@ def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, st
 
 
 def start_up(name: str, cache: str = "") -> float | None:
-    """Return CPU time [s] of a new process to its first result, None of one that fails.
+    """Return the CPU time [s] of a new process until its first result; None if the process fails.
 
-    With an empty cache it compiles the kernel.
+    With an empty cache the process compiles the kernel.
     """
     program = FIRST.format(folder=str(Path(__file__).parent), family=peers.FAMILIES[name], name=name)
     environment = os.environ | ({"CHAIN_IMPACT_CACHE": cache} if cache else {})
@@ -96,7 +96,7 @@ def message(equal: list[dict[str, Any]]) -> str:
 
 
 def draw(page: Any, record: Any) -> None:
-    """Draw CPU time over the errors of tip and onsets for each chain, and the start-up beside it."""
+    """Draw CPU time over the errors of tip and onsets for each chain, and beside them the start-up time."""
     results = record["results"]
     grid, labels = page.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8)), {}
     for column, name in enumerate(NAMES):

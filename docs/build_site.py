@@ -20,7 +20,7 @@ SITE = DOCS.parent / "site"
 SHIM = "https://unpkg.com/iframe-worker/shim"
 GITHUB = "https://github.com/"
 GLOSSARY, WORDS = DOCS / "glossary.md", DOCS / "words.txt"
-# words on every page, which a reader knows after the first
+# words of every page, explained once per reader
 COMMON = {"base", "chain", "contact", "end", "event", "FMU", "impact", "input", "kernel", "link", "model"}
 COMMON |= {"parameter", "point", "scene", "stop", "tip", "tolerance"}
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
@@ -31,7 +31,8 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
     convert = [sys.executable, "-W", "ignore", "-m", "nbconvert", "--log-level", "ERROR"]
     convert += ["--execute", "--to", "markdown", "--output-dir", str(folder)]
     done = subprocess.run([*convert, *map(str, notebooks)], check=False, capture_output=True, text=True)
-    if done.returncode != 0:  # else it has warnings only, about how it talks to the kernel of the notebook
+    # otherwise the output contains only warnings about the connection to the notebook's kernel
+    if done.returncode != 0:
         raise RuntimeError(f"a notebook does not run:\n{done.stderr}")
 
 
@@ -40,20 +41,20 @@ def write_words() -> None:
     explained = re.findall(r"^- \*\*(.+?)\*\*: (.+)$", GLOSSARY.read_text(encoding="utf-8"), re.M)
     lines = []
     for words, meaning in explained:
-        text = re.sub(r"(: )?\[([^]]+)\]\([^)]*\)", "", meaning)  # a link says only where to read more
+        text = re.sub(r"(: )?\[([^]]+)\]\([^)]*\)", "", meaning)  # a link only names further reading
         text = re.sub(r"[*`]|\\\(.*?\\\)", "", text).strip(" :;")
         lines += [f"*[{word}]: {text}" for word in words.split(", ") if word not in COMMON]
     WORDS.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def repository() -> str:
-    """The name of the repository on GitHub, OWNER/NAME; empty while it has no address."""
+    """Return the name of the repository on GitHub, OWNER/NAME; empty if the repository has no address."""
     project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
     return str(project["project"]["urls"].get("Source", "")).removeprefix(GITHUB)
 
 
 def add_links(folder: Path, address: str) -> None:
-    """Link the pages of notebooks to a service that runs them, if the repository has an address."""
+    """Add links from notebook pages to a service that runs notebooks, if the repository has an address."""
     for notebook in NOTEBOOKS if address else ():
         page = folder / f"{notebook.stem}.md"
         link = f"https://colab.research.google.com/github/{address}/blob/main/docs/notebooks/{notebook.name}"
@@ -64,14 +65,14 @@ def add_links(folder: Path, address: str) -> None:
 
 
 def finish() -> None:
-    """Make what Zensical has written independent of the network and of the repository."""
-    for script in (*SITE.glob("*.py"), *SITE.glob(WORDS.name)):  # every file of docs/ is copied
+    """Make Zensical's output independent of the network and of the repository."""
+    for script in (*SITE.glob("*.py"), *SITE.glob(WORDS.name)):  # Zensical copies every file of docs/
         script.unlink()
     for page in SITE.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
-        # in the repository a link leads to the notebook, here to its page
+        # links lead to the notebook in the repository, and to its page in the site
         text = text.replace('.ipynb"', '.html"')
-        # without a server, search needs this script, which is in docs/javascripts
+        # without a server the search needs this script, in docs/javascripts
         top = "../" * (len(page.relative_to(SITE).parts) - 1)
         text = text.replace(SHIM, f"{top}javascripts/iframe-worker/shim.js")
         if remote := re.search(r'<(?:script|link)\b[^>]+(?:src|href)="(https?://[^"]*)', text):

@@ -1,6 +1,6 @@
 """Draw the chart of realised against prescribed restitution: ``python docs/charts.py``.
 
-The curves are free impacts of 1 kg at 1 m/s, simulated with each law of the registry that is a force.
+The curves are free impacts of 1 kg at 1 m/s, simulated with each force law of the registry.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ NAMED = {
     EXACT: "exact",
     "gharib_hurmuzlu": "differs most",
 }
-LONGEST = 200.0  # elastic contact times, after which a free impact is given up
+LONGEST = 200.0  # duration of a free impact, over the elastic contact time, at which the simulation stops
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
-HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
-FROM, NEAR = 0.5, 0.05  # restitution from which, and error within which, the headline counts
+HEIGHT = 1e-3  # m, distance from the wall at the start of a free impact
+FROM, NEAR = 0.5, 0.05  # restitution above which, and error within which, the headline counts a law
 
 
 def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
-    """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``."""
+    """Return the free impact of a point mass [kg] at a speed [m/s], a row of ``Result.impacts``."""
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
     n, k = contact.exponent, contact.stiffness
     depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))
-    stop = (2.0 * HEIGHT + LONGEST * depth) / speed  # also where the depth is lost beside the height
+    stop = (2.0 * HEIGHT + LONGEST * depth) / speed  # also for a depth comparable with the height
     data = {
         "name": "FreeImpact",
         "gravity": [0.0, 0.0],
@@ -56,14 +56,14 @@ def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
 
 
 def curve(law: ContactLaw) -> np.ndarray:
-    """Realised restitution of a law over SAMPLES."""
+    """Return the realised restitution of a law over SAMPLES."""
     contact = replace(load_scene("four_link_box").contact, model=law.id, exponent=law.exponent or 1.5)
     impacts = (free_impact(replace(contact, restitution=float(e)), 1.0, 1.0) for e in SAMPLES)
     return np.array([impact["separation_speed"] / impact["impact_speed"] for impact in impacts])
 
 
 def groups() -> dict[str, list[ContactLaw]]:
-    """Laws with the same force and factor f(e), by their formulas: they share a curve."""
+    """Return laws with the same force and factor f(e), by their formulas; such laws share a curve."""
     found: dict[str, list[ContactLaw]] = {}
     for law in CONTACT_LAWS.values():
         if not law.impulsive:
@@ -72,7 +72,7 @@ def groups() -> dict[str, list[ContactLaw]]:
 
 
 def look(names: list[str], colours: dict[str, str]) -> dict[str, object]:
-    """How the curve of some laws is drawn."""
+    """Return the style of the curve of some laws."""
     if EXACT in names:
         return {"color": BLACK, "linewidth": 3.5, "zorder": 2}
     colour = next((colours[name] for name in names if name in colours), GREY)
@@ -84,7 +84,7 @@ def look(names: list[str], colours: dict[str, str]) -> dict[str, object]:
 
 
 def draw(path: Path) -> None:
-    """Realised restitution on the left, its error on the right."""
+    """Draw the realised restitution on the left, and its error on the right."""
     colours = dict(zip((name for name in NAMED if name != EXACT), PALETTE, strict=False))
     near = total = 0
     with mpl.rc_context(STYLE):

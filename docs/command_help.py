@@ -1,4 +1,4 @@
-"""The help of every command, for a page of the docs; that of argparse has another form in each Python."""
+"""The help of every command, for a page of the docs; argparse's own layout differs between Pythons."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from collections.abc import Iterator
 
 from chain_impact import cli
 
-REPEATED = "; can be repeated"  # the page says of which options
-WIDTH, SECOND = 88, 24  # columns of the text, and where the second one begins
-SHARED = {"help", "quiet", "source", "set"}  # what several commands have: the page says it once
+REPEATED = "; can be repeated"  # the page lists the repeatable options once
+WIDTH, SECOND = 88, 24  # columns of the text, and the start of the second column
+SHARED = {"help", "quiet", "source", "set"}  # options of several commands, which the page explains once
 
 
 def command_line() -> str:
-    """The help of every command."""
+    """Return the help of every command."""
     whole = cli.parser()
     verbs = next(action.choices for action in whole._actions if isinstance(action.choices, dict))
-    having: dict[str, list[str]] = {}  # rows of an argument or option → the commands that have it
+    having: dict[str, list[str]] = {}  # rows of an argument or option → the commands with this row
     for name, verb in verbs.items():
         for rows in _all_rows(verb):
             having.setdefault(rows, []).append(name)
-    several: dict[str, list[str]] = {}  # commands → the rows of the options that they have in common
+    several: dict[str, list[str]] = {}  # commands → the rows of their common options
     for rows, names in having.items():
         if len(names) > 1:
             several.setdefault(", ".join(names), []).append(rows)
@@ -38,13 +38,13 @@ def _block(*lines: str) -> str:
 
 
 def _all_rows(parser: ArgumentParser) -> list[str]:
-    """The rows of each argument and option that the page does not say once for all."""
+    """Return the rows of each argument and option that the page does not explain once for all commands."""
     actions = [action for action in parser._actions if action.dest not in SHARED]
     return [rows for action in actions if (rows := "\n".join(_rows(parser, action)))]
 
 
 def _usage(parser: ArgumentParser) -> str:
-    """The usage in one line: which arguments there are, and which options are needed."""
+    """Return the usage as one line with all arguments and the required options."""
     parts = [parser.prog, "[options]"]
     for action in parser._actions:
         name = action.metavar or action.dest.upper()
@@ -57,7 +57,7 @@ def _usage(parser: ArgumentParser) -> str:
 
 
 def _rows(parser: ArgumentParser, action: Action) -> Iterator[str]:
-    """What an argument or option is, in two columns; of the argument COMMAND, what each command is."""
+    """Return the two columns of an argument or option; for COMMAND, the meaning of each command."""
     if isinstance(action.choices, dict):
         for verb in action._get_subactions():
             yield f"  {verb.dest}".ljust(SECOND) + str(verb.help)

@@ -1,4 +1,4 @@
-"""Draw simulations beside what was measured, or what another theory says: ``python docs/gallery.py``.
+"""Draw simulations beside measurements, or beside another theory: ``python docs/gallery.py``.
 
 The measured values are those of models/<model>/measured.csv; docs/models has the pages.
 """
@@ -25,7 +25,7 @@ SIZE = (8.5, 4.6)
 
 
 def triple_pendulum(page: Figure) -> None:
-    """Angles above, their differences below."""
+    """Draw angles above, and differences below."""
     columns, result = measured("triple_pendulum"), simulate("triple_pendulum")
     time = columns["time"]
     above, below = page.subplots(2, 1, sharex=True, height_ratios=(3, 1))
@@ -57,7 +57,7 @@ def triple_pendulum(page: Figure) -> None:
 
 
 def golf_ball(page: Figure) -> None:
-    """Height over time, and how much later each impact was heard than the simulation has it."""
+    """Draw height over time, and the delays of the heard impacts after the simulated impacts."""
     heard, result = heard_impacts(), simulate("golf_ball")
     late = 1000 * (heard - result.impacts["onset"])
     height, delay = page.subplots(2, 1, sharex=True, height_ratios=(3, 1))
@@ -76,7 +76,7 @@ def golf_ball(page: Figure) -> None:
 
 
 def steel_bar(page: Figure) -> None:
-    """Force over time, and the restitution of bars of several lengths."""
+    """Draw force over time, and the restitution of bars of several lengths."""
     scene, result = load_scene("steel_bar"), simulate("steel_bar", output_step=4e-6)
     times = np.linspace(0.0, scene.simulation.stop_time, 201)
     force, lengths = page.subplots(1, 2, width_ratios=(3, 2))
@@ -105,7 +105,7 @@ CHARTS = {"golf_ball": golf_ball, "steel_bar": steel_bar, "triple_pendulum": tri
 
 
 def draw(folder: Path) -> None:
-    """All charts, each as <model>.png."""
+    """Draw all charts, each as <model>.png."""
     for model, fill in CHARTS.items():
         with mpl.rc_context(STYLE):
             save(folder / f"{model}.png", fill, SIZE)

@@ -1,7 +1,7 @@
 """Fill the tables of the docs from the code: ``python docs/generate.py``.
 
-What stands between ``<!-- generated: name -->`` and ``<!-- end -->`` in a page is replaced by what the
-function ``name`` below returns. It also writes the JSON schema of scene files, ``scene.schema.json``.
+The script replaces the text between ``<!-- generated: name -->`` and ``<!-- end -->`` in a page by the result
+of the function ``name`` below. The script also writes the JSON schema of scene files, ``scene.schema.json``.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ from tests.fmu.planted_faults import FAULTS, FOUND, WHOLE
 DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
-RADIUS = 0.02  # m, of the spheres in the table of stiffness
-# Young's modulus [Pa] and Poisson's ratio, as usual for the material
+RADIUS = 0.02  # m, radius of the spheres in the table of stiffness
+# typical Young's modulus [Pa] and Poisson's ratio of each material
 MATERIALS = {
     "steel": (207e9, 0.3),
     "aluminium": (70e9, 0.33),
@@ -51,18 +51,18 @@ MATERIALS = {
 
 
 def filled(page: str) -> str:
-    """The text of a page with its tables as the code has them."""
+    """Return the text of a page with tables from the code."""
     return BLOCK.sub(lambda found: f"{found[1]}{found[2]}\n{TABLES[found[1]]()}\n\n", page)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table."""
+    """Return a Markdown table."""
     lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in (head, *rows)]
     return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
 
 
 def code(text: object) -> str:
-    """Text as code, nothing for nothing."""
+    """Return a text as inline code; empty for an empty text."""
     return f"`{text}`" if text not in ("", None) else ""
 
 
@@ -70,7 +70,7 @@ def code(text: object) -> str:
 
 
 def scene_reference() -> str:
-    """One list for each table of the scene file."""
+    """Return one list for each table of the scene file."""
     sections: dict[str, list[Sequence[str]]] = {}
     for key, entry in scene_keys():
         section, _, name = key.rpartition(".")
@@ -79,7 +79,7 @@ def scene_reference() -> str:
             rule = entry.metadata
             meaning, _, missing = _of_the_joint(rule["description"]).partition("; if missing: ")
             default = missing or _default(rule["default"])
-            if default == AS_IN_CONTACT:  # so are what is allowed and the meaning
+            if default == AS_IN_CONTACT:  # the allowed values and the meaning are the same, too
                 rows.append((code(name), default, ""))
             else:
                 rows.append((code(name), _value(default, _allowed(entry.type, rule)), meaning))
@@ -93,11 +93,11 @@ def scene_reference() -> str:
 
 
 SHORT = 5  # words of a meaning
-AS_IN_CONTACT = "as in [contact]"  # default of keys that [contact] has, too
+AS_IN_CONTACT = "as in [contact]"  # default of keys that also exist in [contact]
 
 
 def _joined(rows: Iterable[Sequence[str]]) -> Iterable[str]:
-    """A line for each key, or for keys that follow each other with short meanings and equal values."""
+    """Return one line for each key, or for adjacent keys with short meanings and equal values."""
     for _, group in groupby(rows, lambda row: (row[1], len(row[2].split()) > SHORT and row[0])):
         keys, values, meanings = zip(*group, strict=True)
         value = f" ({values[0]})" if values[0] else ""
@@ -106,7 +106,7 @@ def _joined(rows: Iterable[Sequence[str]]) -> Iterable[str]:
 
 
 def _value(default: str, allowed: str) -> str:
-    """The default with its unit, and the range; a default that is one of some choices is bold."""
+    """Return the default with its unit, and the range. A default among choices is bold."""
     if default and default in allowed.split(", "):
         return allowed.replace(default, f"**{default}**", 1)
     limits, unit = re.fullmatch(r"(.*?) ?(\[[^,]*\])?", allowed).groups("")
@@ -116,7 +116,7 @@ def _value(default: str, allowed: str) -> str:
 
 
 def _of_the_joint(description: str) -> str:
-    """A description without "of the joint nearer to the base", "of the model" and "for its FMU"."""
+    """Return a description without "of the joint nearer to the base", "of the model" and "for its FMU"."""
     for said in (" of the joint nearer to the base", " in the joint nearer to the base", " of the model"):
         description = description.replace(said, "")
     return description.removesuffix(", for its FMU")
@@ -169,7 +169,7 @@ def _readable(text: str) -> str:
 
 
 def variable_patterns() -> str:
-    """Every kind of variable once, its indices replaced by letters."""
+    """Return every kind of variable once, with letters in place of its indices."""
     known = {_of_the_joint(entry.metadata["description"]) for _, entry in scene_keys() if entry.metadata}
     sections = []
     for title, table_of in (("Parameters", PARAMETERS), ("Inputs", INPUTS), ("Outputs", OUTPUTS)):
@@ -185,7 +185,7 @@ def variable_patterns() -> str:
 
 
 def _variables(meaning: str, kinds: Sequence[Kind]) -> str:
-    """A line for kinds of one meaning: names, meaning and units; of scene keys the meaning first."""
+    """Return a line for kinds of one meaning: names, meaning and units; for scene keys the meaning first."""
     names = ", ".join(code(name) for name in dict.fromkeys(kind.pattern for kind in kinds))
     if meaning.startswith(SCENE_KEY):
         return f"- {meaning}: {names}"
@@ -206,7 +206,7 @@ IN_GENERAL = OF_STOPS | {
     "wall_numbers_if_any": "its [code](#codes)",
     "statuses": "see its [codes](troubleshooting.md#statuses-of-the-solver)",
 }
-"""What stands in the meanings for the words of a scene and of an element."""
+"""Word of a scene or an element → its general form in the table."""
 ALIKE = {
     "stops: least and largest angle": ("link[i].joint_min", "link[i].joint_max"),
     "position of the wall": tuple(f"box.{wall}" for wall in WALLS),
@@ -261,12 +261,12 @@ ALIKE = {
         "contact.model",
     ),
 }
-"""One meaning for alike variables."""
+"""The common meaning of similar variables."""
 MEANINGS = {name: meaning for meaning, names in ALIKE.items() for name in names}
 
 
 def _meaning(kind: Kind) -> str:
-    """The description, without what its name or scene.md says; long lists of codes stand elsewhere."""
+    """Return the description without the content of its name and of scene.md, and without long code lists."""
     if kind.pattern in MEANINGS:
         return MEANINGS[kind.pattern]
     choices = choices_of(load_scene("four_link_box"))[METHODS] if kind.choices == METHODS else ()
@@ -276,7 +276,7 @@ def _meaning(kind: Kind) -> str:
 
 
 def walls() -> str:
-    """The numbers of the walls in `impact.last_wall`."""
+    """Return the numbers of the walls in `impact.last_wall`."""
     box = ", ".join(f"{number} {code(wall)}" for number, wall in enumerate(WALLS, 1))
     return (
         f"0 none, {box}, {len(WALLS) + 1} and on the `[[walls]]` of the scene in their order. In a scene "
@@ -285,7 +285,7 @@ def walls() -> str:
 
 
 def statuses() -> str:
-    """The status codes of the solver; the remedies stand in the messages themselves."""
+    """Return the status codes of the solver; the messages themselves contain the remedies."""
     return "\n".join(
         f"- {n} {code(STATUS_NAME[n])}: {re.split(':|, as ', text)[0]}" for n, text in STATUS_TEXT.items()
     )
@@ -295,7 +295,7 @@ def statuses() -> str:
 
 
 def contact_laws() -> str:
-    """The registry of contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
+    """Return the registry of contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
     family = [law for law in CONTACT_LAWS.values() if law.in_family]
     rigid = [law for law in CONTACT_LAWS.values() if law.impulsive]
     others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.impulsive)]
@@ -334,7 +334,7 @@ def _accurate(low: float, high: float) -> str:
 
 
 def stiffnesses() -> str:
-    """The stiffness of a sphere of some materials on a plane."""
+    """Return the stiffness of a sphere of some materials on a plane."""
     steel = MATERIALS["steel"]
     rows = (
         (
@@ -352,7 +352,7 @@ def stiffnesses() -> str:
 
 
 def planted_faults() -> str:
-    """How many faults the tests plant, each of which ``validate`` finds, and how many of them FMPy finds."""
+    """Return the numbers of planted faults that ``validate`` finds, and that FMPy finds."""
     planted = [len(some) + len(WHOLE) for some in FAULTS.values()]
     by_fmpy = [sum(fault.by_fmpy == FOUND for fault in some.values()) for some in FAULTS.values()]
     return (
@@ -365,7 +365,10 @@ RESULTS = DOCS.parent / "benchmarks" / "results"
 
 
 def measured_impacts() -> str:
-    """How well laws, and a model with a compliance, predict measured impacts; equal errors in one row."""
+    """Return the errors of laws, and of a model with compliance, for measured impacts.
+
+    Equal errors share a row.
+    """
     record = json.loads((RESULTS / "measured_impacts.json").read_text(encoding="utf-8"))
     facts, found = record["results"]["facts"], record["results"]["odd trials"]
     predicted = {name: one for name, one in found.items() if "median" in one}
@@ -385,11 +388,11 @@ def measured_impacts() -> str:
     )
 
 
-NAMED = 3  # laws of a row of the table of measured impacts
+NAMED = 3  # largest number of named laws in a row of the table of measured impacts
 
 
 def _few(names: list[str]) -> str:
-    """Some names, the default law first, and how many others there are."""
+    """Return some names, the default law first, and the number of the other names."""
     names = sorted(names, key=lambda name: "`zhang_sharf`" not in name)
     others = f", and {len(names) - NAMED} others" if len(names) > NAMED else ""
     return ", ".join(names[:NAMED]) + others
@@ -401,7 +404,7 @@ def _model(name: str, found: dict[str, float]) -> str:
 
 
 def measured_arm() -> str:
-    """Fitted damping and friction of the measured arm, with dry friction and without, and the errors."""
+    """Return fitted damping and friction of the measured arm, with and without dry friction, and errors."""
     record = json.loads((RESULTS / "measured_arm.json").read_text(encoding="utf-8"))
     found = record["results"]
     names = max((list(one["parameters"]) for one in found.values()), key=len)
@@ -439,7 +442,7 @@ TABLES = {
 
 
 def schema_text() -> str:
-    """The text of ``scene.schema.json``."""
+    """Return the text of ``scene.schema.json``."""
     return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
 
 

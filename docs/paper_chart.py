@@ -1,4 +1,4 @@
-"""Draw curves of an impact of the default scene, as the paper has them: ``python docs/paper_chart.py``.
+"""Draw curves of an impact of the default scene in the paper's layout: ``python docs/paper_chart.py``.
 
 Deformation, its rate and acceleration, force, impulse and energy in the first impact, for some contact laws.
 """
@@ -22,7 +22,7 @@ WALL = "y_min"
 
 
 def curves(law: str) -> dict[str, np.ndarray]:
-    """What the panels show of the first impact with a law: a title with its unit → values over its POINTS."""
+    """Return the panels of the first impact with a law: title with unit → values over its POINTS."""
     scene = load_scene(SCENE).with_values({"contact.model": law})
     first = simulate(scene, stop_time=0.52, output_step=0.52).impacts[0]
     contact, point = f"contact[{first['point']}].{WALL}", f"point[{first['point']}]"
@@ -47,7 +47,7 @@ def curves(law: str) -> dict[str, np.ndarray]:
 
 
 def draw() -> Figure:
-    """Six panels over the time since the onset."""
+    """Draw six panels over the time since the onset."""
     figure = Figure((9.0, 4.6), layout="constrained")
     panels = figure.subplots(2, 3).ravel()
     for law, colour in zip(LAWS, PALETTE, strict=False):

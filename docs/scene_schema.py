@@ -1,7 +1,7 @@
 """The JSON schema of scene files, for editors: made from the fields of the dataclasses of ``scene/``.
 
-Draft 7, which Taplo and the editors built on it understand. It knows what each key may hold. What two keys
-say together, such as the number of angles and of links, only the reader can check.
+The schema follows Draft 7, for Taplo and editors with Taplo. It describes the values of each key. Only the
+scene reader checks relations of keys, for example equal numbers of angles and links.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from chain_impact.scene.tables import Initial, Wall
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 ALTERNATIVES = {Wall: ("angle", "normal"), Initial: ("angles", "joint_angles")}
-"""Tables of which the reader wants one of two keys."""
+"""Tables in which the reader requires one of two keys."""
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
 def schema() -> dict[str, Any]:
-    """The schema of a whole scene file."""
+    """Return the schema of a whole scene file."""
     head = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "chain-impact scene"}
     return head | _table(Scene)
 
@@ -40,7 +40,7 @@ def _table(table: Any) -> dict[str, Any]:
     for entry in entries:
         file = entry.metadata.get("extended_by")
         if file in {one.name for one in entries}:
-            # without the file only the choices of the registry are allowed
+            # without a law file only the registry's choices are allowed
             has_file = {"required": [file], "properties": {file: {"minLength": 1}}}
             choices = {"properties": {entry.name: {"enum": list(entry.metadata["choices"])}}}
             rules |= {"if": has_file, "else": choices}
@@ -48,7 +48,7 @@ def _table(table: Any) -> dict[str, Any]:
 
 
 def _is_needed(entry: Any) -> bool:
-    """Whether a key, or something in a table, has no default."""
+    """Return whether a key, or a key inside a table, has no default."""
     if dataclasses.is_dataclass(entry.type):
         return entry.type in ALTERNATIVES or any(_is_needed(inner) for inner in keys(entry.type))
     return entry.metadata["default"] is dataclasses.MISSING
@@ -84,10 +84,10 @@ def _value(kind: Any, rule: Any) -> dict[str, Any]:
     rules |= {name: rule[limit] for limit, name in LIMITS.items() if rule[limit] is not None}
     if rule["choices"] is not None:
         choices = {"enum": list(rule["choices"])}
-        # an editor offers the choices, though a file may add one
+        # an editor offers the choices, and a file may contain another name
         return rules | ({"anyOf": [choices, {"minLength": 1}]} if rule["extended_by"] else choices)
     if rule["matching"] is not None:
-        # TOML has no surrogates, and the regular expressions of Taplo cannot name them
+        # TOML has no surrogates, and Taplo's regular expressions cannot contain surrogates
         rules["pattern"] = "^({})$".format(rule["matching"][0].replace(r"\uD800-\uDFFF", ""))
     return rules
 

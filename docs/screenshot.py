@@ -14,13 +14,13 @@ from chain_impact.studies.animate import record_slowly
 
 IMAGES = Path(__file__).parent / "images"
 SIZE = {"width": 1280, "height": 760}
-WIDER = {"width": 1366, "height": 760}  # for the parameters beside it
-KEYS = ["Shift+ArrowRight"] * 5 + ["ArrowRight"] * 9  # to the middle of the fifth impact
+WIDER = {"width": 1366, "height": 760}  # for the parameters beside the scene
+KEYS = ["Shift+ArrowRight"] * 5 + ["ArrowRight"] * 9  # keys that lead to the middle of the fifth impact
 CHANGES = "#contact.restitution=0.5"
 
 
 def main() -> None:
-    """Open the pages of the default scene, go to an impact, and keep what is to be seen."""
+    """Open the pages of the default scene, go to an impact, and save screenshots."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         animation, exploring = Path(folder, "animation.html"), Path(folder, "explore.html")
         animate(record_slowly(load_scene("four_link_box")), animation)

@@ -1,7 +1,8 @@
-"""Draw which parameter of the default scene matters when: ``python docs/sensitivity_chart.py``.
+"""Draw the influence of parameters of the default scene over time: ``python docs/sensitivity_chart.py``.
 
-How far the tip moves, and how much the peak force of each impact changes, when one parameter grows by 1 %: to
-first order, p ∂y/∂p of one run with derivatives. Of parameters of a kind, the one that matters most counts.
+The chart shows the motion of the tip, and the change of each impact's peak force, for a growth of one
+parameter by 1 %: to first order p ∂y/∂p, from one run with derivatives. Of parameters of a kind, the most
+influential one counts.
 """
 
 from __future__ import annotations
@@ -33,12 +34,12 @@ KINDS = {
 }
 CONDITIONS = "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most"
 COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
-LEAST = 1e-6  # m, where the axis begins
-DARK, WHOLE = 30.0, 100.0  # %, from which numbers are white, and have three digits
+LEAST = 1e-6  # m, lower limit of the axis
+DARK, WHOLE = 30.0, 100.0  # %, above which numbers are white, and have three digits
 
 
 def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
-    """The largest size of some changes of shape (…, P) among the parameters of a kind, shape (…)."""
+    """Return the largest change among the parameters of a kind, shape (…), from changes (…, P)."""
     names = list(result.sensitivities.parameters)
     return {
         kind: np.abs(changes[..., [names.index(name) for name in members]]).max(axis=-1)
@@ -47,14 +48,14 @@ def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
 
 
 def moved(result: Result) -> dict[str, np.ndarray]:
-    """How far the tip moves with each kind, shape (T,) [m]; NaN within impacts."""
+    """Return the displacement of the tip for each kind, shape (T,) [m]; NaN within impacts."""
     sizes = np.hypot(*(result.sensitivities.changes(f"point[{TIP}].{axis}") for axis in "xy"))
     sizes[~calm(result)] = np.nan
     return by_kind(sizes, result)
 
 
 def message(result: Result) -> str:
-    """How unlike the parameters are at the end."""
+    """Return the headline: the ratio of the parameters' influences at the end."""
     ends = {kind: size[-1] for kind, size in moved(result).items()}
     most, least = max(ends, key=ends.get), min(ends, key=ends.get)
     ratio = float(f"{ends[most] / ends[least]:.2g}")
@@ -63,7 +64,7 @@ def message(result: Result) -> str:
 
 
 def draw_motion(axes: Axes, result: Result) -> None:
-    """How far the tip moves, over time. The names of the colours stand beside the table of forces."""
+    """Draw the displacement of the tip over time. The names of the colours are beside the table of forces."""
     for kind, size in moved(result).items():
         axes.plot(result.time, size, color=COLOURS[kind], linewidth=1.5)
     mark_impacts(axes, result)
@@ -72,7 +73,7 @@ def draw_motion(axes: Axes, result: Result) -> None:
 
 
 def draw_forces(axes: Axes, result: Result) -> None:
-    """The change of each peak force in percent, as colours and numbers."""
+    """Draw the change of each peak force in percent, as colours and numbers."""
     shares = by_kind(100.0 * result.sensitivities.relative("peak_force"), result)
     table = np.array(list(shares.values()))
     axes.imshow(table, "Blues", aspect="auto", norm=LogNorm(1e-2, 1e3))
@@ -91,7 +92,7 @@ def draw_forces(axes: Axes, result: Result) -> None:
 
 
 def draw(path: Path) -> None:
-    """The motion on the left, the forces on the right."""
+    """Draw the motion on the left, and the forces on the right."""
     names = [name for members in KINDS.values() for name in members]
     result = simulate(SCENE, STOP, tolerance=1e-10, sensitivities=names)
     assert result.sensitivity_limits == ()

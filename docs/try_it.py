@@ -1,6 +1,6 @@
 """Pages that simulate for the site: one for each model, a page with all of them, and links from the models.
 
-``build_site.py`` calls this; the pages are not committed, as they hold the compiled kernel.
+``build_site.py`` calls this module; the pages are not committed, because they contain the compiled kernel.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from chain_impact import explore, load_scene, model_names
 DOCS = Path(__file__).parent
 PAGE = DOCS / "try_it.md"
 GALLERY = DOCS / "models" / "index.md"
-FOLDER = "try"  # of the pages that simulate, in the site
+FOLDER = "try"  # folder of the simulating pages in the site
 FIRST = "four_link_box"
 FRAME = f'<iframe class="try" name="try" src="{FOLDER}/{FIRST}.html" title="A page that simulates"></iframe>'
 HEAD = f"""---
@@ -45,7 +45,7 @@ def write_page() -> None:
 
 
 def gallery() -> Iterator[tuple[str, list[str]]]:
-    """The headings of the page of all models, with the models that stand below each."""
+    """Return the headings of the page of all models, with the models below each heading."""
     for section in GALLERY.read_text(encoding="utf-8").split("\n## ")[1:]:
         title, _, rest = section.partition("\n")
         if names := re.findall(r"\[`(\w+)`\]\(", rest):
@@ -53,14 +53,17 @@ def gallery() -> Iterator[tuple[str, list[str]]]:
 
 
 def row(model: str) -> str:
-    """A model in the list."""
+    """Return the list entry of a model."""
     show = f'<a href="{FOLDER}/{model}.html" target="try">{model}</a>'
     more = f'<a href="models/{model}.html">more</a>'
     return f"<li>{show} <span>{escape(load_scene(model).description)}; {more}</span></li>"
 
 
 def lead_to_simulations(gallery: str) -> str:
-    """The page of all models, its pictures linked to the pages that simulate; RuntimeError if one is not."""
+    """Link the pictures on the page of all models to the simulating pages.
+
+    RuntimeError if a link is missing.
+    """
     led, count = re.subn(r'<a href="(\w+\.html)">(?=<img )', rf'<a href="../{FOLDER}/\1">', gallery)
     if count != len(model_names()):
         raise RuntimeError(f"{count} pictures of {len(model_names())} models have a link")
@@ -68,7 +71,7 @@ def lead_to_simulations(gallery: str) -> str:
 
 
 def begin_with_page(start: str) -> str:
-    """The start page, which simulates in place of the film; RuntimeError if there is no film."""
+    """Return the start page with a simulation in place of the film; RuntimeError if no film exists."""
     begun, count = re.subn(r'<p><img [^>]*four_link_box\.gif"[^>]*></p>', FRAME, start)
     if count != 1:
         raise RuntimeError(f"the start page has {count} films of four links")
@@ -76,7 +79,7 @@ def begin_with_page(start: str) -> str:
 
 
 def finish(site: Path) -> None:
-    """Put the pages that simulate into the site, and links to them into the pages of the models."""
+    """Copy the simulating pages into the site, and link to them from the pages of the models."""
     start = site / "index.html"
     start.write_text(begin_with_page(start.read_text(encoding="utf-8")), encoding="utf-8")
     gallery = site / "models" / "index.html"

@@ -1,7 +1,7 @@
 """The table of docs/validation.md: ``python docs/validation_table.py`` computes it and puts it there.
 
-The problems, the second solutions and what was published are in tests/helpers/validation.py, which tests
-check, too.
+tests/helpers/validation.py has the problems, the second solutions and the published values; the tests use
+this module, too.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tests.helpers.validation import PROBLEMS, Figure, Problem
 TOLERANCE = 1e-8  # the default
 BLOCK = re.compile(r"(?<=<!-- validation -->\n).*?(?=<!-- end -->)", re.DOTALL)
 HEAD = ("problem", "quantity", "published", "second solution", "deviation")
-# of each problem its source, and parts of the names of the quantities that the page shows
+# source of each problem, and parts of the names of the displayed quantities
 SHOWN = {
     "double_pendulum_wall": ("Potra et al. 2006; Solfec", "0.6 s"),
     "simple_pendulum": ("IFToMM library, A01", "x at"),
@@ -43,7 +43,7 @@ SHOWN = {
 
 
 def rows(problem: Problem) -> list[list[str]]:
-    """The rows of one problem; the first one names it and its source."""
+    """Return the rows of one problem; the first row names the problem and its source."""
     name, found = problem.model, []
     link = f"[{name}](models/{name}.md)" if name in model_names() else f"`{name}`"
     source, *shown = SHOWN[name]
@@ -57,7 +57,7 @@ def rows(problem: Problem) -> list[list[str]]:
 
 
 def published(figure: Figure) -> str:
-    """What the source says or measured; bold where it is inaccurate."""
+    """Return the published or measured value, in bold if it is inaccurate."""
     if figure.published is None:
         return "equation" if figure.equation else "–"
     text = f"{float(figure.published):.9g}"

@@ -6,7 +6,7 @@ An editable installation needs no compilers.
 import sys
 from typing import Any
 
-OLDEST = (3, 11)  # as requires-python of pyproject.toml, which pip reads when it has built the wheel
+OLDEST = (3, 11)  # equal to requires-python of pyproject.toml, which pip reads after the build of the wheel
 if sys.version_info < OLDEST:
     sys.exit(
         f"chain-impact needs Python 3.11 or later, and this is {sys.version.split()[0]} ({sys.base_prefix})"
@@ -18,7 +18,7 @@ from kernel_hook import kernels, say, target  # noqa: E402
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
-    """What to install for a wheel besides [build-system] requires."""
+    """Return the requirements of a wheel's build besides [build-system] requires."""
     making = kernels()
     cached = making.all_cached(target(), release=making.ready.for_release())
     compilers = [] if cached else making.REQUIREMENTS

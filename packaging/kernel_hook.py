@@ -1,4 +1,4 @@
-"""Put the ready kernels into a wheel, and mark it with the platform that they are for."""
+"""Put the prebuilt kernels into a wheel, and tag the wheel with their platform."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ TAGS = {
     "aarch64-linux": "manylinux_2_17_aarch64",
     "aarch64-darwin": "macosx_11_0_arm64",
 }
-"""The tag of a wheel's platform; any Python will do, as it does not know the shared libraries."""
+"""The tag of a wheel's platform; any Python fits, because the shared libraries do not use Python."""
 PLATFORM = "CHAIN_IMPACT_PLATFORM"
-"""The variable that names the platform of the wheel; by default it is this machine's."""
+"""The environment variable with the platform of the wheel; the default is this machine's platform."""
 
 
 def kernels() -> ModuleType:
-    """The module ready_kernels, without the rest of the package and what that needs installed."""
+    """Return the module ready_kernels, without the rest of the package and its requirements."""
     if "chain_impact" not in sys.modules:
         package = ModuleType("chain_impact")
         package.__path__ = [str(PACKAGE)]
@@ -35,16 +35,16 @@ def kernels() -> ModuleType:
     try:
         places = import_module("chain_impact.compilation.places")
         places.writable(places.base_folder())
-    except RuntimeError:  # who builds has no home, or no space there
+    except RuntimeError:  # the build has no home folder, or no space there
         os.environ["CHAIN_IMPACT_CACHE"] = tempfile.mkdtemp(prefix="chain-impact-")
     here = str(Path(__file__).parent)
-    if here not in sys.path:  # of a build that does not go through backend.py
+    if here not in sys.path:  # a build without backend.py lacks this folder
         sys.path.insert(0, here)
     return import_module("ready_kernels")
 
 
 def target() -> str:
-    """The platform that the wheel is for: that of this machine, or the one that CHAIN_IMPACT_PLATFORM names.
+    """Return the platform of the wheel: this machine's, or the value of CHAIN_IMPACT_PLATFORM.
 
     Raises:
         RuntimeError: when this machine is none of them, or there is no such platform.
@@ -62,23 +62,23 @@ def target() -> str:
 def say(sentence: str) -> None:
     """Write a line at once to the terminal, or to standard error where there is none.
 
-    What a build writes to standard error, pip shows with -v only. A job in the background leaves the terminal
-    alone, which may stop who writes there.
+    pip shows a build's standard error with -v only. A background job writes nothing, because the terminal
+    could stop a background writer.
     """
     line = f"chain-impact: {sentence}\n"
     with suppress(OSError, AttributeError), Path("/dev/tty").open("w", encoding="utf-8") as terminal:
         if os.tcgetpgrp(terminal.fileno()) == os.getpgrp():
-            terminal.write(f"\r\033[K{line}")  # in the place of what an installer has begun there
+            terminal.write(f"\r\033[K{line}")  # overwrites the line that the installer has begun
             return
     sys.stderr.write(line)
     sys.stderr.flush()
 
 
 class KernelHook(BuildHookInterface):
-    """Called by hatchling for each wheel."""
+    """A build hook that hatchling calls for each wheel."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Add the kernels to the wheel; an editable one gets none, as its sources will change."""
+        """Add the kernels to the wheel; an editable wheel gets none, because its sources will change."""
         if version == "editable":
             return
         making, platform = kernels(), target()
@@ -94,6 +94,6 @@ class KernelHook(BuildHookInterface):
         build_data["tag"] = f"py3-none-{TAGS[platform]}"
 
     def finalize(self, version: str, _build_data: dict[str, Any], _artifact: str) -> None:
-        """Clean up."""
+        """Delete the temporary files."""
         if version != "editable":
             self.scratch.cleanup()

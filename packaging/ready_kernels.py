@@ -1,4 +1,4 @@
-"""The kernels that a wheel carries are made, when it is built; compilation/ready.py finds them later."""
+"""The build of a wheel's prebuilt kernels, which compilation/ready.py later finds."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from chain_impact.compilation import browser, cache, compilers, ready
 from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.system import HOST, cores
 
-PATIENCE = 10.0  # s, after which who waits is told that work goes on
+PATIENCE = 10.0  # s, after which a message tells that work continues
 REQUIREMENTS = [*(f"{name}=={version}" for name, version in COMPILERS.items()), "numpy>=2.0,<3"]
-"""What has to be installed to compile kernels."""
+"""Requirements of the compilation of kernels."""
 
 
 def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
-    """The kernels of a wheel: file name → kind and number of links."""
+    """Return the kernels of a wheel: file name → kind and number of links."""
     return {
         ready.library_name(size, platform, what=kind): (kind, size)
         for kind in ready.PARTS
@@ -29,7 +29,7 @@ def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
 
 
 def all_cached(platform: str = HOST, *, release: bool = False) -> bool:
-    """Whether all files for a platform are in the cache, so that it takes no compiler to ``make`` them."""
+    """Return whether all files for a platform are in the cache, so that ``make`` needs no compiler."""
     return all(cache.find(name) for name in (ready.MODULE, browser.MODULE, *_wanted(platform, release)))
 
 
@@ -40,15 +40,15 @@ def make(
     release: bool = False,
     say: Callable[[str], None] = print,
 ) -> None:
-    """Put all kernels for a platform into a new folder, and the module that more can be made from.
+    """Put all kernels for a platform into a new folder, with the module from which further kernels are made.
 
-    What is not in the cache is compiled.
+    Kernels that are not in the cache are compiled.
 
     Args:
-        folder: to be made.
-        platform: of ``compilers.ZIG_TARGETS``.
-        release: whether to add what a wheel for release has: kernels for single numbers of links.
-        say: is told what is done, before it is.
+        folder: the new folder.
+        platform: a key of ``compilers.ZIG_TARGETS``.
+        release: whether to add the kernels for single numbers of links, as in a wheel for release.
+        say: a function that gets a line before each step.
     """
     wanted = _wanted(platform, release)
     if not all_cached(platform, release=release):
@@ -63,7 +63,7 @@ def make(
 
 
 def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Callable[[str], None]) -> None:
-    """See that kernels are in the cache, as many at once as there are cores."""
+    """Compile missing kernels into the cache, with as many processes as cores."""
 
     def text(what: str) -> str:
         def lower(file: Path) -> None:

@@ -49,19 +49,19 @@ MODELS = ("four_link_box", "rod_drop", "pinned_arm", "ramp")
 SPRING = "def mine(penetration):\n    return 1e6 * penetration\n"
 TABLE = "time,point[4].x\n" + "".join(f"{0.1 * i:.1f},{{}}\n" for i in range(4))
 
-# C's functions for the rounding, and its number for upwards
+# C's library with the rounding functions, and the number of upward rounding
 C_LIBRARY = {"win64": "ucrtbase", "darwin64": "libSystem.B.dylib", "aarch64-darwin": "libSystem.B.dylib"}
 UPWARDS = {"win64": 0x200, "linux64": 0x800, "darwin64": 0x800}
 
 
 # C's numbers of the exceptions on x86-64: invalid operation, division by zero, overflow
 TRAPPED = 0x1 | 0x4 | 0x8
-# PyYAML, which dask imports, makes its infinity by an overflow as it is imported
+# PyYAML, which dask imports, computes its infinity by an overflow during the import
 TRAPPING_IMPORTS = ("pandas", "xarray", "dask.base")
 
 
 def check(function: Callable[[], str | None]) -> Callable[[], str | None]:
-    """Add a function to those that are called; what it returns is printed."""
+    """Add a function to the list of checks; its result is printed."""
     CHECKS.append(function)
     return function
 
@@ -77,7 +77,7 @@ def run(*arguments: str, expected: int = 0) -> str:
 
 
 def outputs_of(name: str) -> np.ndarray:
-    """All outputs of a model over one second, shape (times, outputs)."""
+    """Return all outputs of a model over one second, shape (times, outputs)."""
     result = ci.simulate(ci.load_scene(name), stop_time=1.0, output_step=0.01)
     return np.column_stack([result[output] for output in result.names])
 
@@ -303,7 +303,7 @@ def the_command_line() -> None:
 
 
 def compared(file: Path) -> str:
-    """By how much the results deviate from those in a file, in parts of the largest value of each output."""
+    """Return the deviations of the results from those in a file, over the largest value of each output."""
     found = []
     with np.load(file) as other:
         for name in MODELS:
@@ -315,7 +315,7 @@ def compared(file: Path) -> str:
 
 
 def trap() -> None:
-    """End the process at a floating-point exception, but for those of other packages' imports."""
+    """End the process at a floating-point exception, except in imports of other packages."""
     for package in TRAPPING_IMPORTS:
         with suppress(ImportError):
             import_module(package)
@@ -325,7 +325,7 @@ def trap() -> None:
 
 
 def main() -> int:
-    """Call all checks; return how many failed."""
+    """Call all checks; return the number of failed checks."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,4 +1,4 @@
-"""Everything that a release uploads, from one machine: ``python packaging/wheels.py -o dist``.
+"""Build all files of a release on one machine: ``python packaging/wheels.py -o dist``.
 
 A wheel for each platform, with its ready kernels, also those with derivatives, and the source distribution.
 The same sources and versions of the compilers give the same bytes. Kernels that are in the cache are not
@@ -18,12 +18,12 @@ from pathlib import Path
 from kernel_hook import PLATFORM, TAGS, kernels
 
 ROOT = Path(__file__).parents[1]
-LARGEST = 8e6  # bytes of a file: a download of seconds
-DATE = "1577836800"  # of all files in the archives, s since 1970: 2020-01-01
+LARGEST = 8e6  # bytes, upper limit of a file: a download of seconds
+DATE = "1577836800"  # date of all files in the archives, s since 1970: 2020-01-01
 
 
 class ReleaseError(Exception):
-    """What must not be uploaded, in one sentence."""
+    """An error with one sentence: a file must not be uploaded."""
 
 
 def built(target: str, folder: Path, platform: str = "") -> Path:
@@ -45,7 +45,7 @@ def built(target: str, folder: Path, platform: str = "") -> Path:
 
 
 def check_wheel(wheel: Path, platform: str) -> None:
-    """See that a wheel has the right tag, and kernels of its own platform only.
+    """Check that a wheel has the right tag, and kernels of its own platform only.
 
     Raises:
         ReleaseError: when it has not.
@@ -65,7 +65,7 @@ def check_wheel(wheel: Path, platform: str) -> None:
 
 
 def check_all(files: list[Path]) -> None:
-    """See that files are small, and that what PyPI shows of them can be shown.
+    """Check the sizes of files, and the display of their metadata on PyPI.
 
     Raises:
         ReleaseError: when they are not.

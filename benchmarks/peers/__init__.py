@@ -1,8 +1,7 @@
-"""Who is compared: one module for each family, each with ``contenders(problem, tolerance, stop)``.
+"""The compared solvers: one module for each family, each with ``contenders(problem, tolerance, stop)``.
 
-A contender runs one problem at one tolerance from its parameters to the end, as often as it is called, and
-tells afterwards what came out. Modules are imported when asked for: a family whose package is absent is named
-and left out.
+A contender runs one problem at one tolerance from the parameters to the end, once per call, and stores the
+outcome. Modules are imported on demand; a family without its package is named and left out.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ FAMILIES = {
     "CVODE Adams": "cvode",
     "heyoka": "heyoka",
 }
-"""Contenders and their modules; *chain-impact* is what users call."""
+"""Names of contenders and their modules; *chain-impact* is the users' function ``simulate()``."""
 PACKAGES = ("numbalsoda", "heyoka", "mujoco")
 
 

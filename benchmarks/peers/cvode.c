@@ -22,14 +22,15 @@ enum { MOST_ROOTS = 256, OVER_BUDGET = -100 };
 
 typedef struct {
     long states, candidates; /* sizes */
-    long adams;              /* 1: Adams with fixed-point iteration; 0: BDF with Newton, dense */
-    long careful;            /* 1: tolerance and end of contact as the stiffness needs, see kernel_model.py */
+    long adams;              /* 1: Adams with fixed-point iteration; 0: BDF with dense Newton */
+    /* 1: tolerance and end of contact adapted to the stiffness, see kernel_model.py */
+    long careful;
     double budget;           /* s of CPU time */
 } Settings;
 
 typedef struct {
     long steps, rejected, rates, jacobians, restarts;
-    long flag;      /* of CVODE: < 0 on failure */
+    long flag;      /* CVODE's flag, < 0 on failure */
     double seconds; /* of CPU time */
 } Counts;
 
@@ -67,7 +68,7 @@ static void silent(int code, const char *module, const char *function, char *mes
     (void)code, (void)module, (void)function, (void)message, (void)data;
 }
 
-/* CVODE counts from its last start: add up before the next one. */
+/* Add CVODE's counts, which restart at each start, to the sums. */
 static void add_counts(void *cvode, Counts *sums) {
     long steps = 0, failed = 0, jacobians = 0;
     CVodeGetNumSteps(cvode, &steps);
@@ -78,7 +79,7 @@ static void add_counts(void *cvode, Counts *sums) {
     sums->jacobians += jacobians;
 }
 
-/* What is counted up to now, the steps since the last start included. */
+/* Return the counts until now, with the steps since the last start. */
 static Counts so_far(void *cvode, const Counts *sums, double start) {
     Counts row = *sums;
     add_counts(cvode, &row);
@@ -86,7 +87,7 @@ static Counts so_far(void *cvode, const Counts *sums, double start) {
     return row;
 }
 
-/* Let the roots found take effect and start anew from there. */
+/* Apply the found events, and start CVODE again. */
 static int restart(void *cvode, Problem *problem, double t, N_Vector y) {
     int found[MOST_ROOTS];
     CVodeGetRootInfo(cvode, found);
@@ -96,7 +97,8 @@ static int restart(void *cvode, Problem *problem, double t, N_Vector y) {
     return CVodeReInit(cvode, t, y);
 }
 
-/* Solve up to each of the times [s] in turn, with one row of counts for each. Returns the rows filled. */
+/* Solve up to each of the times [s] in turn, with one row of counts for each. Return the number of filled
+   rows. */
 long cvode_solve(void *instance, const Settings *settings, const double *times, long count, Counts *rows) {
     Counts sums = {0};
     Problem problem = {instance, settings, &sums};
@@ -113,7 +115,7 @@ long cvode_solve(void *instance, const Settings *settings, const double *times, 
     CVodeSetUserData(cvode, &problem);
     CVodeSetErrHandlerFn(cvode, silent, NULL);
     CVodeWFtolerances(cvode, weights);
-    CVodeSetMaxNumSteps(cvode, 10000); /* in one call: looks at the budget in between */
+    CVodeSetMaxNumSteps(cvode, 10000); /* in one call, with a check of the budget after each step */
     CVodeRootInit(cvode, (int)(2 * settings->candidates), roots);
     CVodeSetNoInactiveRootWarn(cvode);
     SUNMatrix matrix = NULL;

@@ -1,6 +1,6 @@
-"""SUNDIALS' CVODE from C with the kernel's own functions; needs libsundials-dev and gcc.
+"""SUNDIALS' CVODE from C with the kernel's own functions; the module needs libsundials-dev and gcc.
 
-See cvode.c, and kernel_model.py for what a careful CVODE is.
+cvode.c has the driver, and kernel_model.py explains a careful CVODE.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ COUNTS = np.dtype(
     [(name, np.int64) for name in ("steps", "rejected", "rhs", "jacobians", "restarts", "flag")]
     + [("seconds", np.float64)]
 )
-"""See cvode.c."""
+"""The counts of cvode.c, in its order."""
 
 
 class Settings(ctypes.Structure):
-    """See cvode.c."""
+    """The structure Settings of cvode.c."""
 
     _fields_ = (
         *((name, ctypes.c_long) for name in ("states", "candidates", "adams", "careful")),
@@ -39,7 +39,7 @@ class Settings(ctypes.Structure):
 
 
 class Cvode(OnInstance):
-    """One of its two families of formulas; ``rows`` has the counts at each of the times."""
+    """CVODE with Adams or BDF formulas; ``rows`` has the counts at each of the times."""
 
     def __init__(self, scene: Scene, times: np.ndarray, adams: int, careful: int) -> None:
         super().__init__(scene, float(times[-1]))
@@ -69,7 +69,7 @@ class Cvode(OnInstance):
 
 @cache
 def driver(links: int) -> ctypes.CDLL:
-    """Return the library of cvode.c, with the model for so many links, compiled if it is not cached.
+    """Return the library of cvode.c with the model for a number of links, compiled if it is not cached.
 
     Raises:
         MissingError: when there is no SUNDIALS to compile against.

@@ -21,7 +21,7 @@ from peers import Contender, MissingError, Outcome
 from peers.on_kernel import OnKernel
 
 SKIP = 1e-9  # s
-MOST_LINKS = 10  # its expressions grow with N²
+MOST_LINKS = 10  # the expressions grow with N²
 hy.set_logger_level_critical()
 
 
@@ -87,7 +87,7 @@ class Taylor(OnKernel):
         return found
 
     def accelerations(self, q: Any, v: Any, loads: dict[int, list[Any]]) -> list[Any]:
-        """q̈ by the recursion; ``loads``: point → force on it along x and y [N]."""
+        """Return q̈ by the recursion; ``loads``: point → force on the point along x and y [N]."""
         given, (lx, ly) = self.given, self.links(q)
         n, (gx, gy) = len(lx), (float(value) for value in given["gravity"])
         axx, axy, ayy = 0.0, 0.0, 0.0

@@ -1,6 +1,6 @@
 """numbalsoda (DOP853 in Fortran), driven by compiled code.
 
-It finds events itself, to 1e-8 s; the rest is made up for in kernel_model.switch.
+The solver locates events within 1e-8 s; kernel_model.switch corrects the remaining difference.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def run_dop853(rate, least, switch, address, y, found, stop, tolerance, grid):  
 
 
 class Dop853(OnKernel):
-    """``numbalsoda.solve_ivp``."""
+    """The function ``numbalsoda.solve_ivp`` as a contender."""
 
     def run(self, *, keep_steps: bool = False) -> int:
         """Run once; to count the steps, they are kept, at some cost."""

@@ -13,7 +13,7 @@ from peers.ours import OnInstance
 
 
 class OnKernel(OnInstance):
-    """State, pointers, what happens at an event, and the way back to what can be observed."""
+    """A contender with state, pointers and event handling, whose results the kernel observes."""
 
     def __init__(self, scene: Scene, stop: float) -> None:
         super().__init__(scene, stop)
@@ -27,7 +27,7 @@ class OnKernel(OnInstance):
         )
 
     def start(self) -> None:
-        """Back to the start."""
+        """Reset to the start."""
         self.block[:] = self.fresh
         self.model.plain_start(self.address, self.y.ctypes.data)
 

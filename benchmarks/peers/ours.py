@@ -1,4 +1,4 @@
-"""The kernel itself, and around it what users call: ``simulate()`` and the steps of the FMU."""
+"""Our contenders: the kernel, the function ``simulate()``, and the steps of the FMU."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ STEP = 1e-3  # s, of the FMU
 
 
 class OnInstance:
-    """One instance, set back to its start for each run."""
+    """One instance, reset to its start for each run."""
 
     def __init__(self, scene: Scene, stop: float) -> None:
         self.instance, self.stop = Instance(scene), stop
-        # as bytes: a copy of a record goes through its fields one by one
+        # as bytes, because the copy of a record copies its fields one by one
         self.block = self.instance._block.view(np.uint8)
         self.fresh = self.block.copy()
         self.kernel, self.address = self.instance._kernel, self.instance._address
@@ -41,7 +41,7 @@ class OnInstance:
             [out["point_position"][0], out["angle"], out["point_velocity"][0], out["angular_velocity"]]
         )
         pairs = list(zip(candidate["point"], candidate["wall"], strict=True))
-        # a log with fewer places than contacts loses the oldest ones
+        # a log with fewer places than contacts loses the oldest contacts
         log = record["finished"]
         log["count"] = min(log["count"], len(log["point"]))
         found = np.concatenate([self.instance.collect(), self.instance.open_contacts()])
@@ -50,7 +50,7 @@ class OnInstance:
 
 
 class Kernel(OnInstance):
-    """``initialize`` and ``advance``."""
+    """The kernel functions ``initialize`` and ``advance`` as a contender."""
 
     def run(self) -> object:
         """Run from the parameters to the end; return the status."""
@@ -82,7 +82,7 @@ class Simulate(Kernel):
 
 
 class Fmu(Simulate):
-    """The native FMU in FMPy: a reset, then steps of 1 ms, after each of which the tip is read."""
+    """The native FMU in FMPy: a reset, then steps of 1 ms, each with a reading of the tip."""
 
     def __init__(self, problem: Problem, tolerance: float, stop: float) -> None:
         super().__init__(problem, tolerance, stop)

@@ -13,13 +13,13 @@ from chain_impact.scene.scene import Scene
 from peers import Contender, Outcome
 from peers.on_kernel import OnKernel
 
-BEYOND = 1e-9  # m, a point this deep in a wall without a contact: an onset was missed
+BEYOND = 1e-9  # m, depth without a contact at which an onset was missed
 
 
 @njit
 def call(function, t, y, address, count):
     """Return a C function of time and state, which fills so many numbers."""
-    out, whole = np.empty(count), np.ascontiguousarray(y)  # columns of a matrix are not in one piece
+    out, whole = np.empty(count), np.ascontiguousarray(y)  # columns of a matrix are not contiguous
     function(t, whole.ctypes.data, out.ctypes.data, address)
     return out
 
@@ -43,7 +43,7 @@ class Scipy(OnKernel):
         self.tick: Callable[[], None] | None = None
 
     def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
-        """f(t, y)."""
+        """Return f(t, y)."""
         if self.tick is not None:
             self.tick()
         return call(self.model.plain_rate, t, y, self.address, len(y))
@@ -76,7 +76,7 @@ class Scipy(OnKernel):
             first = min(first, max(self.stop - self.time, 1e-15))
 
     def look(self, states: np.ndarray) -> None:
-        """Note energy, depth and missed onsets at the ends of the steps of a segment."""
+        """Store energy, depth and missed onsets at the ends of the steps of a segment."""
         for y in np.ascontiguousarray(states.T):
             found = np.zeros(3)
             self.model.plain_look(y.ctypes.data, found.ctypes.data, self.address)

@@ -1,8 +1,8 @@
 """The carriage: a mass on a rail with a spring and a damper, as a slave for pythonfmu.
 
-Its input is named as the output of the arm that it reads, its outputs as the inputs of the arm that they
-drive. It takes the *impulse* that the joint has transmitted, not the force: the change of the impulse over a
-step holds an impact that begins and ends between two communication points.
+The input has the name of the arm's output, and the outputs have the names of the arm's inputs. The input is
+the *impulse* that the joint has transmitted, not the force: the change of the impulse over a step contains an
+impact that begins and ends between two communication points.
 """
 
 from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability, Real
@@ -12,14 +12,14 @@ IMPULSE, OUTPUTS = "joint[1].impulse.x", ("base.x", "base.vx", "base.ax")
 
 
 class Carriage(Fmi2Slave):
-    """In each step the force is that which has acted on average in the step before."""
+    """A carriage whose force in each step is the mean force of the previous step."""
 
     def __init__(self, **kwargs):
         """Register the variables."""
         super().__init__(**kwargs)
         self.description = "mass on a rail that carries the arm"
         self.values = dict.fromkeys((IMPULSE, *OUTPUTS), 0.0)
-        self.known = 0.0  # N·s, the impulse at the start of the step before
+        self.known = 0.0  # N·s, the impulse at the start of the previous step
         for name in self.values:
             causality = Fmi2Causality.input if name == IMPULSE else Fmi2Causality.output
             variable = Real(

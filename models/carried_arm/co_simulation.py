@@ -38,7 +38,7 @@ def main():
 
 
 def draw(path, time, columns):
-    """Draw the place of the carriage, and the impulse that it has given to the arm."""
+    """Draw the position of the carriage, and its impulse on the arm."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 4.5), layout="constrained")

@@ -1,13 +1,14 @@
 """The controller of the cart: it balances the pole, as a slave for pythonfmu.
 
-Its inputs are named as the outputs of the cart that it reads, its output as the input that it drives.
+The inputs have the names of the cart's outputs, and the output has the name of the cart's input.
 """
 
 import math
 
 from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability, Real
 
-# the linear-quadratic regulator of the cart for the weights 20/m², 30/rad², 1 s²/m², 1 s²/rad² and 0.05/N²
+# gains of the linear-quadratic regulator of the cart for the weights 20/m², 30/rad², 1 s²/m², 1 s²/rad² and
+# 0.05/N²
 GAINS = {
     "slider.position": 20.0,  # N/m
     "link[1].angle": -83.7,  # N/rad, from upright
@@ -19,7 +20,7 @@ FORCE = "slider.force"
 
 
 class Balancer(Fmi2Slave):
-    """State feedback: what it samples at the start of a step, it acts on from its end."""
+    """State feedback: values sampled at the start of a step give the force from the end of the step."""
 
     def __init__(self, **kwargs):
         """Register the variables."""
@@ -39,7 +40,7 @@ class Balancer(Fmi2Slave):
             self.register_variable(variable)
 
     def do_step(self, current_time, step_size):  # noqa: ARG002
-        """Work out the force from the inputs."""
+        """Compute the force from the inputs."""
         # F = k·(x − x₀)
         away = {name: self.values[name] - UPRIGHT.get(name, 0.0) for name in GAINS}
         self.values[FORCE] = sum(gain * away[name] for name, gain in GAINS.items())

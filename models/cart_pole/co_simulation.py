@@ -39,7 +39,7 @@ def main():
 
 
 def draw(path, time, columns):
-    """Draw the places of cart and pole, and the force."""
+    """Draw the positions of cart and pole, and the force."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 5.2), layout="constrained")

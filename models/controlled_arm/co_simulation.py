@@ -26,7 +26,7 @@ def save_csv(path, columns):
 
 
 def start_values(fmus):
-    """The parameters of FMUs: name → value."""
+    """Return the parameters of FMUs: name → value."""
     variables = [v for path in fmus for v in fmpy.read_model_description(str(path)).modelVariables]
     return {v.name: float(v.start) for v in variables if v.causality == "parameter"}
 

@@ -1,11 +1,11 @@
 """The controller of the arm: a digital PD controller with limited torques, as a slave for pythonfmu.
 
-Its inputs are named as the outputs of the arm that they read, its outputs as the inputs that they drive.
+The inputs have the names of the arm's outputs, and the outputs have the names of the arm's inputs.
 """
 
 from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability, Real
 
-# value of each joint, the shoulder first: target angle [rad], proportional gain [N·m/rad], derivative gain
+# values of each joint, the shoulder first: target angle [rad], proportional gain [N·m/rad], derivative gain
 # [N·m·s/rad], and the largest torque [N·m]
 PARAMETERS = {
     "target": (-1.0, 0.6),
@@ -17,7 +17,7 @@ JOINTS = 2
 
 
 class JointController(Fmi2Slave):
-    """A PD controller for each joint: what it samples at the start of a step, it acts on from its end."""
+    """A PD controller for each joint: values sampled at the start of a step give torques from its end."""
 
     def __init__(self, **kwargs):
         """Register the variables."""
@@ -47,7 +47,7 @@ class JointController(Fmi2Slave):
         self.register_variable(variable)
 
     def do_step(self, current_time, step_size):  # noqa: ARG002
-        """Work out the torques from the inputs."""
+        """Compute the torques from the inputs."""
         for i in range(JOINTS):
             # q_i = θ_i − θ_{i−1}
             q = self.angle[i] - (self.angle[i - 1] if i else 0.0)

@@ -25,13 +25,13 @@ from fmpy.fmi2 import FMU2Slave
 
 
 def references(path, causality, kind="Real"):
-    """The value references of an FMU's variables of one causality and type: name → reference."""
+    """Return the value references of an FMU's variables of one causality and type: name → reference."""
     variables = fmpy.read_model_description(str(path)).modelVariables
     return {v.name: v.valueReference for v in variables if v.causality == causality and v.type == kind}
 
 
 def connections(fmus):
-    """Where an output of one FMU is an input of another: place of the first, of the second, name."""
+    """Return the connections of FMUs: place of the output's FMU, place of the input's FMU, name."""
     outputs, inputs = ([references(path, which) for path in fmus] for which in ("output", "input"))
     return [
         (source, sink, name)
@@ -46,7 +46,7 @@ def connections(fmus):
 
 
 class Slave:
-    """One FMU that is ready to step."""
+    """An initialized FMU that is ready to step."""
 
     def __init__(self, path, stop_time):
         """Unzip, instantiate and initialize."""
@@ -66,7 +66,7 @@ class Slave:
         self.fmu.exitInitializationMode()
 
     def read(self):
-        """The outputs: name → value."""
+        """Return the outputs: name → value."""
         reals = self.fmu.getReal(list(self.outputs.values()))
         integers = self.fmu.getInteger(list(self.integers.values()))
         return dict(zip((*self.outputs, *self.integers), (*reals, *integers), strict=True))
@@ -84,12 +84,12 @@ class Slave:
 
 
 def by_fmpy(fmus, time):
-    """A loop of our own, which calls the FMUs through fmpy."""
+    """Co-simulate with a Python loop that calls the FMUs through fmpy."""
     slaves = [Slave(path, time[-1]) for path in fmus]
     rows = []
     for k, now in enumerate(time):
         for slave in slaves if k > 0 else ():
-            # this difference has no round-off, so that the step ends at this very time
+            # this difference has no round-off, so that the step ends exactly at the communication point
             slave.fmu.doStep(currentCommunicationPoint=time[k - 1], communicationStepSize=now - time[k - 1])
         signals = {name: value for slave in slaves for name, value in slave.read().items()}
         rows.append(list(signals.values()))
@@ -104,7 +104,7 @@ def by_fmpy(fmus, time):
 
 
 def by_libcosim(fmus, time):
-    """The fixed-step algorithm of libcosim, the Open Simulation Platform's, through libcosimpy."""
+    """Co-simulate with the fixed-step algorithm of libcosim, through libcosimpy."""
     from libcosimpy.CosimEnums import CosimVariableType
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
@@ -141,7 +141,7 @@ def by_libcosim(fmus, time):
     read = {"Real": observer.time_series_real_samples, "Integer": observer.time_series_integer_samples}
 
     def samples(place, reference, kind):
-        # libcosimpy takes step 0 for no sample and leaves out one for it, so it is asked for apart
+        # libcosimpy reports no sample for step 0 and omits another for it, so step 0 is requested separately
         ranges = ((0, 2), (1, len(time) - 1))
         return np.concatenate([read[kind](place, reference, *r)[2] for r in ranges])
 
@@ -152,7 +152,7 @@ def by_libcosim(fmus, time):
 
 
 def by_ecos(fmus, time):
-    """The fixed-step algorithm of Ecos, through ecospy."""
+    """Co-simulate with the fixed-step algorithm of Ecos, through ecospy."""
     load_tbb()
     from ecospy import EcosSimulation, EcosSimulationStructure
 
@@ -181,7 +181,7 @@ def by_ecos(fmus, time):
 
 
 def load_tbb():
-    """Load the library libtbb of the package tbb, which Ecos needs and would look for in the system only."""
+    """Load the library libtbb of the package tbb, because Ecos would search only the system's libraries."""
     library = next(file for file in importlib.metadata.files("tbb") if file.name == "libtbb.so.12")
     ctypes.CDLL(str(library.locate()), mode=ctypes.RTLD_GLOBAL)
 
@@ -195,7 +195,7 @@ def build(scene, script, slave, folder, target="native"):
 
     folder = Path(folder).resolve()
     arm = build_fmu(scene, folder, target=target)
-    # in a process of its own, as pythonfmu imports the script and keeps it
+    # in a separate process, because pythonfmu imports the script and keeps the module
     command = [sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", folder]
     subprocess.run([*command, "--no-external-tool"], check=True, stdout=subprocess.DEVNULL)
     return arm, folder / f"{slave}.fmu"
