@@ -26,9 +26,10 @@ from chain_impact.kernel.mathematics.angles import direction
 TAU = 2.0 * math.pi
 RISING = 5  # degree of the smooth ramp
 NEAR = 0.125  # largest |y| for the continued fraction; beyond it Φ is within 1/(2 NEAR) = 4 rad of Φ(s*)
-# The depth from which the fraction is evaluated, without and with a rise, and its growth with |y|. A smaller
-# depth costs digits of E_2, and in a rise of E_7.
+# The largest depth from which the fraction is evaluated, without and with a rise, and its growth with |y|. A
+# smaller depth costs digits of E_2, and in a rise of E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
+LEAST = 1e-17  # error of the fraction, relative, at which it is deep enough
 # the largest turn [rad] in a rise that is integrated by quadrature, and in a panel of a quadrature
 SLOW, PANEL = 24.0, 6.0
 # Gauss and Legendre's nodes and weights on [0, 1]
@@ -82,9 +83,12 @@ def by_fraction(m, rates, s, rise):
     omega, g = rates
     y = g / (omega * omega)
     last = m + 1 + (RISING if rise > 0.0 else 0)
-    depth = DEPTH_OF_RISE if rise > 0.0 else DEPTH
-    while depth < DEPTH + DEEPER * abs(y):
-        depth += 8
+    depth, error = last, 1.0
+    most = (DEPTH_OF_RISE if rise > 0.0 else DEPTH) + DEEPER * abs(y)
+    while error > LEAST and depth < most:
+        depth += 1
+        # an error of K_{n+1}/K_n causes one of n y, or less, times as much in K_n/K_{n−1}
+        error *= depth * abs(y)
     ratio_u, ratio_v, u, v = 1.0 + 0.0 * y, 0.0 * y, 0.0 * y, 0.0 * y
     for k in range(depth):
         n = depth - k
