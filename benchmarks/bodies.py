@@ -2,7 +2,7 @@
 
 The brick bounces on its two lower corners. All four corners are points of its link; or only the two lower
 ones touch, as the ends of the link, which lies along the bottom. The motion and its contacts are the same. So
-the ratio of times tells what points beside the line of a link cost, and corners that might touch.
+the ratio of times is the cost of points beside the line of a link, and of corners that might touch.
 """
 
 from __future__ import annotations

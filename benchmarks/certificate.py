@@ -34,7 +34,7 @@ PARTS = (2, 6, 18, 54, 162)  # numbers of parts of a step, which are tried until
 # factor of the step's length up to which the search for an event marked at the end of the step continues
 BEYOND = 1.01
 MARGINS = (0.3, 1.0, 3.0, 10.0)  # margins of the logarithmic norm above the largest Re λ, over a step
-TUBE, WIDEST = 1e-4, 0.1  # radius of the tube: the first one that is tried, and an upper bound
+TUBE, WIDEST = 1e-4, 0.1  # radius of the tube: first trial value, and an upper bound
 FASTEST = 30.0  # largest ∫ µ over a part
 DEEPEST = 14  # number of halvings of a part, after which a candidate remains undecided
 ctx.prec = 90

@@ -8,7 +8,7 @@ integrators Euler, implicit and implicitfast are the same; so it is Euler and RK
 In MuJoCo a chain has slides and hinges in the x–z plane, hinge angles relative; points that may touch are
 small spheres, the walls planes set back by their radius. The chain can also slide along y, though nothing
 moves it there: MuJoCo's friction at a point has two directions, and ``noslip_iterations`` have no effect on a
-contact that cannot move along one of them.
+contact that cannot move in both directions.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Measured impacts with friction: ``python benchmarks/measured_impacts.py FOLDER``.
 
 FOLDER is ``processed_data`` of the repository mcubelab/planar-impact-dataset (Fazeli, Donlon, Drumwright &
-Rodriguez 2017). It has no licence, so its data stay there, and only aggregates are recorded.
+Rodriguez 2017). The repository has no licence, so this project contains only aggregates of its data.
 
 An ellipse is dropped in a plane; its velocities before and after each impact were measured, with the place
 of the contact point. As a scene it is one free link from the centre of mass to the contact point, without
@@ -69,7 +69,7 @@ def read(folder: Path) -> Trials:
 
 
 def ellipse() -> Scene:
-    """Return the scene of all trials; ``values`` has what differs."""
+    """Return the scene of all trials; ``values`` has the values that differ between trials."""
     link = {"length": 0.03, "mass": MASS, "center_of_mass": 0.0, "inertia": MASS * GYRATION**2}
     table = {
         "name": "Ellipse",

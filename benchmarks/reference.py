@@ -2,10 +2,10 @@
 
 Equations of motion assembled by the textbook (tests/helpers/textbook.py), integrated in 80-bit arithmetic
 (round-off 5e-20) by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner 1993, II.9)
-with error control, and restarted at every onset and end of a contact. These are found by Newton's method on
-the length of the step itself, not on an interpolant. It is run with two orders and tolerances; their
-difference is the error that is stated. The problems are those of problems.py; those not named keep what is
-stored.
+with error control, and restarted at every onset and end of a contact. Newton's method finds onsets and ends
+by the length of the step itself, not on an interpolant. The difference of two runs with different orders and
+tolerances is the stated error. The problems are in problems.py; problems that are not named keep their stored
+results.
 """
 
 from __future__ import annotations

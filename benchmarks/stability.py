@@ -2,7 +2,7 @@
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
 impacts and sustained contact in 3 s. Each cell of the map is one run with a budget of CPU time. The peers are
-those of peers/.
+in the folder peers/.
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ def run_ours(scene: Scene) -> dict:
 
 
 def left(peer: OnKernel) -> float:
-    """Return energy at the end without that in the contacts, as a fraction of that at the start."""
+    """Return the energy at the end, without the contacts' energy, as a fraction of the initial energy."""
     peer.model.plain_stop(peer.address, STOP, peer.y.ctypes.data)
     peer.kernel.observe(peer.address)
     output = peer.instance.record["output"]

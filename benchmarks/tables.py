@@ -1,8 +1,8 @@
 """Fill pages with tables and figures: ``python benchmarks/tables.py [--charts]``.
 
-They come from benchmarks/results. What stands between ``<!-- name -->`` and ``<!-- end -->`` in a page is
-replaced by what the function ``name`` returns, within a line without the line breaks. ``--charts``: draws
-all charts anew, too.
+The numbers come from benchmarks/results. The script replaces the text between ``<!-- name -->`` and ``<!--
+end -->`` in a page by the result of the function ``name``, without line breaks inside a line. The option
+``--charts`` also draws all charts anew.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def works() -> str:
 
 
 def slope() -> str:
-    """Return how fast a rod at rest on a slope drifts with each setting, and what that costs."""
+    """Return the drift of a rod at rest on a slope with each setting, and its cost."""
     results = common.load("friction")["results"]["slope"]
     rows = []
     for name in dict.fromkeys(

@@ -1,7 +1,7 @@
 """Build the site in ``site/``: ``python docs/build_site.py``. With ``--serve`` show it while you write.
 
-Zensical reads ``mkdocs.yml``. It knows no notebooks, so they are run and made pages before. The pages that
-simulate are written by ``try_it.py``.
+Zensical reads ``mkdocs.yml``. Zensical cannot read notebooks, so this script first runs the notebooks and
+converts them into pages. The pages that simulate are written by ``try_it.py``.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
 
 
 def write_words() -> None:
-    """Write what the words of the glossary mean, for the extension ``abbr``, which shows it on hover."""
+    """Write the meanings of the words of the glossary, for the extension that explains words."""
     explained = re.findall(r"^- \*\*(.+?)\*\*: (.+)$", GLOSSARY.read_text(encoding="utf-8"), re.M)
     lines = []
     for words, meaning in explained:

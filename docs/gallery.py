@@ -1,6 +1,6 @@
 """Draw simulations beside measurements, or beside another theory: ``python docs/gallery.py``.
 
-The measured values are those of models/<model>/measured.csv; docs/models has the pages.
+The measured values are in models/<model>/measured.csv, and the pages in docs/models.
 """
 
 from __future__ import annotations

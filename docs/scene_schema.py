@@ -18,7 +18,7 @@ from chain_impact.scene.tables import Initial, Wall
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 ALTERNATIVES = {Wall: ("angle", "normal"), Initial: ("angles", "joint_angles")}
-"""Tables in which the reader requires one of two keys."""
+"""Tables with two alternative keys, of which the reader requires exactly one."""
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 

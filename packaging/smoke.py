@@ -1,10 +1,10 @@
 """Does chain-impact work on this machine? ``python packaging/smoke.py`` in an environment that has it.
 
 It calls every public function once, and the command line, in a temporary folder, and needs no other file of
-the repository. What needs a package that is not there must say so. The kernels of all kinds must give the
-same bits. ``--write FILE`` keeps the results, and ``--compare FILE`` says by how much those of another
-machine differ. With ``--traps``, which needs Linux on x86-64, an invalid operation, a division by zero or an
-overflow ends the process, as in a host that unmasks these exceptions.
+the repository. A function without its package must name the missing package. The kernels of all kinds must
+give the same bits. ``--write FILE`` keeps the results, and ``--compare FILE`` says by how much those of
+another machine differ. With ``--traps``, which needs Linux on x86-64, an invalid operation, a division by
+zero or an overflow ends the process, as in a host that unmasks these exceptions.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def check(function: Callable[[], str | None]) -> Callable[[], str | None]:
 
 
 def run(*arguments: str, expected: int = 0) -> str:
-    """Run the command line in a process of its own; return what it prints."""
+    """Run the command line in a separate process; return its output."""
     command = [sys.executable, "-m", "chain_impact.cli", *arguments]
     done = subprocess.run(
         command, capture_output=True, text=True, encoding="utf-8", errors="replace", check=False

@@ -49,7 +49,7 @@ class Contender(Protocol):
         """Run from the parameters to the end; this is timed."""
 
     def outcome(self) -> Outcome:
-        """Run once more and tell."""
+        """Run once more and return the outcome."""
 
 
 def contenders(

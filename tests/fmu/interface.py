@@ -390,5 +390,5 @@ LIMITS = {
     "fmi2SetRealInputDerivatives": ALWAYS,
     "fmi2GetRealOutputDerivatives": ALWAYS,
 }
-"""Where pythonfmu's wrapper answers otherwise: it accepts what it should refuse, or refuses what it does not
-support, though nothing is asked for. docs/fmi.md says so."""
+"""Exceptions of pythonfmu's wrapper, documented in docs/fmi.md: accepted calls that the standard forbids, or
+refused calls that ask for nothing."""

@@ -153,7 +153,10 @@ def elastic_bounces(count: int = 20) -> Question:
 
 
 def on_a_slope(part: float, stop: float, **more: Any) -> Result:
-    """Return a rod on a slope; its coefficient of friction is ``part`` times the one that just holds it."""
+    """Return a rod on a slope.
+
+    Its coefficient of friction is ``part`` times the smallest holding coefficient.
+    """
     values = {"initial.vx": 0.0, "initial.vy": 0.0, "contact.friction": part * math.tan(SLOPE)}
     return simulate(sled(**values), stop_time=stop, tolerance=1e-10, **more)
 

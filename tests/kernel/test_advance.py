@@ -374,7 +374,7 @@ class Landing:
         return theta
 
     def run(self, theta):
-        """Return the outcome, and what was done after the whole step was accepted."""
+        """Return the outcome, and the calls after the acceptance of the whole step."""
         self.patch.setattr(loop, "find_event", lambda d: self.located(d, theta))
         loop.try_step(self.d, SIZE)
         assert self.noted[:2] == [("try", 1.0), "accept"]

@@ -128,7 +128,7 @@ def worker(browser):
 
 @pytest.fixture(scope="module")
 def kernel(worker):
-    """Run a scene in a browser: its columns by name, its impacts, and the rest of what the kernel found."""
+    """Run a scene in a browser: its columns by name, its impacts, and the other results of the kernel."""
 
     def run(scene, values=None):
         times = {"stop": scene.simulation.stop_time, "step": scene.simulation.step_size}

@@ -232,7 +232,7 @@ def test_what_is_shown_of_time_force_energies_and_trace(show, recording):
 
 
 def named(page):
-    """Return the numbers of the impact that list, caption and force chart tell of."""
+    """Return the numbers of the impact in the list, the caption and the force chart."""
     return (
         int(page.inner_text("tr[aria-current] button")),
         int(re.match(r"Impact (\d+) of 14", page.inner_text("#caption"))[1]),

@@ -39,7 +39,7 @@ def show(open_page, tmp_path):
 
 
 def newtons(text):
-    """Return the force that a text tells."""
+    """Return the force [N] in a text."""
     value, unit = text.split("\u202f")
     return float(value) * {"N": 1.0, "kN": 1e3, "MN": 1e6}[unit]
 

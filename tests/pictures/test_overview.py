@@ -131,7 +131,7 @@ def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
 
 @styled()
 def told(page):
-    """Return all texts of a page, and what they cover."""
+    """Return all texts of a page, and the rectangles that the texts cover."""
     page.draw_without_rendering()
     hidden = {
         id(text)

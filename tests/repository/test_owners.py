@@ -31,7 +31,7 @@ SHARED = {
 
 
 def pairs(target, value):
-    """Return the single assignments of one that may be of several names."""
+    """Return the single assignments of an assignment with several targets."""
     if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
         return [pair for two in zip(target.elts, value.elts, strict=True) for pair in pairs(*two)]
     if isinstance(target, ast.Tuple):
@@ -48,7 +48,7 @@ def assignments(function):
 
 
 def way(node):
-    """Return the names from that of a variable on: d.touch.event[c] has d, touch, event."""
+    """Return the names of an attribute chain from its variable on: d.touch.event[c] has d, touch, event."""
     names = []
     while isinstance(node, (ast.Attribute, ast.Subscript)):
         if isinstance(node, ast.Attribute):

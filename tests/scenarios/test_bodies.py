@@ -18,7 +18,7 @@ ROD = {
 
 
 def changed(data, **tables):
-    """Return a scene with some tables added to those of other data."""
+    """Return a scene from data with some added tables."""
     data = deepcopy(data)
     for name, table in tables.items():
         data[name] = {**data.get(name, {}), **table} if isinstance(table, dict) else table

@@ -146,7 +146,7 @@ def test_a_scene_with_all_given_changes_nothing_else():
 
 
 def loosened(seed):
-    """Return the data of a random scene of which some of what can be derived is, and some changes of it."""
+    """Return the data of a random scene with some derived values, and some changes of the data."""
     rng = np.random.default_rng(seed)
     data = scene_to_dict(random_scene(seed), derived=True)
     links = data["chain"]["links"]

@@ -114,7 +114,7 @@ def compute_reference(model):
 
 @functools.cache
 def table(model, file):
-    """Return the columns of one of the files of a model, and its time."""
+    """Return the columns and the time of a model's file."""
     with (models_folder() / model / file).open(newline="") as lines:
         names, *rows = csv.reader(lines)
     columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))

@@ -139,7 +139,7 @@ def modulated(frequency):
 
 
 def noise(_time):
-    """Return a torque [N·m] that is another one at each call."""
+    """Return a torque [N·m] that differs at each call."""
     return next(DRAWN)
 
 

@@ -114,7 +114,8 @@ def test_word_index_refuses_what_is_not_there_or_not_one_number(place):
         word_index(Model(SCENES["four_link_box"]).new_instance().dtype, place)
 
 
-# --- what a scene has ----------------------------------------------------------------------------------
+# --- variables of a scene's features
+# ----------------------------------------------------------------------------------
 
 
 def test_parameters_of_the_four_link_box():

@@ -136,7 +136,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
-    """Yield lines with the number of phases of dry friction, and with what sticks at the end."""
+    """Yield lines with the number of phases of dry friction, and with the sticking elements at the end."""
     phases = result.stick_slip
     if not len(phases):
         return

@@ -183,7 +183,7 @@ def check_size(source: str, stop: float, step: float, columns: int) -> None:
 
 
 def _check_rows(what: str, count: float, columns: int) -> None:
-    """Refuse rows of outputs that are too large; ``what`` begins the sentence."""
+    """Refuse rows of outputs that are too large; the text ``what`` begins the message."""
     size = count * WORD * (1 + columns)  # the time is a column as well
     if not size <= MOST_BYTES:
         rows = f"{count:.4g} rows of {columns} outputs, {size / 1e9:.4g} GB"

@@ -234,7 +234,7 @@ class Model:
 
     @cached_property
     def _places_by_names(self) -> dict[tuple[str, ...], OutputPlaces]:
-        """What ``places_named`` has found."""
+        """The stored results of ``places_named``."""
         return {}
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:

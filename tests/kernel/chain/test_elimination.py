@@ -78,8 +78,8 @@ def assembled(scene, angles, impedance, impulses):
 def test_it_solves_the_assembled_equations(count, base, largest, angle):
     """(M + Jᵀ D J + Gᵀ K G) Δ = Jᵀ p + Gᵀ μ, for a real shift and for complex ones of this argument.
 
-    Stiff dampers drown the rest of the matrix. So the dense solution has their moments as unknowns, too:
-    (M + Jᵀ D J) Δ − Gᵀ m = Jᵀ p and G Δ + K⁻¹ m = K⁻¹ μ where there is a damper.
+    Stiff dampers cause large round-off in the matrix. So the dense solution has the dampers' moments as
+    unknowns, too: (M + Jᵀ D J) Δ − Gᵀ m = Jᵀ p and G Δ + K⁻¹ m = K⁻¹ μ where there is a damper.
     """
     rng = np.random.default_rng([count, len(base), int(np.log10(1.0 + largest)), int(100 * angle)])
     scene = random_chain(rng, count, base, largest)

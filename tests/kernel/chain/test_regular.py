@@ -36,7 +36,7 @@ def mass_matrix(shapes, angles):
 
 
 def least_eigenvalue(shapes, pinned):
-    """Return the least one of M in all positions on one line and in a bent one."""
+    """Return the smallest eigenvalue of M over all straight positions and a bent position."""
     count, free = len(shapes), slice(2, None) if pinned else slice(None)
     positions = [np.array(bends) for bends in itertools.product([0.0, np.pi], repeat=count)]
     positions.append(1.1 * np.arange(count) ** 2)

@@ -44,7 +44,7 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
 
 
 def begins_explicit(d):
-    """Return whether steps are explicit, as if none had been stiff before."""
+    """Return whether steps are explicit, when no earlier step was stiff."""
     own = d.step
     return (own.method, own.stiff_count, own.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
 

@@ -40,7 +40,7 @@ def played(scene, script, stop, names):
 
 
 def difference(run, scene, name, relative=1e-4):
-    """Return the derivative of what a run gives, by differences of order 4."""
+    """Return the derivative of a run's results, by differences of order 4."""
     value = scene.values[name]
     h = relative * abs(value)
     at = {k: run(scene.with_values({name: value + k * h})) for k in (-2, -1, 1, 2)}

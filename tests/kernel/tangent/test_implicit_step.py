@@ -21,7 +21,7 @@ STATE = ("link[1].angle", "link[1].angular_velocity")
 
 
 def hanging(length, tolerance, damping=0.0):
-    """Return a link that hangs still far above a floor, and what it is differentiated by."""
+    """Return a link that hangs at rest far above a floor, and its varied parameters."""
     scene = table(
         [{"length": length, "mass": 1.0, "joint_damping": damping}],
         base="pinned",
@@ -70,7 +70,7 @@ def test_derivatives_solve_the_equations_of_a_step_whatever_the_values_need(leng
 def test_derivatives_that_an_iteration_does_not_reach_are_not_there(more):
     """A chain of 0.05 m swings at 3 Hz: derivatives end after the start, and a sentence tells why.
 
-    Nor are there any of what has no influence, in whichever instance of dual numbers.
+    Parameters without influence lose their derivatives, too, in each instance of dual numbers.
     """
     slopes, instance = slopes_of(replace(hanging(0.05, 1e-8), parameters=(*more, *PARAMETERS)))
     assert instance.record["tangents"] == 1 + (len(more) > 0)

@@ -71,7 +71,7 @@ def parts(number):
 
 
 def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
-    """Return an instance after a step of 0.2 s, and one of dual numbers before it."""
+    """Return an instance after a step of 0.2 s, and an instance of dual numbers before the step."""
     rng = np.random.default_rng(31)
     sizes = {"candidates": 2, "elements": 3, "channels": 0, "signals": 0}
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
