@@ -29,7 +29,7 @@ FUNCTIONS = {
     "difference": (lambda x, y: x - y, X - Y),
     "product": (lambda x, y: x * y, X * Y),
     "quotient": (lambda x, y: x / y, X / Y),
-    "power": (powers.power, X**Y),
+    "power": (lambda x, y: powers.power(y, x), Y**X),
     "power of a number": (
         lambda x, y: powers.power(x, 2.5) * powers.power(y, -1.5),
         X ** (5 * HALF) / Y ** (3 * HALF),

@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 
 from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.law_file import LawError
+from chain_impact.compilation.law_syntax import LawError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.system import HOST, PLATFORMS
 
