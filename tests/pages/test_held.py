@@ -88,3 +88,15 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
     until(page, "document.getElementById('inputs-over-time').closest('section').hidden")
     exec(words[2])  # the script prints the result
     assert f"{len(simulate(path).impacts)} impact" in capsys.readouterr().out
+
+
+def test_a_map_says_that_inputs_keep_their_start_values_and_a_run_of_it_opens_so(show):
+    page = show("pinned_arm")
+    page.evaluate("location.hash = '#simulation.stop_time=0.1&joint[1].torque@=0.05:3'")
+    page.wait_for_function(HELD)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text("Inputs keep their start values.").wait_for()
+    assert page.locator(".map-present").count() == 0
+    page.locator("#map-canvas").click()
+    until(page, "!location.hash.includes('torque')")
+    until(page, "document.getElementById('inputs-over-time').closest('section').hidden")

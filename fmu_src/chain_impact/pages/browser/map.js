@@ -137,7 +137,8 @@ export class GridMap {
     this.#stop();
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
     const told = points === POINTS ? `${points * points} runs in ${seconds} s.` : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
-    const done = `${told} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
+    const inputs = Object.keys(this.changes.held).length ? " Inputs keep their start values." : "";
+    const done = `${told}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
     this.#say(fault || (shown.rows === points ? done : `Stopped after ${shown.rows} of ${points} rows.`));
   }
 
@@ -284,7 +285,7 @@ export class GridMap {
   /** Return whether the present parameters differ from the runs of the map only in the two parameters of the map. */
   #isOfPresent() {
     const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
-    return others(this.shown.values) === others(this.changes.values);
+    return !Object.keys(this.changes.held).length && others(this.shown.values) === others(this.changes.values);
   }
 
   /** Return the runs as a table: both parameters and the output. */
@@ -360,7 +361,7 @@ export class GridMap {
   #open(index) {
     if (this.shown.found[index] === undefined) return;
     try {
-      this.changes.replace(this.changes.with(this.#givenAt(index), this.shown.values));
+      this.changes.replace(this.changes.with(this.#givenAt(index), this.shown.values), {}); // its inputs are constant
       this.dialog.close();
     } catch (error) {
       this.#say(`${error.message}.`);
