@@ -75,7 +75,7 @@ class Bouncing:
         return found
 
     def rate(self, y: np.ndarray) -> np.ndarray:
-        """f(y) with the forces K δ^n (1 + λ δ̇/v₀) ≥ 0 of the active candidates."""
+        """Return f(y) with the forces K δ^n (1 + λ δ̇/v₀) ≥ 0 of the active candidates."""
         loads = []
         if self.v0:
             gaps = self.clearances(y)

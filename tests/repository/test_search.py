@@ -31,13 +31,13 @@ def occurrences(word, text):
 
 @pytest.fixture(scope="module")
 def pages():
-    """Page → its sections."""
+    """Return page → its sections."""
     found = {str(page.relative_to(DOCS)): list(sections(page)) for page in DOCS.rglob("*.md")}
     return {name: all_ for name, all_ in found.items() if all_}
 
 
 def ranked(pages, query):
-    """The pages with all words of a query in a section, the best section first."""
+    """Return the pages with all words of a query in a section, the best section first."""
     words = query.split()
     everything = [section for all_ in pages.values() for section in all_]
     rarity = {}
