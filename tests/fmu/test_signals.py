@@ -9,6 +9,7 @@ import pytest
 from chain_impact import SceneError, build_fmu, simulate
 from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.scene import parse_scene
+from chain_impact.scene.signals import with_inputs
 from tests.simulation.test_signals import ARM, TIMES, TORQUE, with_table
 from tests.tiers import needs_compilers
 
@@ -35,16 +36,29 @@ def test_an_fmu_drives_itself_to_the_bit_whatever_the_communication_step(tmp_pat
         assert not [name for name in files.namelist() if str(tmp_path).encode() in files.read(name)]
 
 
-def test_a_table_drives_an_fmu_on_the_command_line(tmp_path):
-    times, values = [0.0, 0.1, 0.3], [0.0, 1.0, -0.5]
-    (tmp_path / "drive.csv").write_text("time,tip.force.x\n0.0,0.0\n0.1,1.0\n0.3,-0.5\n")
-    scene = parse_scene(ARM, "arm.toml")
+def test_a_table_drives_an_fmu_as_it_drives_the_scene(tmp_path, capsys):
+    """Derivatives that the table leaves out follow from it; held targets are late by half a step."""
+    scene, table = parse_scene(ARM, "arm.toml"), tmp_path / "drive.csv"
     fmu = build_fmu(scene, tmp_path)
-    found = record_fmu(fmu, inputs=(tmp_path / "drive.csv", None))
-    run = simulate(scene, inputs={"tip.force.x": (times, values)})
-    np.testing.assert_allclose(found.columns["link[2].angle"], run["link[2].angle"], rtol=0.0, atol=1e-7)
-    with pytest.raises(SceneError, match="must be hold or linear"):
-        record_fmu(fmu, inputs=(tmp_path / "drive.csv", "spline"))
+    late = {}
+    for name, interpolation, step, allowed in (
+        ("tip.force.x", None, 0.01, 1e-7),
+        ("base.vy", "linear", 0.01, 1e-7),
+        ("base.y", "spline", 0.001, 1e-6),
+        ("joint[2].target_angle", "linear", 0.01, 0.05),
+        ("joint[2].target_angle", "linear", 0.005, 0.025),
+    ):
+        table.write_text(f"time,{name}\n0.0,0.0\n0.103,0.3\n0.3,-0.15\n0.6,0.1\n")
+        found = record_fmu(fmu, {"simulation.step_size": step}, inputs=(table, interpolation))
+        run = simulate(with_inputs(scene, table, interpolation))
+        angles = np.interp(run.time, found.time, found.columns["link[2].angle"])
+        late[step, name] = np.abs(angles - run["link[2].angle"]).max()
+        assert late[step, name] < allowed, name
+    assert late[0.005, name] == pytest.approx(0.5 * late[0.01, name], rel=0.1)
+    assert "arning" not in "".join(capsys.readouterr())
+    table.write_text("time,base.y\n0.0,0.0\n0.3,0.1\n")
+    with pytest.raises(SceneError, match=r'drive\.csv: .* must be "spline" where base\.y is driven'):
+        record_fmu(fmu, inputs=(table, "linear"))
 
 
 def test_what_is_driven_is_told_to_be_the_derivative_of_what_comes_before_it(tmp_path):

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.fmu.importer import read_fmu, simulated
+from chain_impact.fmu.inputs import driven_rows
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import impacts_shown
@@ -23,7 +24,6 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
-from chain_impact.scene.table_file import read_table, samples_of
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
 from chain_impact.variables.variable import UNLESS_SET
@@ -48,8 +48,9 @@ def record_fmu(
             ``simulation.step_size`` to replace the default experiment. A contact law or a solver method is
             given by its name or number.
         progress: called with the finished fraction, 0 to 1, if given.
-        inputs: the file of a table of inputs, and the interpolation of its rows: ``hold``, the default, or
-            ``linear``. An FMU gets its inputs at communication points only.
+        inputs: the file of a table of inputs, and the interpolation of its rows: ``hold``, ``linear`` or
+            ``spline``; None for the default of each input. Derivatives follow from the inputs in the table,
+            as in a scene. An FMU gets its inputs at communication points only.
 
     Raises:
         SceneError: when the file is not an FMU of a chain, a name is unknown or a value is not a number.
@@ -84,8 +85,10 @@ def record_fmu(
         if variable.causality == "output" and not variable.dimensions
     ]
     check_size(str(path), stop_time, step_size, len(outputs))
-    given = _signals(str(path), variables, *inputs, stop_time) if inputs else None
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
+    driven, rows_given = description, None
+    if inputs:
+        driven, rows_given = driven_rows(description, *inputs, (stop_time, step_size), values)
     walls, stops = _walls(values), ranges_from(values)
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
     names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends]
@@ -118,46 +121,18 @@ def record_fmu(
     try:
         rows = simulated(
             path,
-            description,
+            driven,
             start_values=start_values,
             output=outputs + derived,
             stop_time=stop_time,
             output_interval=step_size,
-            input=given,
+            input=rows_given,
             step_finished=step_finished,
         )
     except RunError as error:
         partial = recording(recorders[0].result()) if recorders else None
         raise RunError(str(error), partial) from None
     return recording(rows)
-
-
-def _signals(
-    source: str, variables: Mapping[str, Any], file: Path, interpolation: str | None, stop: float
-) -> np.ndarray:
-    """Return the table of inputs in fmpy's form.
-
-    fmpy joins rows by straight lines, so a jump takes two rows at the same time.
-    """
-    if interpolation == "spline":
-        raise SceneError(
-            f"{source}: interpolation = 'spline' must be hold or linear: an FMU is given its inputs at "
-            "communication points"
-        )
-    times, columns = samples_of(read_table(file), stop)
-    there = [name for name, one in variables.items() if one.causality == "input"]
-    for name in columns:
-        if name not in there:
-            raise UnknownNameError(str(file), name, there, f"no input of {source}")
-    rows = np.zeros(len(times), [("time", np.float64), *((name, np.float64) for name in columns)])
-    rows["time"] = times
-    for name, column in columns.items():
-        rows[name] = column
-    if interpolation == "linear":
-        return rows
-    held = rows.repeat(2)[:-1]
-    held["time"][1::2] = times[1:]
-    return held
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:

@@ -91,7 +91,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
             )
 
 
-def _check_table(name: str, signal: Signal, driven: str, order: int) -> None:
+def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
     """Refuse a table whose interpolation makes the position or velocity of base or wall jump."""
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
@@ -124,7 +124,7 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
         )
     if not is_motion(driven):
         return
-    _check_table(name, signal, driven, order)
+    check_table(name, signal, driven, order)
     impact = f"{driven} would jump, which would be an impact of unknown strength"
     if signal.form == "steps" and order < 2 and len(set(signal.values or ())) > 1:  # noqa: PLR2004
         raise SceneError(f'signal.{name}.form = "steps": {impact}: take a ramp', ("signals", name))

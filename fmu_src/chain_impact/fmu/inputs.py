@@ -1,0 +1,113 @@
+"""The table of inputs of an FMU in fmpy's form, with the derivatives that the user's table leaves out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from copy import copy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.scene.names import AXES
+from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.signal import Samples, Signal
+from chain_impact.scene.signal_checks import check_table
+from chain_impact.scene.signal_values import is_motion, table_of
+from chain_impact.scene.signals import family
+from chain_impact.scene.table_file import TIME, read_table, samples_of
+
+# the largest difference of the values before and after a row that is round-off and no jump, over the largest
+# value of the input
+JUMP = 1e-9
+
+
+def driven_rows(
+    description: Any,
+    file: Path,
+    interpolation: str | None,
+    experiment: tuple[float, float],
+    parameters: Mapping[str, float],
+) -> tuple[Any, np.ndarray]:
+    """Return a model description for fmpy, and the table of inputs in fmpy's form.
+
+    A table of a scene gives the same inputs: rows are interpolated in the same way, and derivatives and
+    integrals of an input follow from it. There is a row for each communication point and each row of the
+    user's table. fmpy joins rows by straight lines, so a jump takes two rows at the same time; there fmpy
+    makes a communication point. The description has no inputs that nothing drives, because fmpy prints a
+    warning for each.
+
+    Args:
+        description: the model description of the FMU, in fmpy's form.
+        file: the table of inputs.
+        interpolation: ``hold``, ``linear`` or ``spline``; by default the usual interpolation of each input.
+        experiment: the end of the run and the communication step [s].
+        parameters: name → value in this run.
+
+    Raises:
+        SceneError: when the table cannot drive the FMU.
+        OSError: when the file cannot be read.
+    """
+    stop, step = experiment
+    times, columns = samples_of(read_table(file), stop)
+    there = [one.name for one in description.modelVariables if one.causality == "input"]
+    for name in columns:
+        if name not in there:
+            raise UnknownNameError(str(file), name, there, f"no input of {description.modelName}")
+    signal = Signal(
+        input=tuple(columns),
+        form="table",
+        file=str(file),
+        interpolation=interpolation,
+        samples=Samples(
+            tuple(times.tolist()), tuple((name, tuple(column)) for name, column in columns.items())
+        ),
+    )
+    begins = {f"base.{axis}": parameters.get(f"initial.{axis}", 0.0) for axis in AXES}
+    points = np.arange(math.ceil(stop / step) + 1) * step
+    points = np.union1d(points, times[(times > 0.0) & (times < stop)])
+    before, after = np.zeros((2, len(points)), [(TIME, float), *((name, float) for name in there)])
+    before[TIME] = after[TIME] = points
+    driven = {one: family(name) for name in columns for one in family(name) if one in there}
+    jumps = np.zeros(len(points), bool)
+    for name, members in driven.items():
+        at, powers = _course(signal, members, members.index(name), stop)
+        begin = begins.get(name, 0.0) if name not in columns else 0.0
+        for rows, side in ((before, "left"), (after, "right")):
+            rows[name] = begin + _values(at, powers, points, side)
+        jumps |= np.abs(after[name] - before[name]) > JUMP * np.abs(after[name]).max()
+    jumps[0] = False
+    rows = np.concatenate([before[jumps], after])[[TIME, *driven]]
+    short = copy(description)
+    short.modelVariables = [
+        one for one in description.modelVariables if one.causality != "input" or one.name in driven
+    ]
+    return short, rows[np.argsort(rows[TIME], kind="stable")]
+
+
+def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return member k of a family of inputs as polynomials: their starts [s], and their coefficients.
+
+    The input is in the table; or it is a derivative of the nearest input there, or else its integral.
+    """
+    given = [j for j, one in enumerate(members) if one in signal.input]
+    source = max((j for j in given if j <= k), default=given[0])
+    if is_motion(members[source]) and len(given) == 1:
+        try:
+            check_table("inputs", signal, members[source], source)
+        except SceneError as error:
+            raise SceneError(f"{signal.file}: {error}") from None
+    at, powers, _ = table_of(signal, members[source], max(source - k, 0), stop)
+    for _ in range(k - source):
+        powers = powers[:, 1:] * np.arange(1.0, powers.shape[1])
+    return at, powers
+
+
+def _values(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any) -> np.ndarray:
+    """Return the values of polynomials at some times; the side of a jump is ``left`` or ``right``."""
+    k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
+    total = np.zeros(len(times))
+    for column in powers.T[::-1]:
+        total = total * (times - at[k]) + column[k]
+    return total
