@@ -101,7 +101,7 @@ def show(open_page, address, tmp_path):
             return open_page(address + hash_, **options)
         path = tmp_path / f"{model}.html"
         explore(load_scene(model).with_values(changes or {}), path)
-        return open_page(path.as_uri(), **options)
+        return open_page(path.as_uri() + hash_, **options)
 
     return show
 

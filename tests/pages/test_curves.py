@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.conftest import packed_module, page_contents, until
+from tests.pages.conftest import packed_module, page_contents, until, until_told
+from tests.pages.test_in_browser import ROWS
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -66,7 +67,7 @@ def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
 
 
 def test_a_view_of_one_impact_has_its_peak_and_the_curve_of_a_pinned_motion(show, result):
-    page = show(hash_="#curves=contact[*].y_min.force")
+    page = show(hash_="#curves=contact[2].y_min.force")
     page.get_by_role("button", name="Go to impact 1, ").click()
     assert page.get_by_role("button", name="At impact").get_attribute("aria-pressed") == "false"
     page.get_by_role("button", name="At impact").click()
@@ -79,6 +80,14 @@ def test_a_view_of_one_impact_has_its_peak_and_the_curve_of_a_pinned_motion(show
         page, f"Math.abs(Number(document.getElementById('time').textContent.slice(0, 7)) - {middle}) < 5e-5"
     )
     assert 0.5 < told(page, "contact[2].y_min.force") / impact["peak_force"] < 1.0
+    page.get_by_role("button", name="Pin").click()
+    soft = {"contact.stiffness": 1e7}
+    lower = simulate(load_scene("four_link_box").with_values(soft)).impacts
+    page.evaluate("values => chainImpact.show(values)", soft)
+    until_told(page, f"{len(lower)} impacts")
+    rows = [page.evaluate(ROWS, ["outputs-over-time", colour]) for colour in ("pin-1", "input-1")]
+    heights = [max(found) - min(found) for found in rows]
+    assert heights[0] / heights[1] == pytest.approx(impact["peak_force"] / lower[0]["peak_force"], rel=0.1)
 
 
 def test_the_kernel_gives_chosen_outputs_only_with_the_peaks_of_all_impacts(worker, result):

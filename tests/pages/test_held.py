@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, load_scene, simulate
-from tests.pages.conftest import packed_module, page_contents, until
+from tests.pages.conftest import packed_module, page_contents, until, until_told
 from tests.pages.test_in_browser import saved
 from tests.tiers import needs_browser
 
@@ -18,7 +18,8 @@ RUN = """async ({ module, file, kit, held, times, name }) => {
   const options = { held: heldIn(kernel, held) };
   return Array.from(runThrough(kernel.run({}, Float64Array.from(times), wanted, options)).columns[0]); }"""
 SLIDER = "joint[1].torque"
-HELD = "chart => document.querySelector('#inputs-over-time dt')?.textContent === 'joint[1].torque'"
+SHOWN = "Number(document.getElementById('scrub').value)"
+HELD = f"chart => document.querySelector('#inputs-over-time dt')?.textContent === '{SLIDER}'"
 
 
 def test_an_input_that_is_held_acts_as_when_a_chain_is_set_in_time(worker):
@@ -42,12 +43,11 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
     before = page.evaluate("chainImpact.parameters['joint[1].torque']")
     page.get_by_label("Speed").select_option("¼ ×")
     page.get_by_role("button", name="Play").click()
-    shown = "Number(document.getElementById('scrub').value)"
-    until(page, f"{shown} > 0.1")
+    until(page, f"{SHOWN} > 0.1")
     slider = page.get_by_role("slider", name=SLIDER)
     for key in ("PageUp", "PageUp", "ArrowLeft"):
         slider.press(key)
-        until(page, f"{shown} > {page.evaluate(shown) + 1e-3}")  # each change at its own time
+        until(page, f"{SHOWN} > {page.evaluate(SHOWN) + 1e-3}")  # each change at its own time
     page.get_by_role("button", name="Pause").click()
     # three steps, after the motion has settled
     until(page, "decodeURIComponent(location.hash).split(':').length === 4")
@@ -88,6 +88,85 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
     until(page, "document.getElementById('inputs-over-time').closest('section').hidden")
     exec(words[2])  # the script prints the result
     assert f"{len(simulate(path).impacts)} impact" in capsys.readouterr().out
+
+
+def test_command_file_and_pin_have_all_changed_inputs(show, tmp_path):
+    changes = "joint[1].target_velocity=2&joint[2].target_angle=1&joint[1].target_angle@=0.1:0.5"
+    page = show("arm_at_stop", hash_=f"#simulation.stop_time=0.3&{changes}")
+    page.get_by_role("button", name="Pin").click()
+    assert "joint[1].target_angle@ = 0.1:0.5" in page.locator("#pins tbody tr").last.inner_text()
+    page.get_by_role("button", name="Export…").click()
+    path, found = tmp_path / "held.toml", []
+    path.write_text(saved(page, "Scene file").read_text(encoding="utf-8"), encoding="utf-8")
+    table = np.genfromtxt(saved(page, "Outputs as CSV"), delimiter=",", names=True, deletechars="")
+    words = shlex.split(page.get_by_label("The command that gives the same motion").input_value())
+    exec(words[2], {"print": found.append})
+    for result in (*found, simulate(path)):
+        assert result["point[2].x"] == pytest.approx(table["point[2].x"], abs=1e-6)
+        assert set(result["joint[1].target_velocity"]) == {2.0}
+        assert set(result["joint[2].target_angle"]) == {1.0}
+
+
+def test_a_link_whose_command_would_be_refused_is_refused(show):
+    page = show("pinned_arm")
+    for text in ("0:0.5", "0.1:0.5,0.1:0.7", "0.2:1,0.1:2", "0.1", "0.1:", ":1", "0.1:1:2", "Infinity:1"):
+        page.evaluate(f"location.hash = '#{SLIDER}@={text}'")
+        until_told(page, f"The link cannot be used: {SLIDER}@ = {text}: ", "status")
+        until(page, "location.hash === ''")
+
+
+def playing(page):
+    """Play the motion slowly, and wait until inputs are held."""
+    page.wait_for_function(HELD)
+    page.get_by_label("Speed").select_option("¼ ×")
+    page.get_by_role("button", name="Play").click()
+    until(page, f"{SHOWN} > 0.03")
+
+
+def after_frames(page):
+    """Wait until the page has drawn a later time."""
+    until(page, f"{SHOWN} > {page.evaluate(SHOWN) + 0.01}")
+
+
+def test_fields_keep_a_typed_text_and_a_refusal_while_inputs_are_held(show):
+    page = show("pinned_arm", hash_=f"#{SLIDER}@=0.02:3")
+    playing(page)
+    name = "contact.restitution"
+    field = page.get_by_role("textbox", name=name).first
+    for text in ("0.31", "2"):
+        field.select_text()
+        for key in text:
+            page.keyboard.press(key)
+            after_frames(page)
+        page.keyboard.press("Enter")
+    torque = page.get_by_role("textbox", name=SLIDER).first
+    torque.fill("much")
+    torque.blur()
+    after_frames(page)
+    assert page.evaluate(f"chainImpact.parameters['{name}']") == "0.31"
+    refused = page.locator(".refusal").filter(has_text="Not taken").all_inner_texts()
+    assert [told.split(" must")[0] for told in refused] == [
+        f"Not taken: {name} = 2",
+        f"Not taken: {SLIDER} = much",
+    ]
+    assert torque.input_value() == "much"
+
+
+def test_a_slider_that_is_dragged_back_to_its_value_follows_the_motion_again(show):
+    page = show("pinned_arm", hash_=f"#{SLIDER}@=0.02:3")
+    playing(page)
+    slider = page.get_by_role("slider", name=SLIDER)
+    box = slider.bounding_box()
+    at = box["x"] + 0.8 * box["width"], box["y"] + box["height"] / 2
+    page.mouse.click(*at)  # its value is here the value of this pixel
+    page.mouse.down()
+    page.mouse.move(at[0] - 20, at[1])
+    page.mouse.move(*at)
+    page.mouse.up()
+    page.get_by_role("button", name="Pause").click()
+    assert slider.evaluate("slider => slider.value / slider.max") > 0.7
+    page.locator("#scrub").fill("0.01")
+    until(page, f"document.querySelector('input[aria-label=\"{SLIDER}\"][type=range]').value === '200'")
 
 
 def test_a_map_says_that_inputs_keep_their_start_values_and_a_run_of_it_opens_so(show):

@@ -27,7 +27,7 @@ READ = re.compile(
 )
 
 
-PIXELS = """async ([chart, colour]) => {
+ROWS = """async ([chart, colour]) => {
   await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
   const style = getComputedStyle(document.documentElement).getPropertyValue(`--${colour}`);
   const wanted = style.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
@@ -35,11 +35,14 @@ PIXELS = """async ([chart, colour]) => {
   const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
   context.drawImage(canvas, 0, 0);
   const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-  let count = 0;
+  const rows = [];
   for (let k = 0; k < data.length; k += 4) {
-    if (data[k + 3] > 200 && wanted.every((part, c) => Math.abs(part - data[k + c]) < 30)) count += 1;
+    const isFound = data[k + 3] > 200 && wanted.every((part, c) => Math.abs(part - data[k + c]) < 30);
+    if (isFound) rows.push(Math.floor(k / 4 / canvas.width));
   }
-  return count; }"""
+  return rows; }"""
+"""The rows of the pixels of a chart with a colour of the style sheet."""
+PIXELS = f"async (asked) => (await ({ROWS})(asked)).length"
 """Number of pixels of a chart with a colour of the style sheet."""
 
 

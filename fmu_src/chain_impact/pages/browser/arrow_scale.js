@@ -15,10 +15,19 @@ export class ArrowScale {
     Object.assign(this, { peak, longest: LONGEST_ARROW * Math.min(width, height) });
   }
 
-  /** Return the length [pixels] of the arrow of a force [N]; 0 if the arrow would be shorter than `least`. */
-  lengthOf(force, least = LEAST_ARROW) {
-    const length = this.longest * Math.cbrt(force / this.peak);
-    return least === 0 && length < LEAST_ARROW ? 0 : Math.max(least, length);
+  /** Return the length [pixels] of a force [N] on the scale. */
+  #lengthOnScale(force) {
+    return this.longest * Math.cbrt(force / this.peak);
+  }
+
+  /** Return the length [pixels] of the arrow of a force [N], which is LEAST_ARROW or more. */
+  lengthOf(force) {
+    return Math.max(LEAST_ARROW, this.#lengthOnScale(force));
+  }
+
+  /** Return whether the arrow of a force [N] is as long as on the scale. */
+  isOnScale(force) {
+    return this.#lengthOnScale(force) >= LEAST_ARROW;
   }
 
   /** Return the powers of ten on the ruler: `at`, the distance [pixels] from its foot, and `text` for numbers with room. */
@@ -26,7 +35,7 @@ export class ArrowScale {
     const highest = Math.floor(Math.log10(this.peak));
     let free = Infinity;
     return [0, 1, 2, 3, 4, 5].map((k) => 10 ** (highest - k)).flatMap((force) => {
-      const at = this.lengthOf(force, 1);
+      const at = this.#lengthOnScale(force);
       if (at < MARKS_FROM) return [];
       const text = forceText(force, 0);
       const half = (LETTER * text.length) / 2;

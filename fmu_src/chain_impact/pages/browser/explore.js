@@ -9,7 +9,7 @@ import { contentsIn, Editor } from "./edit.js";
 import { Engine } from "./engine.js";
 import { Ghosts } from "./ghosts.js";
 import { Handles } from "./handles.js";
-import { heldAmong } from "./held.js";
+import { heldAmong, heldTexts } from "./held.js";
 import { showKnobs, showList } from "./knobs.js";
 import { GridMap } from "./map.js";
 import { describe } from "./model.js";
@@ -95,7 +95,7 @@ function update() {
 async function simulateNow() {
   [begun, next] = [performance.now(), 0];
   find("reset-all").hidden = changes.count === 0;
-  const text = changes.texts().map(([name, one]) => `${name} = ${one}`).join(", ");
+  const text = [...changes.texts(), ...heldTexts(changes)].map(([name, one]) => `${name} = ${one}`).join(", ");
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
   const result = await engine
     .ask("motion", changes.values, { replaces: true, curves: choice.names, held: changes.held }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
@@ -142,7 +142,7 @@ function open(contents) {
   show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole, kit.signals.other), kit.keys));
 }
 
-/** Show name and description of the scene, and a note on inputs that are constant on the page. */
+/** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs are constant here. */
 function showWords() {
   const { name, text, still, inputs } = changes.scene;
   document.querySelector("h1").textContent = name;

@@ -70,8 +70,8 @@ function largest(values) {
  *   the rows, the forces in joints if they are known, contacts, walls, the displacements of moving walls along their normals
  *   by name (moved, if any move), stops, radius, touching [point, its radius], pointNames [point, its name], bodies [link,
  *   corners in the link's axes], rail { lines, carriage, stops } of a slider or null, pinned.
- * @param frames the times of the frames, and the number of frames per second on the screen; the frames are the rows if their
- *   numbers are equal.
+ * @param frames the times of the frames, and the number of frames per second on the screen; the frames are the rows if the
+ *   times are the array `rows.time` itself.
  */
 export function framesOf(rows, { times, frameRate }) {
   const { name, links, pointCount, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;

@@ -107,7 +107,7 @@ function knob(changes, entry, now) {
     const sentence = make("p", { className: "sentence" });
     row.append(sentence, told);
     row.classList.add("choice-knob");
-    return { row, refresh: () => {
+    return { name: entry.name, row, refresh: () => {
       refresh();
       explain(row);
       sentence.textContent = parameter.items[changes.valueOf(entry.name) - 1][1];
@@ -121,24 +121,29 @@ function knob(changes, entry, now) {
   slider.addEventListener("input", () => {
     const value = rounded(toValue(slider.value / STEPS));
     const { isPlaying, time } = now();
+    const from = Number(time.toFixed(6));
     isDragged = true;
-    if (entry.isInput && isPlaying && time > 0) attempt(slider, () => changes.hold(entry.name, value, Number(time.toFixed(6))));
+    if (entry.isInput && isPlaying && from > 0) attempt(slider, () => changes.hold(entry.name, value, from));
     else attempt(slider, () => changes.set({ [entry.name]: Math.max(value, entry.spread ? rounded(changes.starts[entry.name] / 100) : value) }));
   });
-  slider.addEventListener("change", () => {
+  // a slider that is dragged back to its value has no event `change`
+  ["change", "pointerup", "pointercancel"].forEach((end) => slider.addEventListener(end, () => {
     isDragged = false;
-  });
+  }));
   row.append(slider, told);
-  return { row, refresh: () => {
-    refresh();
-    const isHeld = entry.name in changes.held;
+  /** Show the value at the present time, except in a field with the focus or with a refused text. */
+  const follow = () => {
     const value = changes.valueAt(entry.name, now().time);
-    if (isHeld && document.activeElement !== field) field.value = numberText(value);
-    slider.setCustomValidity("");
-    explain(row);
-    if (isHeld ? !isDragged : document.activeElement !== slider) slider.value = String(STEPS * toPlace(value));
+    if (document.activeElement !== field && field.checkValidity()) field.value = numberText(value);
+    if (entry.name in changes.held ? !isDragged : document.activeElement !== slider) slider.value = String(STEPS * toPlace(value));
     slider.style.setProperty("--done", `${100 * Math.min(Math.max(toPlace(value), 0), 1)}%`);
     slider.setAttribute("aria-valuetext", `${numberText(value)} ${unit}`);
+  };
+  return { name: entry.name, row, follow, refresh: () => {
+    refresh();
+    slider.setCustomValidity("");
+    explain(row);
+    follow();
     row.classList.toggle("changed", changes.isChanged(entry.name));
   } };
 }
@@ -208,7 +213,7 @@ export function showKnobs(element, changes, now) {
   changes.onChange(refresh);
   fill();
   refresh();
-  return () => Object.keys(changes.held).length && refresh();
+  return () => knobs.forEach(({ name, follow }) => name in changes.held && follow());
 }
 
 /**

@@ -1,7 +1,7 @@
 // The exports of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
 
 import { numberText } from "./changes.js";
-import { heldSignals, heldTexts } from "./held.js";
+import { heldTexts, inputSignals } from "./held.js";
 import { asWritten } from "./scene_file.js";
 
 /** Return a word of a command for a shell, if necessary in double quotes, which shells of Windows also accept. */
@@ -10,13 +10,13 @@ function quoted(word) {
   return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
-/** Return the command that gives the same motion; inputs can be given only in Python, and held inputs are signals there. */
+/** Return the command that gives the same motion; inputs can be given only in Python, as signals if any input is held. */
 export function commandOf(changes) {
   const { inputs, command: [source, ...settings] } = changes.scene;
   const [own, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
-  const given = own.filter(([name]) => !(name in changes.held));
-  const signals = Object.entries(heldSignals(changes)).map(([name, { input, form, times, values }]) =>
-    `("signals", "${name}"): {"input": ${JSON.stringify(input)}, "form": "${form}", "times": [${times}], "values": [${values}]}`);
+  const isHeld = Object.keys(changes.held).length > 0;
+  const given = isHeld ? [] : own;
+  const signals = Object.entries(isHeld ? inputSignals(changes) : {}).map(([name, signal]) => `("signals", "${name}"): ${JSON.stringify(signal)}`);
   const set = others.flatMap(([name, text]) => ["--set", `${name}=${text}`]);
   if (!given.length && !signals.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
   const after = (option) => [...settings, ...set].filter((_, k, words) => words[k - 1] === option);
@@ -44,14 +44,14 @@ function dictionary(pairs) {
   return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
 }
 
-/** Return the contents of the scene file with the changes; held inputs are signals, and constant inputs are left out. */
+/** Return the contents of the scene file with the changes; changed inputs are signals. */
 export function contentsOf(changes) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {
     const { place, items } = changes.parameters.get(name);
     if (place) put(file, place, items.length ? items[value - 1][0] : value);
   }
-  Object.assign(file.signals, heldSignals(changes));
+  Object.assign(file.signals, inputSignals(changes));
   return asWritten(file, changes.scene.forms);
 }
 

@@ -352,7 +352,7 @@ export class Scene {
     const { recording, camera } = this;
     const sized = recording.loadsAt(frame).map(({ joint, force: [x, y] }) => ({ joint, x, y, size: Math.hypot(x, y) }));
     const most = Math.max(...sized.map(({ size }) => size));
-    return sized.filter(({ size }) => this.arrowScale.lengthOf(size, 0) > 0).flatMap(({ joint, x, y, size }) => {
+    return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ joint, x, y, size }) => {
       const place = camera.place(...recording.pointAt(frame, joint - 1));
       return this.#arrow(place, [x / size, -y / size], size, "load", size === most);
     });
