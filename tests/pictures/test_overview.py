@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from matplotlib.text import Text
 
 from chain_impact.pictures import plot
 from chain_impact.pictures.labels import Ink
+from chain_impact.pictures.legends import fit_legends, legend_above
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.models import model_names
@@ -238,6 +240,25 @@ def test_panels_are_drawn_into_axes_that_are_there():
     one = page.add_subplot()
     assert result.plot(ax=one) is one
     assert one.get_xlabel() == "x [m]"
+
+
+def test_legends_of_different_figures_keep_all_their_entries_and_one_figure_has_none_twice():
+    result = recorded("sliding_rod")
+
+    def entries(*axes):
+        result.plot(panels=["motion", "friction"], ax=axes)
+        legends = [one.get_legend() for one in axes]
+        return [[text.get_text() for text in legend.get_texts()] if legend else [] for legend in legends]
+
+    motion, friction = entries(*(Figure((4.0, 3.0)).add_subplot() for _ in range(2)))
+    assert "sticks" in motion
+    assert "sticks" in friction
+    first, second = Figure((4.0, 6.0)).subplots(2)
+    legend_above(first, [Patch(label="sticks")])
+    legend_above(second, [Patch(label="sticks")])
+    fit_legends(first.figure)
+    assert first.get_legend() is None
+    assert second.get_legend() is not None
 
 
 def test_axes_of_a_dark_style_have_texts_and_a_total_that_can_be_seen():

@@ -34,7 +34,7 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: i
 def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> None:
     """Give each legend above its axes the most columns with which it is not wider than the axes.
 
-    On a narrow page an entry that a legend below also has is left out.
+    On a narrow page an entry that a legend below also has is left out, and a legend without entries, too.
     """
     told: set[str] = set()
     for axes in reversed(page.axes if wanted is None else wanted):
@@ -47,6 +47,9 @@ def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> None:
         labels = [label for _, label in kept]
         if is_narrow(page):
             told.update(labels)
+        if not labels:
+            legend.remove()
+            continue
         axes.apply_aspect()
         width = axes.get_window_extent().width
         for columns in range(len(labels), 0, -1):

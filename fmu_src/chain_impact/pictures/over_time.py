@@ -98,9 +98,8 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
             colour, height = (VERMILLION, 0.62) if sticks else (GREY, 0.16)
             axes.barh(row, length, height, left=phase["start"], color=colour)
     page = axes.get_figure(root=True)
-    short = page is not None and is_narrow(
-        page
-    )  # names are on the left of the panel, which has the rest of the width
+    # names are on the left of the panel, which has the rest of the width
+    short = page is not None and is_narrow(page)
     names = [place.removeprefix("point ") for place in shown] if short else shown
     axes.set_yticks(range(len(shown)), names, fontsize="small")
     axes.set_ylim(-0.6, len(shown) - 0.4)

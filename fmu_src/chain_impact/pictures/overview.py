@@ -123,12 +123,13 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
             one.set_xlim(time.start, max(time.end, time.start + 1e-9))
             one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
     for page in {one.get_figure(root=True) for one in given}:
+        own = {name: one for name, one in zip(shown, given, strict=True) if one.get_figure(root=True) is page}
         page.draw_without_rendering()
-        fit_legends(page, given)
+        fit_legends(page, [*own.values()])
         ink = Ink(page)
-        for name, one in zip(shown, given, strict=True):
-            if name in NUMBERS and one.get_figure(root=True) is page:
-                NUMBERS[name](one, recording, ink)
+        for name, write in NUMBERS.items():
+            if name in own:
+                write(own[name], recording, ink)
 
 
 def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
