@@ -13,6 +13,7 @@ from chain_impact.fmu.native_target import native_files
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.scene.candidates import candidates
+from chain_impact.scene.reading import UnknownNameError
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, with_values
 from chain_impact.variables import model as model_module
 from chain_impact.variables.listing import value_at
@@ -147,3 +148,13 @@ def test_walls_that_no_point_can_touch_need_no_room():
     changes = {("walls",): walls, ("contact", "points"): [], ("chain", "links", 1, "joint_max"): 3.0}
     d = Model(with_values(load_scene("four_link_box"), changes)).new_instance()[0]
     assert (d["candidate"]["wall"].tolist(), d["walls"]["angle"].tolist()) == ([5], [0.0])
+
+
+def test_a_name_that_is_no_text_is_refused_and_selections_of_outputs_are_kept():
+    model = Model(load_scene("rod_drop"))
+    for refuse in (model.places_named, model.varied_by, model.columns_named):
+        with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is no "):
+            refuse([["point[1].x"]])
+    kept = model.places_named(["energy.*", "point[1].x"])
+    assert Model(model.scene).places_named(name for name in [*kept.motion]) is kept
+    assert "point[1].x" in kept.motion

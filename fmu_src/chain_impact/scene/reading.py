@@ -95,17 +95,18 @@ def matching(
     Raises:
         UnknownNameError: when no name matches.
     """
-    found = [name] if name in names else []
-    if not found and isinstance(name, str) and fmu_name(name) in names:
+    known = isinstance(name, str)
+    found = [name] if known and name in names else []
+    if not found and known and fmu_name(name) in names:
         found = [fmu_name(name)]
-    if not found and isinstance(name, str) and "*" in name:
+    if not found and known and "*" in name:
         first, *parts, last = map(re.escape, name.split("*"))
         # Each part matches at the first position where it occurs, so that the time does not grow with the
         # number of possible matches.
         like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
         found = [one for one in names if like.fullmatch(one)]
     if not found:
-        raise UnknownNameError(source, name, names, what, hint(name) if isinstance(name, str) else None)
+        raise UnknownNameError(source, name, names, what, hint(name) if known else None)
     return found
 
 

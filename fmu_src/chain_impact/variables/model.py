@@ -7,7 +7,7 @@ The model has the candidates, and the variables of the FMU by name with their pl
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ SAME = (
     *("columns", "output_words", "output_places", "_places_by_names", "parameter_paths", "differentiable"),
 )
 """The attributes of a model that do not depend on numbers of the scene."""
+NAMED = 64  # the largest number of selections of outputs whose indices are kept
 
 
 class Model:
@@ -227,15 +228,13 @@ class Model:
         Raises:
             UnknownNameError: when no output has a name, or matches a pattern.
         """
-        names, known = (wanted,) if isinstance(wanted, str) else tuple(wanted), self._places_by_names
-        if names not in known:
-            known[names] = places_of(self.outputs_named(names), self.output_places)
-        return known[names]
+        return self._places_by_names(*(variable.name for variable in self.outputs_named(wanted)))
 
     @cached_property
-    def _places_by_names(self) -> dict[tuple[str, ...], OutputPlaces]:
-        """The stored results of ``places_named``."""
-        return {}
+    def _places_by_names(self) -> Callable[..., OutputPlaces]:
+        """A function from names of outputs to their indices, which it keeps for the last selections."""
+        outputs, places = self._own_outputs, self.output_places
+        return lru_cache(NAMED)(lambda *names: places_of([outputs[name] for name in names], places))
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
         """Return the entries of ``columns`` for some names or patterns.
