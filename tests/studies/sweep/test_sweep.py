@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
@@ -12,6 +13,7 @@ from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import with_settings
 from chain_impact.simulation.simulate import simulate, with_law
+from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers import random_scenes
 from tests.helpers.problems import own_law
@@ -256,6 +258,19 @@ def test_derivatives_of_a_run_that_was_refused_are_unknown():
     found = sweep(scene, {"initial.y": [1.4, -1.0, 1.4]}, outputs=[name])
     assert np.isfinite(found[name]).tolist() == [True, False, True]
     assert found[name][0] == found[name][2]
+
+
+def test_a_sweep_of_derivatives_asks_for_no_kernel_of_its_own_sizes(monkeypatch, caplog):
+    scene = short().with_values({"outputs.sensitivities": ["contact.restitution"]})
+
+    def fails(*_, **__):
+        raise BuildError("no compiler")
+
+    monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", fails)
+    assert not has_own_kernel(job_of(scene, [], ["sensitivity.contact.restitution.point[4].x"]))
+    assert not caplog.records
+    assert not has_own_kernel(job_of(scene, [], []))
+    assert len(caplog.records) == 1
 
 
 def test_no_run_ends_after_its_stop_time():

@@ -76,6 +76,12 @@ class Job:
         return {name: found[name] for name in wanted}
 
     @property
+    def differentiated(self) -> list[Variable]:
+        """The parameters and inputs with respect to which columns are derivatives."""
+        asks = any(name.startswith(SENSITIVITY) for name in self.columns)
+        return self.model.varied if asks else []
+
+    @property
     def loads(self) -> dict[str, Variable]:
         """The outputs, by name, whose largest value is ``joint_force``, in a scene with loads."""
         known = self.model.outputs_by_name
@@ -101,7 +107,7 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
     model = model_of(source)
     known = model.outputs_by_name
     for name in outputs:
-        if name not in known:
+        if not (isinstance(name, str) and name in known):
             raise UnknownNameError(model.scene.name, name, known, "no output")
     if STATUS not in known:
         raise SceneError(f"{model.scene.name}: outputs.solver = false must be true: each run has its status")
@@ -117,8 +123,11 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
 def has_own_kernel(job: Job) -> bool:
     """Return whether a kernel for exactly the sizes of the scene exists; if possible, compile it.
 
-    Runs do not need this kernel, so a compiler that fails only causes a warning.
+    Runs do not need this kernel, so a compiler that fails only causes a warning. Derivatives have one kernel
+    for all sizes.
     """
+    if job.differentiated:
+        return False
     try:
         Runner(job, own=True)
     except BuildError as error:
@@ -142,9 +151,8 @@ class Runner:
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
-        asks = any(name.startswith(SENSITIVITY) for name in job.columns)
-        model, varied = job.model, job.model.varied if asks else []
-        self._instance = model.new_instance(varied)
+        varied = job.differentiated
+        self._instance = job.model.new_instance(varied)
         sizes = sizes_of(self._instance) if own and not varied else None
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
