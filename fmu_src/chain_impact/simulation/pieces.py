@@ -209,7 +209,7 @@ class Follower:
         # number of fits that failed because of each function
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        # [s] length of the last interval for which a fit failed or nearly failed
+        # [s] length of the last interval whose fit failed, or was not tried because such fits had failed
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
         # binary exponent of a length → the count below which a fit of this length is not tried, and the last

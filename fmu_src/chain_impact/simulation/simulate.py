@@ -56,11 +56,11 @@ def simulate(
     and the times of samples.
 
     - ``follow``: the solver follows a function with the accuracy of the solver's tolerance, also between
-    communication points, and finds jumps and kinks. A pulse shorter than a two-thousandth of the run can be
-    missed. A sample acts from its time until the time of the next sample, so a signal of steps is followed
-    exactly.
+      communication points, and finds jumps and kinks. A pulse shorter than a two-thousandth of the run can
+      be missed. A sample acts from its time until the time of the next sample, so a signal of steps is
+      followed exactly.
     - ``hold``: a function is called at each communication point, and its value acts until the next
-    communication point, as in an FMU. Samples act as with ``follow``.
+      communication point, as in an FMU. Samples act as with ``follow``.
     - ``linear``: samples, and a function's values at communication points, are joined by straight lines,
       which the solver follows.
 

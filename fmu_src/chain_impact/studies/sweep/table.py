@@ -38,13 +38,16 @@ class Sweep(Runs):
     vary. The other columns are:
 
     - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts at walls; 0 without a
-    contact, and a force of 0 for an impulse. - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]:
-    the same at stops of joints, in a scene with stops. - ``joint_force`` [N]: the largest force in any joint
-    at any time, in a scene with ``outputs.loads``. - ``time`` [s]: the time at which the run ended: the stop
-    time, or an earlier time after a fault. - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps``
-    and so on, and the additional outputs: the values of the FMU at the end. - ``status``: ``ok``, or a word
-    for the fault; ``solver.status`` has the number of the status. A run that did not reach the end has NaN
-    for energies and outputs.
+      contact, and a force of 0 for an impulse.
+    - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the same at stops of joints, in a scene
+      with stops.
+    - ``joint_force`` [N]: the largest force in any joint at any time, in a scene with ``outputs.loads``.
+    - ``time`` [s]: the time at which the run ended: the stop time, or an earlier time after a fault.
+    - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps`` and so on, and the additional outputs:
+      the values of the FMU at the end.
+    - ``status``: ``ok``, or a word for the fault; ``solver.status`` has the number of the status.
+
+    A run that did not reach the end has NaN for energies and outputs.
 
     Attributes:
         scene: the scene that was varied.
