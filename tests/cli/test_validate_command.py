@@ -47,11 +47,12 @@ def test_validate_says_as_json_what_it_says_in_words(run, here, fmu):
     assert "no problems found" not in said
 
 
-def test_validate_says_as_json_that_a_file_is_no_zip(run, here):
-    (here / "table.fmu").write_text("t,x\n")
-    code, said, errors = run("validate", "table.fmu", "--json")
+def test_a_file_that_is_no_whole_zip_is_a_finding(run, here, fmu):
+    (here / "half.fmu").write_bytes(fmu.read_bytes()[:2000])
+    code, said, errors = run("validate", "half.fmu", "--json")
     (found,) = json.loads(said)["findings"]
-    assert (code, errors) == (2, "")
+    assert (code, errors) == (1, "")
+    assert run("validate", "half.fmu") == (1, f"half.fmu: {found['text']}\n", "")
     assert found["text"].startswith("not a readable FMU: ")
 
 

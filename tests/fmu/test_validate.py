@@ -86,6 +86,7 @@ def test_a_planted_fault_is_found_with_its_place(all_fmus, quick_names, tmp_path
     assert any(fault.sentence in line for line in lines), lines
     assert all(re.match(r"(modelDescription\.xml|binaries/\S+): \S", line) for line in lines)
     assert all(len(line.split()) > 4 for line in lines)
+    assert len(lines) == len(set(lines))
     assert by_fmpy(path, names=name.startswith("a name")) == fault.by_fmpy
 
 
@@ -173,6 +174,17 @@ def test_a_fault_does_not_hide_another(native, tmp_path, names):
     change = edited(*(pair for fault in faults for pair in fault.pairs))
     lines = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
     assert all(any(fault.sentence in line for line in lines) for fault in faults), lines
+
+
+def test_findings_that_differ_only_in_the_variable_share_a_line(native, tmp_path):
+    change = edited(('(<Real declaredType="Length" unit=")m"', r'\1parsec"'), alone=True)
+    found = description_findings(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
+    assert len(found) > findings.MANY
+    (line,) = findings.finding_lines(found)
+    names = [one.variable for one in found]
+    assert f"{', '.join(names[: findings.NAMED])} and {len(names) - findings.NAMED} more: The unit" in line
+    few = found[: findings.MANY]
+    assert findings.finding_lines(few) == [str(one) for one in few]
 
 
 def test_an_alias_is_no_fault(native, tmp_path):

@@ -10,9 +10,8 @@ from pathlib import Path
 
 from chain_impact.cli.options import UsageError, Verbs, add_verb
 from chain_impact.cli.progress import say
-from chain_impact.fmu.findings import Finding
+from chain_impact.fmu.findings import Finding, finding_lines
 from chain_impact.fmu.validate import TIMEOUT, Validation, validation
-from chain_impact.scene.reading import SceneError
 
 
 def add(verbs: Verbs) -> None:
@@ -36,24 +35,19 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check an FMU; the exit code is 1 if there is a fault, 2 if the file is not a zip."""
+    """Check an FMU; the exit code is 1 if there is a fault."""
     if not 0.0 < options.timeout < float("inf"):
         raise UsageError(f"--timeout {options.timeout} must be a finite number > 0 [s]")
     try:
         found = validation(options.fmu, options.timeout)
     except zipfile.BadZipFile as error:
         found = Validation([Finding(f"not a readable FMU: {error}", file="")], [])
-        if not options.json:
-            raise SceneError(f"{options.fmu}: {found.findings[0]}") from None
-        code = 2
-    else:
-        code = 1 if found.findings else 0
     if options.json:
         findings = [asdict(finding) for finding in found.findings]
         text = {"fmu": str(options.fmu), "findings": findings, "notes": list(found.notes)}
         say(json.dumps(text, indent=2))
     else:
-        lines = [str(finding) for finding in found.findings] or ["no problems found"]
+        lines = finding_lines(found.findings) or ["no problems found"]
         for line in [*lines, *found.notes]:
             say(f"{options.fmu}: {line}")
-    return code
+    return 1 if found.findings else 0

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 
+from chain_impact.recording.text import few
+
 NEGLIGIBLE = 0.02  # the largest shift that gives no warning, over a length
 SHOWN = 6  # largest number of names in a line
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
@@ -92,9 +94,3 @@ def line(kind: str, names: Sequence[str], text: str, shown: int = SHOWN) -> str:
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
     return f"{' '.join(filter(None, (kind, few(names, shown))))}: {text}"
-
-
-def few(names: Sequence[str], shown: int = SHOWN) -> str:
-    """Return some names, and the number of the other names, as text."""
-    more = f" and {len(names) - shown} more" if len(names) > shown else ""
-    return f"{', '.join(names[:shown])}{more}"

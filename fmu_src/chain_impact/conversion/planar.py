@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, few, line, lines
+from chain_impact.conversion.differences import SHOWN, Difference, Effect, line, lines
 from chain_impact.conversion.flat import TINY, Plan, near, plan_of
 from chain_impact.conversion.joints import Chosen, Moving, NoChainError, above, chosen_joints
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.conversion.walls import Walls
+from chain_impact.recording.text import few
 from chain_impact.scene.reading import UnknownNameError
 
 # largest difference of two numbers of a scene, also over their size, that is round-off
@@ -207,7 +208,7 @@ class _Conversion:
             others = sorted(
                 (one for one in far if far[one] > TINY and one != name), key=lambda one: -far[one]
             )
-            more = f"; --tip can take {few(others)}" if others and chosen is None else ""
+            more = f"; --tip can take {few(others, SHOWN)}" if others and chosen is None else ""
             self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
             return found[name]
         self.notes.append(

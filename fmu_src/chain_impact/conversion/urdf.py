@@ -14,10 +14,11 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, few, heard, of_joint
+from chain_impact.conversion.differences import SHOWN, Difference, Effect, heard, of_joint
 from chain_impact.conversion.robot import Body, Joint, Robot, Shape
 from chain_impact.conversion.urdf_elements import SHAPES, other_elements
 from chain_impact.extras import require
+from chain_impact.recording.text import few
 from chain_impact.scene.reading import SceneError
 
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
@@ -53,7 +54,7 @@ def read_urdf(path: Path) -> Robot:
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
-        found = f"has {few(roots)}" if roots else "has none" if named else "it has no link at all"
+        found = f"has {few(roots, SHOWN)}" if roots else "has none" if named else "it has no link at all"
         raise SceneError(f"{path}: must have one link that none is before; {found}")
     bodies: list[Body] = []
     places: dict[str, int] = {}
@@ -62,7 +63,9 @@ def read_urdf(path: Path) -> Robot:
         body = _body(name, links.get(name), joint, places[joint.parent] if joint else -1)
         bodies.append(replace(body, shapes=shapes.get(name, [])))
     if lost := [name for name in named if name not in places]:
-        raise SceneError(f"{path}: joints make a ring of {few(lost)}; each link must lead back to {roots[0]}")
+        raise SceneError(
+            f"{path}: joints make a ring of {few(lost, SHOWN)}; each link must lead back to {roots[0]}"
+        )
     differences = [*other_elements(root), *told, *_odd_inertias(bodies)]
     for joint in robot.joints:
         differences += _limits_left_out(joint)

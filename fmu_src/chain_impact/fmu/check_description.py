@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import zipfile
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -75,10 +75,10 @@ def description_findings(path: Path) -> list[Finding]:
         own += terminal_findings(content, names, file)
     # fmpy raises an IndexError or a KeyError for a reference to a missing element
     structure = Structure(root, variables)
-    if lost := list(structure.lost()):
-        return lost + own
-    own += structure.findings()
-    return own + _of_fmpy(path, known=bool(own))
+    if not (lost := list(structure.lost())):
+        own += structure.findings()
+        own += _of_fmpy(path, known=bool(own))
+    return list(dict.fromkeys(lost + own))  # several references to one thing may have the same fault
 
 
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
@@ -130,9 +130,14 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
         said = f"{', '.join(times)} are independent variables: there can be one"
         found.append(Finding(said, attribute="ModelVariables"))
     names = {one.name for one in variables}
+    units = {
+        one.get("name", ""): {display.get("name") for display in one.iterfind("DisplayUnit")}
+        for one in root.iterfind("UnitDefinitions/Unit")
+    }
     for one in types_of(root):
         place = f"TypeDefinitions/{one.name}"
         found += [Finding(text, attribute=f"{place}/{attribute}") for attribute, text in limit_findings(one)]
+        found += _of_unit(one, units, place)
         if one.name in names:
             found.append(Finding("a variable has the same name", attribute=place))
     convention = root.get("variableNamingConvention", "flat")
@@ -142,6 +147,16 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
             said = f"{one.name!r} is no name of the naming convention {convention!r}"
             found.append(Finding(said, variable=one.name, attribute="name"))
     return [*found, *_of_experiment(root)]
+
+
+def _of_unit(one: Variable, units: Mapping[str, Container[str | None]], place: str) -> Iterator[Finding]:
+    """Yield the fault of a type with an undefined unit or display unit; fmpy finds those of variables."""
+    unit, display = (one.attributes.get(key) for key in ("unit", "displayUnit"))
+    if unit is not None and unit not in units:
+        yield Finding(f"unit = {unit!r} must be in UnitDefinitions", attribute=f"{place}/unit")
+    elif display is not None and display not in units.get(unit or "", ()):
+        said = f"displayUnit = {display!r} must be a DisplayUnit of the type's unit in UnitDefinitions"
+        yield Finding(said, attribute=f"{place}/displayUnit")
 
 
 def _of_experiment(root: Element) -> Iterator[Finding]:

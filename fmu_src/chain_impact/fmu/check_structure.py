@@ -8,9 +8,9 @@ from itertools import pairwise
 from xml.etree.ElementTree import Element
 
 from chain_impact.fmu.check_variables import Variable
-from chain_impact.fmu.findings import Finding
+from chain_impact.fmu.findings import NAMED, Finding
+from chain_impact.recording.text import few
 
-NAMED = 5  # largest number of variables that one sentence names
 OUTPUTS, DERIVATIVES, INITIAL = "Outputs", "Derivatives", "InitialUnknowns"
 _THIRD = {OUTPUTS: "Output", DERIVATIVES: "ContinuousStateDerivative", INITIAL: "InitialUnknown"}
 """Name of a list in FMI 2.0 → name of the element in FMI 3.0."""
@@ -93,9 +93,8 @@ class Structure:
         listed = set(self.listed(name))
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
-                names = ", ".join([self.known[one].name for one in self.known if one in wrong][:NAMED])
-                more = f" and {len(wrong) - NAMED} more" if len(wrong) > NAMED else ""
-                text = f"{said} {names}{more}: it lists {what}, and nothing else"
+                names = few([self.known[one].name for one in self.known if one in wrong], NAMED)
+                text = f"{said} {names}: it lists {what}, and nothing else"
                 yield Finding(text, attribute=f"ModelStructure/{name if self.second else _THIRD[name]}")
 
     def _dependencies(self, place: str, node: Element, states: Collection[str]) -> Iterator[Finding]:

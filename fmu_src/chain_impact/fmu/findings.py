@@ -9,9 +9,11 @@ import posixpath
 import re
 import zipfile
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+from chain_impact.recording.text import few
 
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
@@ -19,6 +21,8 @@ COMPLETE = "complete"
 LARGEST = 2**30
 """[byte] the largest size of all unpacked files of an FMU. Python never unpacks more than the zip
 declares."""
+NAMED = 5  # largest number of variables that one sentence names
+MANY = 10  # the largest number of findings that differ only in the variable and have a line each
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +44,23 @@ class Finding:
     def __str__(self) -> str:
         """Return the place and the sentence in one line."""
         return ": ".join([part for part in (self.file, self.variable, self.attribute) if part] + [self.text])
+
+
+def finding_lines(findings: Iterable[Finding]) -> list[str]:
+    """Return one line for each finding; many that differ only in the variable have one line together."""
+    alike: dict[Finding, list[Finding]] = {}
+    for one in findings:
+        # fmpy's sentences contain the name of the variable, and its line in the file
+        text = re.sub(rf'"{re.escape(one.variable)}" \(line \d+\)', "", one.text)
+        alike.setdefault(replace(one, text=text, variable=""), []).append(one)
+    lines = []
+    for first, *others in alike.values():
+        if len(others) < MANY:
+            lines += [str(first), *map(str, others)]
+        else:
+            names = few([one.variable for one in (first, *others)], NAMED)
+            lines.append(str(replace(first, variable=names)))
+    return lines
 
 
 def archive_findings(path: Path) -> list[Finding]:

@@ -94,7 +94,8 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
             # a process that was killed may leave an incomplete line
             whole = report.read_text(encoding="utf-8").rpartition("\n")[0]
             lines = [json.loads(line) for line in whole.splitlines()]
-    findings = [Finding(**line["finding"]) for line in lines if "finding" in line]
+    # a call that is made several times may have the same fault each time
+    findings = list(dict.fromkeys(Finding(**line["finding"]) for line in lines if "finding" in line))
     calls = [line["call"] for line in lines if "call" in line]
     if COMPLETE not in calls:
         findings.append(Finding(f"{calls[-1] if calls else 'the trial'} {end}", binary))

@@ -15,6 +15,12 @@ def plural(count: int, what: str) -> str:
     return f"{count} {what}{'s' if count != 1 else ''}"
 
 
+def few(names: Sequence[str], shown: int) -> str:
+    """Return some names, and the number of the other names, as text."""
+    more = f" and {len(names) - shown} more" if len(names) > shown else ""
+    return f"{', '.join(names[:shown])}{more}"
+
+
 def what(number: int, stop: str, names: Mapping[int, str]) -> str:
     """Return the name of the point or joint of an impact: "point 2", "point 5 (heel)", "joint 2" or "slider".
 
