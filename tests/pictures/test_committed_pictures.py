@@ -14,7 +14,7 @@ IMAGES = Path(__file__).parents[2] / "docs" / "images"
 # drawn by separate scripts
 OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
 LEFT_OUT = "Impacts without room for their numbers"
-NUMBERS = re.compile(r"[\d, +]+")
+NUMBERS = re.compile(r"[\d, +–]+( more)?")
 
 
 def lines(words):

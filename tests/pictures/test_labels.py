@@ -2,8 +2,10 @@
 
 import itertools
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 
@@ -60,6 +62,27 @@ def test_a_line_leads_to_a_label_that_is_far_from_its_place(axes):
     assert place_labels(axes, label, Ink(axes.figure)) == label
     assert place_labels(axes, label, Ink(axes.figure), lines=True) == []
     assert axes.texts[0].arrow_patch is not None
+
+
+def test_a_label_finds_room_between_rays(axes):
+    """Eighths of a turn, at which labels are first tried, all have a ray."""
+    for angle in np.linspace(0.0, 2.0 * np.pi, 9):
+        axes.plot([0.5, 0.5 + np.cos(angle)], [0.5, 0.5 + np.sin(angle)], color="0.8", linewidth=0.6)
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    assert place_labels(axes, [Label("1", (0.5, 0.5))], Ink(axes.figure), lines=True, fontsize=7) == []
+
+
+def test_a_line_to_a_label_passes_no_other_label(axes):
+    axes.plot([0.5], [0.5], "o", markersize=40.0)
+    place_labels(axes, [Label(str(k), (0.5, 0.5)) for k in range(8)], Ink(axes.figure), lines=True)
+    axes.figure.draw_without_rendering()
+    boxes = [Text.get_window_extent(text) for text in axes.texts]
+    assert len(boxes) > 2
+    place = axes.transData.transform((0.5, 0.5))
+    for one, other in itertools.permutations(boxes, 2):
+        middle = 0.5 * (one.min + one.max)
+        ray = place + np.linspace(0.0, 1.0, 200)[:, None] * (middle - place)
+        assert not any(other.contains(*point) for point in ray)
 
 
 @pytest.mark.parametrize(

@@ -81,14 +81,20 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
     assert texts(motion) == ["1", "2", "3"]
 
 
-@pytest.mark.full("takes long")
-def test_impacts_at_one_place_share_a_ring_that_names_the_strongest():
+def test_impacts_at_one_place_share_a_ring_with_ranges_or_with_the_strongest():
     walls = {"y_min": 0.0, "y_max": 1.0}
     floor = [hit(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
     _, motion, *_ = drawn(swing([*floor[:2], hit(0.9, 1, "y_max", 9.0)], walls))
     assert texts(motion) == ["3", "1, 2"]
     _, motion, *_ = drawn(swing(floor, walls))
-    assert texts(motion) == ["3, 4 +2"]
+    assert texts(motion) == ["1–4"]
+    apart = [
+        row
+        for k in range(4)
+        for row in (hit(0.2 + k / 5, 0, "y_min", 1.0 + k), hit(0.3 + k / 5, 1, "y_max", 9.0))
+    ]
+    _, motion, *_ = drawn(swing(apart, walls))
+    assert texts(motion)[-1] == "5, 7 + 2 more"
 
 
 @pytest.mark.full("more cases", but=3)

@@ -16,12 +16,17 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] distance from a place to its label
-FARTHER = (1.0, 1.75, 2.5)  # factors on this distance that are tried
-FAR = (4.0, 5.5, 7.5)  # factors on this distance that are tried if a line connects label and place
-# directions that are tried: eighths of a turn away from the best direction of a label
-TURNS = (0, 1, -1, 2, -2, 3, -3, 4)
+# factors on this distance that are tried; the second is beside the ring of an impact
+FARTHER = (1.0, 1.35, 1.75, 2.1, 2.5)
+# factors on this distance that are tried if a line connects label and place
+FAR = (3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
+# directions that are tried: parts of a turn away from the best direction of a label, a turn being PARTS
+PARTS = 16
+TURNS = (0, *(sign * part for part in range(1, PARTS // 2) for sign in (1, -1)), PARTS // 2)
+COVERED = 0.6  # the largest part of such a line that may cover other things
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
+ABOVE = 6.0  # the layer of such a line and its label: above links and points
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 
 
@@ -54,14 +59,27 @@ class Ink:
         grounds += [faint(axes, SHADE) for axes in page.axes]
         colours = np.asarray(canvas.buffer_rgba())[::-1, :, :3].astype(int) @ [1 << 16, 1 << 8, 1]
         self._drawn = ~np.isin(colours, [_packed(ground) for ground in grounds])
+        self._labels = np.zeros_like(self._drawn)
 
-    def take(self, low: np.ndarray, high: np.ndarray) -> bool:
-        """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free."""
+    def take(self, low: np.ndarray, high: np.ndarray, place: np.ndarray | None = None) -> bool:
+        """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free.
+
+        A straight line from ``place`` to the box must pass no other label and little else, and is marked, too.
+        """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
+        line = (slice(0), slice(0))
+        if place is not None:
+            middle = 0.5 * (low + high)
+            count = 2 + int(np.abs(middle - place).max())
+            line = tuple(np.linspace(place, middle, count).astype(int).T[::-1])
         box = self._drawn[y0:y1, x0:x1]
-        if box.any():
+        if (
+            box.any()
+            or self._labels[line].any()
+            or self._drawn[line].sum() > COVERED * self._drawn[line].size
+        ):
             return False
-        box[:] = True
+        box[:] = self._labels[y0:y1, x0:x1] = self._drawn[line] = True
         return True
 
 
@@ -99,10 +117,10 @@ def _place(axes: Axes, label: Label, ink: Ink, look: dict[str, Any], steps: Sequ
             way = direction * (step * CLOSE * point + half)
             low, high = at + way - half - PAD * point, at + way + half + PAD * point
             is_inside = bool((low >= inside.min).all() and (high <= inside.max).all())
-            if is_inside and ink.take(low, high):
+            led: dict[str, Any] = {"arrowprops": LEADER, "zorder": ABOVE} if step in FAR else {}
+            if is_inside and ink.take(low, high, at if led else None):
                 text.remove()
-                led: Any = LEADER if step in FAR else None
-                axes.annotate(words, label.place, (way / point).tolist(), arrowprops=led, **style, **look)
+                axes.annotate(words, label.place, (way / point).tolist(), **led, **style, **look)
                 return True
         text.remove()
     return False
@@ -112,7 +130,7 @@ def _directions(away: tuple[float, float]) -> Iterator[np.ndarray]:
     """Yield unit vectors in all directions, those nearest to ``away`` first."""
     best = math.atan2(away[1], away[0])
     for turn in TURNS:
-        angle = best + 0.25 * math.pi * turn
+        angle = best + 2.0 * math.pi / PARTS * turn
         yield np.array([math.cos(angle), math.sin(angle)])
 
 

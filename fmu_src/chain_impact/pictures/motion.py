@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.body import draw_bodies, draw_rail
-from chain_impact.pictures.labels import Ink, Label, place_labels
+from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.moving import draw_moving
 from chain_impact.pictures.rest import ends_at_rest, rest_word
@@ -40,7 +41,9 @@ SQUARE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 NEAR_PLACE = 0.03  # the distance within which impacts at a wall share a ring, over the width of the view
 # the length of the arrow of the largest force in a joint, over the smaller side of the view
 LONGEST_LOAD = 0.3
-LISTED = 2  # the number of impacts that are listed at a ring with more than three impacts
+# LISTED: the largest number of impacts, or of ranges of impacts, that are listed at a ring; FASTEST: the
+# number that are listed at a ring with more
+LISTED, FASTEST = 3, 2
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
@@ -192,16 +195,24 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
     """
     found, labels = rings(axes, recording), []
     for spot, hits in found.items():
-        shown = hits if len(hits) <= LISTED + 1 else hits[:LISTED]
-        text = ", ".join(str(hit + 1) for hit in sorted(shown))
-        more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
+        numbers = [hit + 1 for hit in hits]
         place, outward = _label_place(recording, recording.impacts[hits[0]], spot)
-        others = f" +{len(hits) - 1}" if len(hits) > 1 else ""
-        labels.append(Label(text + more, place, outward, f"{hits[0] + 1}{others}"))
+        labels.append(Label(told(numbers, LISTED, FASTEST), place, outward, told(numbers, 1, 1)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
     return [
         hit + 1 for label, hits in zip(labels, found.values(), strict=True) if label in left for hit in hits
     ]
+
+
+def told(numbers: Sequence[int], most: int, kept: int) -> str:
+    """Return numbers as at most ``most`` parts, as ``listed`` returns: "1–81".
+
+    In place of more parts there are the first ``kept`` numbers: "7, 10 + 4 more".
+    """
+    whole = listed(numbers)
+    if whole.count(",") < most:
+        return whole
+    return f"{listed(numbers[:kept])} + {len(numbers) - kept} more"
 
 
 def _label_place(

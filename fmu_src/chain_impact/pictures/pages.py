@@ -22,8 +22,10 @@ from matplotlib.transforms import Bbox
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import FULL, LEAST_TICKS, Page, save, styled
 
-# [inch] the default width and height of a page, and the least width and height
-SIZE, LEAST = (FULL, 5.4), 2.0
+# [inch] the default width and height of a page, and the least and the largest width and height; larger pages
+# are sizes in other units, and would fill the memory with pixels
+SIZE, LEAST, LARGEST = (FULL, 5.4), 2.0, 60.0
+MM = 25.4  # millimetres in an inch
 LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the page, or overlap
 ROUND_OFF = 1e-9  # the largest difference that is round-off, over the length of an axis
@@ -67,14 +69,16 @@ def page_size(size: Sequence[float]) -> tuple[float, float]:
     """Return the width and the height of a page [inches].
 
     Raises:
-        ValueError: when the size is not two numbers, or one of them is less than LEAST.
+        ValueError: when the size is not two numbers, or one of them is below LEAST or above LARGEST.
     """
     try:
         width, height = map(float, size)
     except (TypeError, ValueError):
         width = height = math.nan
-    if not (LEAST <= width < math.inf and LEAST <= height < math.inf):
-        raise ValueError(f"size = {size!r} must be width and height in inches, each at least {LEAST:g}")
+    if not (LEAST <= min(width, height) and max(width, height) <= LARGEST):
+        told = f"size = {size!r} must be width and height in inches, each at least {LEAST:g}, at most {LARGEST:g}"
+        hint = f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < max(width, height) < math.inf else ""
+        raise ValueError(told + hint)
     return width, height
 
 
