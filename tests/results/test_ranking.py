@@ -25,7 +25,7 @@ def test_parameters_stand_in_the_order_of_their_effect_and_those_without_apart(r
     assert sizes == sorted(sizes, reverse=True)
     assert found.without == ("link[2].joint_rest_angle", "initial.y")  # the wall is upright
     assert found.effects[0].parameter == "initial.angle[1]"
-    assert {effect.parameter for effect in found.effects} | {*found.without} == {
+    assert {effect.parameter for effect in found.effects} | {*found.without, *found.left_out} == {
         *result.sensitivities.parameters
     }
     # F ∝ K^(1/(1+n)): by Hertz's exponent, the relative effect is 2/5 of the stiffness's change
@@ -34,6 +34,16 @@ def test_parameters_stand_in_the_order_of_their_effect_and_those_without_apart(r
     derivative = result.impact_sensitivity("peak_force", "contact.stiffness")[0]
     assert stiffness.derivative == derivative
     assert stiffness.change == 0.01 * stiffness.value * derivative
+
+
+def test_an_exponent_is_ranked_only_if_asked_for(result):
+    found = result.ranking("peak_force")
+    assert found.left_out == ("contact.exponent",)
+    assert "contact.exponent is left out: it changes the unit of the stiffness" in repr(found).splitlines()
+    (effect,) = result.ranking("peak_force", "contact.exponent").effects
+    assert effect.derivative == result.impact_sensitivity("peak_force", "contact.exponent")[0]
+    with pytest.raises(UnknownNameError, match="the nearest is link"):
+        result.ranking("peak_force", ["link[2].masses"])
 
 
 def test_effects_are_those_of_a_run_with_one_percent_more(result):
@@ -55,7 +65,7 @@ def test_effects_are_those_of_a_run_with_one_percent_more(result):
 
 def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, tmp_path):
     found = result.ranking("peak_force")
-    head, _, *rows = repr(found).splitlines()
+    head, _, *rows, _ = repr(found).splitlines()
     assert head.startswith("PinnedArm  peak_force = 1015.53 N (impact 1, point 2 at x_max")
     assert max(map(len, rows[:-1])) <= 80
     assert rows[-1] == "without effect: link[2].joint_rest_angle, initial.y"
@@ -95,7 +105,7 @@ def test_what_cannot_be_ranked_is_refused(result):
 def test_what_cannot_be_trusted_is_not_known(result):
     found = result.sensitivities
     lost = {name: np.full_like(slopes, np.nan) for name, slopes in found.impact_slopes.items()}
-    ranking = ranking_of(result, replace(found, impact_slopes=lost), "peak_force")
+    ranking = ranking_of(result, replace(found, impact_slopes=lost), "peak_force", [*found.parameters])
     assert ranking.effects == ranking.without == ()
     assert ranking.unknown == tuple(found.parameters)
     assert "not known: contact.stiffness" in repr(ranking)

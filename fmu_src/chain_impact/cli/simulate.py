@@ -283,7 +283,7 @@ def ranking_of(
     scene = driven(source, settings, inputs)
     rows = {"simulation.step_size": scene.simulation.stop_time}
     with progress() as advance:
-        return record_scene(scene, rows, advance, parameters or ["*"]).ranking(what)
+        return record_scene(scene, rows, advance, parameters or ["*"]).ranking(what, parameters or "*")
 
 
 def record(

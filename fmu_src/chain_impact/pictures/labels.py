@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] distance from a place to its label
-# factors on this distance that are tried; the second is beside the ring of an impact
-FARTHER = (1.0, 1.35, 1.75, 2.1, 2.5)
+# factors on this distance that are tried
+FARTHER = (1.0, 1.2, 1.3, 1.4, 1.75, 2.1, 2.5)
 # factors on this distance that are tried if a line connects label and place
 FAR = (3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 # directions that are tried: parts of a turn away from the best direction of a label, a turn being PARTS

@@ -77,7 +77,9 @@ def page_size(size: Sequence[float]) -> tuple[float, float]:
         width = height = math.nan
     if not (LEAST <= min(width, height) and max(width, height) <= LARGEST):
         told = f"size = {size!r} must be width and height in inches, each at least {LEAST:g}, at most {LARGEST:g}"
-        hint = f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < max(width, height) < math.inf else ""
+        hint = (
+            f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < max(width, height) < math.inf else ""
+        )
         raise ValueError(told + hint)
     return width, height
 

@@ -16,7 +16,7 @@ from chain_impact.recording.summary import digits
 from chain_impact.recording.tables import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.text import Table, as_html, as_text, plural
 from chain_impact.scene.names import nearest
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.reading import SceneError, matching
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,6 +33,8 @@ JOINT_FORCE = "joint_force"
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
 OF_FMU = {"time": "onset", "speed": "impact_speed"}
 """Field of ``Result.impacts`` → name in the FMU's ``impact[j]``, where the two differ."""
+EXPONENTS = ("contact.exponent", "stop.exponent")
+"""Parameters that change the unit of a stiffness."""
 NOTHING = 1e-12  # the largest effect that is round-off, over the quantity
 DRAWN = 16  # the largest number of bars
 ADDED = "*"  # the mark of a parameter with the value 0, to which the step is added
@@ -76,6 +78,8 @@ class Ranking:
         effects: the effects of the parameters that have an effect.
         without: the parameters without an effect.
         unknown: the parameters whose derivatives cannot be trusted; ``limits`` gives the reason.
+        left_out: the exponents, which are ranked only if named in full: with another exponent the stiffness has
+            another unit, so a stiffness with the same number is another stiffness.
         limits: sentences, as ``Result.sensitivity_limits``.
     """
 
@@ -88,6 +92,7 @@ class Ranking:
     without: tuple[str, ...]
     unknown: tuple[str, ...]
     limits: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """Return the effects as a table."""
@@ -125,6 +130,8 @@ class Ranking:
             yield f"without effect: {', '.join(self.without)}"
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
+        for name in self.left_out:
+            yield f"{name} is left out: it changes the unit of the stiffness"
         yield from (f"limit    {limit}" for limit in self.limits)
 
     def plot(
@@ -159,6 +166,7 @@ class Ranking:
             f"{more} smaller effects are left out" if more else "",
             f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
+            f"without {' and '.join(self.left_out)}" if self.left_out else "",
         ]
         pictures.fill_bars(
             page,
@@ -177,21 +185,30 @@ class Ranking:
         )
 
 
-def ranking_of(recording: Recording, found: Sensitivities, quantity: str) -> Ranking:
+def ranking_of(
+    recording: Recording, found: Sensitivities, quantity: str, parameters: str | Sequence[str] = "*"
+) -> Ranking:
     """Rank the parameters of a recording with derivatives.
 
     Args:
         recording: the recording, with impacts and outputs.
         found: the derivatives of the recording.
         quantity: see ``Result.ranking``.
+        parameters: see ``Result.ranking``.
 
     Raises:
         SceneError: when the quantity does not exist, or the run does not have the quantity.
+        UnknownNameError: when the recording has no derivatives for one of the parameters.
     """
     value, unit, where, slopes, size = _quantity(recording, found, quantity)
     names, units = list(found.parameters), found.units
     changes = slopes * np.array([found.step(name) for name in names])
-    known = np.isfinite(changes)
+    asked = [parameters] if isinstance(parameters, str) else parameters
+    what = "not among simulate(sensitivities=[…])"
+    like = {name for one in asked for name in matching(recording.name, one, names, what, lambda _: None)}
+    left_out = tuple(name for name in EXPONENTS if name in like and name not in asked)
+    chosen = np.array([name in like and name not in left_out for name in names])
+    known = np.isfinite(changes) & chosen
     nothing = known & (np.abs(changes) <= NOTHING * size)
     order = [k for k in np.argsort(-np.abs(np.where(known, changes, 0.0)), kind="stable") if known[k]]
     effects = tuple(
@@ -206,9 +223,9 @@ def ranking_of(recording: Recording, found: Sensitivities, quantity: str) -> Ran
         for k in order
         if not nothing[k]
     )
-    without, unknown = (tuple(np.array(names)[rows].tolist()) for rows in (nothing, ~known))
+    without, unknown = (tuple(np.array(names)[rows].tolist()) for rows in (nothing, chosen & ~known))
     return Ranking(
-        recording.name, quantity, value, unit, where, effects, without, unknown, tuple(found.limits)
+        recording.name, quantity, value, unit, where, effects, without, unknown, tuple(found.limits), left_out
     )
 
 

@@ -237,7 +237,7 @@ class Result(Pictured):
         """
         return self._derivatives.of_impacts(quantity, parameter)
 
-    def ranking(self, quantity: str) -> Ranking:
+    def ranking(self, quantity: str, parameters: str | Sequence[str] = "*") -> Ranking:
         """Return parameters and inputs in the order of their effects on a quantity, the largest effect first.
 
         The effect is the change of the quantity, to first order, if the parameter changes by 1 %, or by 0.01
@@ -248,12 +248,14 @@ class Result(Pictured):
                 ``max_penetration`` at walls, ``stop.peak_moment`` and ``stop.max_penetration`` at stops of
                 joints, ``joint_force`` in joints, if the scene asks for loads; a quantity of one impact,
                 ``impact[2].peak_force``, counted from 1 as in ``impacts``; or an output at the end.
+            parameters: the names to rank, where ``*`` stands for any text, except for ``contact.exponent``
+                and ``stop.exponent``, which change the unit of the stiffness: these must be named in full.
 
         Raises:
             SceneError: when the quantity does not exist, or the run does not have the quantity.
-            UnknownNameError: when the run had no derivatives.
+            UnknownNameError: when the run had no derivatives, or none for one of the parameters.
         """
-        return ranking_of(self, self._derivatives, quantity)
+        return ranking_of(self, self._derivatives, quantity, parameters)
 
     @property
     def sensitivity_limits(self) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ def test_a_fit_is_printed_whole(lines):
 def test_many_horizons_are_not_listed():
     found = fit(scene(), motion(0.5)[0], FREE[2:])
     text = repr(replace(found, horizons=tuple(range(1, 13))))
-    assert "used first the data until 1 s, then until 2, …, 11, 12 s" in text
+    assert "first with data until 1 s, then until 2, …, 11, 12 s" in text
 
 
 def test_high_correlations_are_told():

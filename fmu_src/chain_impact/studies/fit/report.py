@@ -95,7 +95,7 @@ def _quality(fit: Estimates) -> str:
         ends[2:-2] = ["…"]
     text = state
     if len(ends) > 1:
-        text += f"; it used first the data until {ends[0]} s, then until {', '.join(ends[1:])} s"
+        text += f"; first with data until {ends[0]} s, then until {', '.join(ends[1:])} s"
     if len(fit.estimated) < len(fit.columns):
         text += f"; χ² per degree of freedom {fit.reduced_chi_squared:.3g}"
     return text
