@@ -292,7 +292,7 @@ def test_panels_are_chosen():
         ({"panels": ["energy", "motion"], "ax": Figure().add_subplot()}, "1 axes for 2 panels"),
         ({"ax": Figure().add_subplot(), "size": (4.0, 4.0)}, "ax: axes that are there have their size"),
         ({"size": (1.0, 5.0)}, "must be width and height in inches, each at least 2"),
-        ({"size": (120, 80)}, r"in inches, each at least 2, at most 60: 120 mm are 4\.72 inches"),
+        ({"size": (120, 80)}, r"in inches, each at least 2 and at most 60: 120 mm are 4\.72 inches"),
         ({"size": 5.0}, "must be width and height in inches"),
         ({"size": (float("nan"), 3.0)}, "must be width and height in inches"),
     ],

@@ -64,7 +64,7 @@ class Ink:
     def take(self, low: np.ndarray, high: np.ndarray, place: np.ndarray | None = None) -> bool:
         """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free.
 
-        A straight line from ``place`` to the box must pass no other label and little else, and is marked, too.
+        A straight line from ``place`` to the box must pass no other label and little else; it is marked, too.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         line = (slice(0), slice(0))

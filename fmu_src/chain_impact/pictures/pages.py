@@ -75,12 +75,10 @@ def page_size(size: Sequence[float]) -> tuple[float, float]:
         width, height = map(float, size)
     except (TypeError, ValueError):
         width = height = math.nan
-    if not (LEAST <= min(width, height) and max(width, height) <= LARGEST):
-        told = f"size = {size!r} must be width and height in inches, each at least {LEAST:g}, at most {LARGEST:g}"
-        hint = (
-            f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < max(width, height) < math.inf else ""
-        )
-        raise ValueError(told + hint)
+    if not (LEAST <= width <= LARGEST and LEAST <= height <= LARGEST):
+        told = f"width and height in inches, each at least {LEAST:g} and at most {LARGEST:g}"
+        hint = f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < width < math.inf else ""
+        raise ValueError(f"size = {size!r} must be {told}{hint}")
     return width, height
 
 

@@ -78,9 +78,9 @@ class Ranking:
         effects: the effects of the parameters that have an effect.
         without: the parameters without an effect.
         unknown: the parameters whose derivatives cannot be trusted; ``limits`` gives the reason.
-        left_out: the exponents, which are ranked only if named in full: with another exponent the stiffness has
-            another unit, so a stiffness with the same number is another stiffness.
         limits: sentences, as ``Result.sensitivity_limits``.
+        left_out: exponents that were not named in full. With another exponent the stiffness has another unit,
+            so the same number is another stiffness.
     """
 
     source: str
