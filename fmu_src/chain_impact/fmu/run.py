@@ -22,7 +22,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key
+from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key, signal_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
@@ -153,7 +153,8 @@ def _named(variable: Any, value: float) -> float | str:
 def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
         given = "it is an input: give it over time in a table, --inputs FILE"
-        hint = given if input_key(name) else None
+        signals = {one.split(".")[1] for one in parameters if one.startswith("signal.")}
+        hint = given if input_key(name) else signal_hint(name, signals)
         raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter", hint)
     return parameters[name]
 

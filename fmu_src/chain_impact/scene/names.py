@@ -7,7 +7,7 @@ the base.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 
 Place = tuple[str | int, ...]
@@ -166,15 +166,32 @@ def sensitivity_name(output: str, parameter: str) -> str:
 JOINT_ANGLES = "initial.joint_angles"
 
 
-def parameter_hint(name: str, links: int) -> str | None:
-    """Return a hint: a name to use instead of ``name``, which is no parameter; None if none is known."""
+def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | None:
+    """Return a hint: what to do instead of setting ``name``, which is no parameter; None if none is known.
+
+    Args:
+        name: the name.
+        links: the number of links.
+        signals: the names of the scene's signals.
+    """
     if input_key(name):
         return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
     if name.startswith(JOINT_ANGLES):
         return "set initial.angle[1] and so on: each is the sum of the joint angles up to it"
+    if hint := signal_hint(name, signals):
+        return hint
     owner, _, key = name.partition(".")
     absent = key and _fits(owner, "link[{n}]") and not 1 <= int(owner[5:-1]) <= links
     return f"links count from 1 to {links}" if absent else None
+
+
+def signal_hint(name: str, signals: Collection[str]) -> str | None:
+    """Return a hint if a name, which is no parameter, is one of a signal that the scene does not have."""
+    table, _, rest = name.partition(".")
+    signal = rest.partition(".")[0]
+    if table not in ("signal", "signals") or not signal or signal in signals:
+        return None
+    return f"a signal is made in the scene file, in a table [signals.{signal}]: docs/drive.md tells how"
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:

@@ -264,7 +264,8 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
     typed, change = change, change if change in names else fmu_name(change)
     if change not in names:
         raise UnknownNameError(
-            scene.name, typed, names, "no parameter", parameter_hint(change, len(scene.chain.links))
+            *(scene.name, typed, names, "no parameter"),
+            parameter_hint(change, len(scene.chain.links), scene.signals),
         )
     return names[change], _chosen(scene, change, given)
 

@@ -198,7 +198,7 @@ class Model:
                 return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
             if input_asked(name):
                 return f"the scene does not have this input: it needs {input_asked(name)}"
-            return absent_hint(name) or parameter_hint(name, len(self.scene.chain.links))
+            return absent_hint(name) or parameter_hint(name, len(self.scene.chain.links), self.scene.signals)
 
         wanted = (names,) if isinstance(names, str) else tuple(names)
         if not wanted:

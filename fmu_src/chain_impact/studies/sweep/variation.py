@@ -87,7 +87,7 @@ def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Va
         name = fmu_name(typed)
         if name not in known:
             what = "no parameter that can be varied"
-            hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links))
+            hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links), scene.signals)
             raise UnknownNameError(scene.name, typed, known, what, hint)
         with as_typed([typed]):
             variation = _read(known[name], values, scene.name)
