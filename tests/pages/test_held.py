@@ -107,6 +107,19 @@ def test_command_file_and_pin_have_all_changed_inputs(show, tmp_path):
         assert set(result["joint[2].target_angle"]) == {1.0}
 
 
+def test_inputs_keep_their_changes_when_the_scene_is_edited(show):
+    page = show("pinned_arm", hash_="#simulation.stop_time=0.2&joint[1].torque=1&joint[2].torque@=0.1:2")
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_label("link[1].length").fill("0.6")
+    page.get_by_label("link[1].length").press("Enter")
+    address = "decodeURIComponent(location.hash)"
+    until(page, f"/^#scene=.*&joint.1..torque=1&joint.2..torque@=0.1:2$/s.test({address})")
+    assert page.evaluate("chainImpact.parameters['link[1].length']") == "0.6"
+    page.get_by_role("button", name="Remove link 2").click()
+    until(page, f"{address}.endsWith('&joint[1].torque=1')")
+    assert page.locator("#edit-text").inner_text() == ""
+
+
 def test_a_link_whose_command_would_be_refused_is_refused(show):
     page = show("pinned_arm")
     for text in ("0:0.5", "0.1:0.5,0.1:0.7", "0.2:1,0.1:2", "0.1", "0.1:", ":1", "0.1:1:2", "Infinity:1"):

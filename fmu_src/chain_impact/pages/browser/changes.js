@@ -25,11 +25,12 @@ export class Changes {
     this.held = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
   }
 
-  /** Use another scene, without changes. */
-  open(scene) {
+  /** Use another scene, without changes except for changes `from` before of inputs that this scene also has. */
+  open(scene, from = { values: {}, held: {} }) {
     this.#take(scene);
     this.#openers.forEach((opener) => opener());
-    this.replace({}, {});
+    const [values, held] = [from.values, from.held].map((table) => without(table, Object.keys(table).filter((name) => !scene.inputs.includes(name))));
+    this.replace(this.with(values), held);
   }
 
   /** Add a listener that is called when another scene is opened, before listeners for its values are called. */

@@ -21,7 +21,7 @@ export function contentsIn(text) {
 }
 
 export class Editor {
-  /** `open` shows a scene with some contents, or throws an error; `first` shows the page's own scene. */
+  /** `open` shows a scene with some contents and changed inputs, or throws an error; `first` shows the page's own scene. */
   constructor(changes, open, first) {
     Object.assign(this, { changes, open });
     this.dialog = find("edit");
@@ -64,12 +64,13 @@ export class Editor {
     });
   }
 
-  /** Change the contents of the present scene of the page. */
+  /** Change the contents of the present scene of the page; its inputs keep their changes. */
   #change(edit) {
+    const { values, held } = this.changes;
     const file = contentsOf(this.changes);
     this.#try(() => {
       edit(file);
-      this.open(file);
+      this.open(file, { values, held });
     }, "", (error) => `Not taken: ${error.message}.`);
   }
 

@@ -9,7 +9,7 @@ import { contentsIn, Editor } from "./edit.js";
 import { Engine } from "./engine.js";
 import { Ghosts } from "./ghosts.js";
 import { Handles } from "./handles.js";
-import { heldAmong, heldTexts } from "./held.js";
+import { heldAmong, heldTexts, inputSignals } from "./held.js";
 import { showKnobs, showList } from "./knobs.js";
 import { GridMap } from "./map.js";
 import { describe } from "./model.js";
@@ -128,18 +128,18 @@ function remember() {
   remembering = setTimeout(() => history.replaceState(null, "", address()), REST);
 }
 
-/** Show another scene and its name; `text` is the text of its file, empty for the page's own scene. */
-function show(scene, text) {
+/** Show another scene and its name; `text` is the text of its file, empty for the page's own scene; `inputs` are changed inputs. */
+function show(scene, text, inputs) {
   opened = text;
   engine.end();
-  changes.open(scene);
+  changes.open(scene, inputs);
   showWords();
 }
 
-/** Open a scene with the contents of a file; an error says which key is wrong. */
-function open(contents) {
+/** Open a scene with the contents of a file, and changed inputs; an error says which key is wrong. */
+function open(contents, inputs) {
   const whole = complete(contents, kit);
-  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole, kit.signals.other), kit.keys));
+  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole, kit.signals.other), kit.keys), inputs);
 }
 
 /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs are constant here. */
@@ -198,7 +198,7 @@ function connectExport() {
     return sentenceOf(result, result.time.length > 0);
   });
   connectFile("toml", async () => {
-    save(new Blob([tomlText(contentsOf(changes), kit.keys)], { type: "application/toml" }), `${changes.scene.name}.toml`);
+    save(new Blob([tomlText(contentsOf(changes, inputSignals(changes)), kit.keys)], { type: "application/toml" }), `${changes.scene.name}.toml`);
     return "";
   });
   connectFile("png", async () => {

@@ -44,14 +44,14 @@ function dictionary(pairs) {
   return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
 }
 
-/** Return the contents of the scene file with the changes; changed inputs are signals. */
-export function contentsOf(changes) {
+/** Return the contents of the scene file with the changes, without changed inputs, and with some more signals. */
+export function contentsOf(changes, signals = {}) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {
     const { place, items } = changes.parameters.get(name);
     if (place) put(file, place, items.length ? items[value - 1][0] : value);
   }
-  Object.assign(file.signals, inputSignals(changes));
+  Object.assign(file.signals, signals);
   return asWritten(file, changes.scene.forms);
 }
 
