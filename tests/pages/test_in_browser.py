@@ -334,6 +334,13 @@ def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):
     )
 
 
+def test_the_targets_of_a_slider_have_knobs(show):
+    page = show("cart_pole", {"inputs.joint_targets": True})
+    for name in ("slider.target_position", "slider.target_velocity"):
+        page.get_by_role("slider", name=name).press("End")
+        assert float(page.evaluate("chainImpact.parameters")[name]) > 0.0
+
+
 @pytest.fixture
 def server(tmp_path):
     """Serve a folder with the page inside another page, and return the address."""

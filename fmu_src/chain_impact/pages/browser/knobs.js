@@ -148,11 +148,14 @@ function knob(changes, entry, now) {
   } };
 }
 
-/** Return the knobs of the inputs, from −x to x: x is the value that the weight of the chain needs, or half a turn. */
+/**
+ * Return the knobs of the inputs, from −x to x: x is the value that the weight of the chain needs, half a turn, the length of
+ * the chain, or the speed after a fall through this length.
+ */
 function inputKnobs({ scene, starts }) {
   const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
-  const weight = 10 * sum("mass"); // [N] the weight of the chain
-  const ends = { "N.m": weight * sum("length"), N: weight, rad: Math.PI, "rad/s": 10 };
+  const [weight, length] = [10 * sum("mass"), sum("length")]; // [N] and [m], of the chain
+  const ends = { "N.m": weight * length, N: weight, rad: Math.PI, "rad/s": 10, m: length, "m/s": Math.sqrt(2 * 10 * length) };
   return scene.inputs.map((name) => {
     const end = Number(ends[scene.parameters.find((one) => one.name === name).unit].toPrecision(3));
     return { name, label: name, ends: [-end, end], isInput: true };
