@@ -8,12 +8,13 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from chain_impact import Recording, load_scene, record_slowly
+from chain_impact import Recording, SceneWarning, load_scene, record_slowly
 from chain_impact.pictures.film import (
     CHAIN,
     ENERGIES,
     FORCE,
     LOAD,
+    MOST_FRAMES,
     RATES,
     STYLE,
     Film,
@@ -107,23 +108,49 @@ def drawn(monkeypatch):
             return iter(np.zeros((len(times), size[1], size[0], 3), np.uint8))
 
         monkeypatch.setattr("chain_impact.pictures.film.draw_frames", keep)
-        options = {"speed": 1.0, "impact_time": 0.6, "size": SIZE, "progress": lambda _: None} | options
+        options = {"speed": None, "impact_time": 0.6, "size": SIZE, "progress": lambda _: None} | options
         write_film(recording, path, **options)
         return found
 
     return drawn
 
 
+@pytest.fixture(scope="module")
+def shaken():
+    return record_slowly(load_scene("shaken_pendulum").with_values({"simulation.stop_time": 0.1}))
+
+
 def test_a_sine_that_drives_an_input_has_eight_frames_in_a_period_and_the_film_tells_how_slow_it_is(
-    drawn, tmp_path
+    drawn, shaken, tmp_path
 ):
-    shaken = record_slowly(load_scene("shaken_pendulum").with_values({"simulation.stop_time": 0.1}))
     times, rates = drawn(shaken, tmp_path / "film.gif")
     assert np.diff(times).max() * 40.0 <= 1 / 8 + 1e-9
     assert rates == pytest.approx(20 / (8 * 40.0), rel=1e-6)
-    times, rates = drawn(shaken, tmp_path / "film.gif", impact_time=0.0, speed=0.5)
+
+
+@pytest.mark.parametrize("options", [{"speed": 0.5}, {"speed": 0.5, "impact_time": 0.0}])
+def test_a_speed_that_is_given_is_kept_and_a_sine_that_is_too_fast_for_it_is_told(
+    drawn, shaken, tmp_path, options
+):
+    with pytest.warns(
+        SceneWarning, match=r"only 1 frames in a period of its sine of 40 Hz.* speed = 0\.062 "
+    ):
+        times, rates = drawn(shaken, tmp_path / "film.gif", **options)
     assert np.diff(times) == pytest.approx(0.5 / 20, rel=0.01), "the speed is constant"
     assert rates == pytest.approx(0.5, rel=0.01)
+
+
+def test_a_film_is_slowed_down_for_a_sine_to_a_limited_number_of_frames(drawn, tmp_path):
+    time = np.linspace(0.0, 10.0, 11)
+    columns = dict.fromkeys(("point[0].x", "point[0].y", "point[1].y"), 0.0 * time)
+    parameters = {"signal.own.frequency": 1000.0, "signal.own.amplitude": 0.1}
+    shaken = Recording("Fast", time, columns | {"point[1].x": 1.0 + 0.0 * time}, parameters=parameters)
+    with pytest.warns(SceneWarning, match="sine of 1000 Hz"):
+        times, _ = drawn(shaken, tmp_path / "film.gif", size=(16, 16))
+    assert len(times) == pytest.approx(MOST_FRAMES, abs=2)
+    with pytest.warns(SceneWarning, match="sine of 1000 Hz"):
+        times, _ = drawn(shaken, tmp_path / "film.gif", size=(16, 16), impact_time=0.0)
+    assert len(times) == pytest.approx(200, abs=2)
 
 
 @needs_interop

@@ -69,6 +69,8 @@ def test_a_sine_that_drives_an_input_has_sixteen_frames_in_a_period():
     assert frame_rate(simulate(scene.with_values({"signal.shake.frequency_rate": -600.0}))) == 16 * 80.0
     late = {"signal.shake.start": 0.15, "signal.shake.rise": 0.01, "signal.shake.frequency_rate": 600.0}
     assert frame_rate(simulate(scene.with_values(late))) == pytest.approx(16 * 70.0), "from its start on"
+    for unseen in ({"signal.shake.amplitude": 0.0}, {"signal.shake.start": 0.2, "signal.shake.rise": 0.01}):
+        assert frame_rate(simulate(scene.with_values(unseen))) == FRAME_RATE
     assert frame_rate(simulate("simple_pendulum")) == FRAME_RATE
     recorded = record_slowly(scene)
     # the frames show the full amplitude, which 60 frames per second would miss

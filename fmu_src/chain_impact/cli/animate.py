@@ -53,7 +53,10 @@ def add(verbs: Verbs) -> None:
     walls = verb.add_argument("--scene", metavar="SCENE", help="for a CSV file: the scene with the walls")
     complete_scenes(walls)
     verb.add_argument(
-        "--speed", type=float, default=1.0, help="simulated seconds in a second on the screen; default: 1"
+        "--speed",
+        type=float,
+        help="simulated seconds in a second on the screen; default: 1, in a film less for a fast sine, "
+        "up to 1500 frames",
     )
     verb.add_argument(
         "--impact-time",

@@ -37,6 +37,7 @@ from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import framed, pin_mark, places_of, radius_of, size_of
 from chain_impact.scene.bodies import placed
+from chain_impact.scene.checks import warn
 from chain_impact.scene.names import STOPS
 
 MUTED, CHAIN, TIP, FORCE, LOAD = "#566076", "#2b4a9f", "#c2255c", "#d9480f", "#0b7285"
@@ -50,6 +51,8 @@ STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 RATES = {".gif": 20, ".mp4": 30}
 # least number of frames in a period of the fastest sine that drives an input; fewer may seem a slow motion
 FRAMES_OF_SINE = 8.0
+# the largest number of frames of a film that is slowed down for a sine; more take minutes to draw
+MOST_FRAMES = 1500
 # pixels per inch: the usual number, the least number with energies, and the number on a page without energies
 DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
 ROOM = (8.0, 4.5)  # [inch] the least width and height of a page with energies
@@ -71,7 +74,7 @@ def write_film(
     recording: Recording,
     path: Path,
     *,
-    speed: float,
+    speed: float | None,
     impact_time: float,
     size: tuple[int, int],
     progress: Progress,
@@ -81,20 +84,23 @@ def write_film(
     Args:
         recording: the recording to show.
         path: the file.
-        speed: simulated seconds per second on the screen, outside of slow motion.
+        speed: simulated seconds per second on the screen, outside of slow motion, or None, see ``pace``.
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
         size: width and height [pixels]; in an mp4 both are rounded down to even numbers.
         progress: called with the finished fraction, 0 to 1.
+
+    Warns:
+        SceneWarning: when a sine is too fast for the frames.
 
     Raises:
         MissingExtraError: when PyAV is not installed, for an mp4.
     """
     rate, (width, height) = RATES[path.suffix.lower()], (length // 2 * 2 for length in size)
-    if impact_time > 0.0 and (fastest := fastest_sine(recording)) > 0.0:
-        speed = min(speed, rate / (FRAMES_OF_SINE * fastest))
     start, stop = (float(recording.time[row]) for row in (0, -1))
     times, usual = frame_times(start, stop, slow_spans(recording), impact_time)
-    count = 1 + int(np.ceil((len(times) - 1) / (speed * usual / rate)))
+    frames = (len(times) - 1) * rate / usual  # at the speed 1
+    speed = pace(recording, speed, rate, frames / MOST_FRAMES if impact_time > 0.0 else 1.0)
+    count = 1 + int(np.ceil(frames / speed))
     shown = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
     rates = np.interp(shown, times, np.gradient(times) * usual * speed)
     pictures = draw_frames(recording, shown, rates, (width, height), progress)
@@ -102,6 +108,29 @@ def write_film(
         write_gif(pictures, path, rate, COLOURS)
     else:
         write_mp4(pictures, path, rate, (width, height))
+
+
+def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -> float:
+    """Return simulated seconds per second on the screen, outside of slow motion.
+
+    Args:
+        recording: the recording to show.
+        speed: the speed that is asked for. If None, the speed is 1, or less to show a fast sine that drives
+            an input.
+        rate: frames per second on the screen.
+        slowest: the least speed that is chosen for a sine.
+    """
+    fastest = fastest_sine(recording)
+    enough = rate / (FRAMES_OF_SINE * fastest) if fastest else np.inf
+    if speed is None:
+        speed = min(1.0, max(enough, slowest))
+    if speed > enough:
+        frames = f"only {rate / (speed * fastest):.2g} frames in a period of its sine of {fastest:g} Hz"
+        warn(
+            recording.name,
+            [f"the film has {frames}, which may look slow or still; speed = {enough:.2g} shows it"],
+        )
+    return speed
 
 
 def draw_frames(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from chain_impact.extras import require
 SHADES = 6  # number of shades of each colour in a gif, from the colour towards white
 WHITISH = 0.96  # the least value of red, green and blue in a shade that Pillow treats as white
 HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
+END = b";"  # the last byte of a gif
 QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
 
 
@@ -23,6 +24,7 @@ def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int, colours: It
     Parts that do not change need no space in the file.
     """
     from PIL import Image
+    from PIL.GifImagePlugin import getdata, getheader
 
     full = np.array([to_rgb(colour) for colour in colours])
     share = np.linspace(0.0, 1.0, SHADES, endpoint=False)[:, None, None]
@@ -31,9 +33,29 @@ def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int, colours: It
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
     look: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}
-    first, *others = [Image.fromarray(picture).quantize(**look) for picture in pictures]
-    durations = [1000 // rate] * len(others) + [int(1000 * HOLD)]
-    first.save(path, "GIF", save_all=True, append_images=others, duration=durations, loop=0, optimize=False)
+    # Pillow would keep all frames until the last one is there
+    with path.open("wb") as file:
+        for part, corner, seconds in _changes(
+            (Image.fromarray(one).quantize(**look) for one in pictures), rate
+        ):
+            if file.tell() == 0:
+                file.writelines(getheader(part, info={"loop": 0})[0])
+            file.writelines(getdata(part, corner, duration=round(1000 * seconds)))
+        file.write(END)
+
+
+def _changes(frames: Iterator[Any], rate: int) -> Iterator[tuple[Any, tuple[int, int], float]]:
+    """Yield the part of each frame that differs from the last one, its upper left corner, its time [s]."""
+    from PIL.ImageChops import difference
+
+    last = next(frames)
+    part, corner, count = last, (0, 0), 1
+    for frame in frames:
+        if box := difference(last, frame).getbbox():
+            yield part, corner, count / rate
+            part, corner, count = frame.crop(box), box[:2], 0
+        last, count = frame, count + 1
+    yield part, corner, (count - 1) / rate + HOLD
 
 
 def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple[int, int]) -> None:

@@ -25,7 +25,7 @@ def animate(
     recording: Recording,
     path: str | os.PathLike[str] | None = None,
     *,
-    speed: float = 1.0,
+    speed: float | None = None,
     impact_time: float = IMPACT_TIME,
     size: tuple[int, int] = SIZE,
     progress: Progress | None = None,
@@ -35,17 +35,17 @@ def animate(
     kind = path.suffix.lower() if path else ".html"
     if kind not in FORMATS:
         raise AnimationError(f"{path}: the name must end in {', '.join(FORMATS)}")
-    if not 0.0 < speed < math.inf:
+    if speed is not None and not 0.0 < speed < math.inf:
         raise AnimationError(f"speed = {speed:g} must be a finite number > 0")
     if not 0.0 <= impact_time < math.inf:
         raise AnimationError(f"impact_time = {impact_time:g} must be a finite number >= 0 [s]")
     if len(recording.time) < 2 or not recording.points.shape[1]:  # noqa: PLR2004
         raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
     if path is None:
-        return InlinePage(page(recording, speed, impact_time))
+        return InlinePage(page(recording, speed or 1.0, impact_time))
     with written_whole(path) as fresh:
         if kind == ".html":
-            fresh.write_text(page(recording, speed, impact_time), encoding="utf-8")
+            fresh.write_text(page(recording, speed or 1.0, impact_time), encoding="utf-8")
         else:
             from chain_impact.pictures.film import write_film
 

@@ -33,7 +33,7 @@ def animate(
     recording: Recording | SceneSource,
     path: Path | str | None = None,
     *,
-    speed: float = 1.0,
+    speed: float | None = None,
     impact_time: float = IMPACT_TIME,
     size: tuple[int, int] = results.SIZE,
     progress: Progress | None = None,
@@ -45,12 +45,16 @@ def animate(
             argument of ``load_scene``, which ``record_slowly`` simulates.
         path: the file, whose suffix determines the kind: ``.html`` is a page for a browser that needs no
             other file, ``.gif`` and ``.mp4`` are films. Without a path the page is returned, for a notebook.
-        speed: simulated seconds in a second on the screen, outside of impacts. A film is slower where a sine
-            that drives an input would have fewer than 8 frames in a period.
+        speed: simulated seconds in a second on the screen, outside of impacts; 1 by default. A film without a
+            given speed is slower if a sine that drives an input would have fewer than 8 frames in a period,
+            but does not get more than 1500 frames by this.
         impact_time: duration of each impact on the screen [s] at the speed 1; the animation slows down
             shortly before the impact. With 0 the speed is constant.
         size: width and height of a film [pixels].
         progress: called with the finished fraction of a film, 0 to 1, if given.
+
+    Warns:
+        SceneWarning: when a sine that drives an input is too fast for the frames of a film.
 
     Raises:
         AnimationError: when the suffix is unknown, a number is out of its range, the recording has fewer than

@@ -156,7 +156,8 @@ function withImpacts(times, contacts) {
 /** Return the number of frames per second on the screen, enough to show the sines that drive inputs. */
 function frameRateOf({ parameters }, valueOf, stop) {
   const sines = parameters.filter(({ name }) => /^signal\.\w+\.frequency$/.test(name)).flatMap(({ name }) => {
-    const lasting = Math.max(0, stop - (valueOf(name.replace(/frequency$/, "start")) ?? 0));
+    const lasting = stop - (valueOf(name.replace(/frequency$/, "start")) ?? 0);
+    if (lasting <= 0 || valueOf(name.replace(/frequency$/, "amplitude")) === 0) return [];
     return [valueOf(name), valueOf(name) + lasting * valueOf(`${name}_rate`)].map(Math.abs);
   });
   return Math.max(FRAME_RATE, FRAMES_OF_A_PERIOD * Math.max(0, ...sines));
