@@ -80,7 +80,8 @@ def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
 @pytest.mark.parametrize("row", TOLD, ids=lambda row: row.field)
 def test_what_is_told_is_told_where_it_is_not_at_its_default(row):
     model = rich()
-    before = lines(told_fields(model), warning=row.effect == Effect.MOTION)
+    title = "warning" if row.effect == Effect.MOTION else "differs" if row.differs else "left out"
+    before = lines(told_fields(model), title)
     if row.field == "key_plastic":
         assert model.nplastic == 0  # number of plastic springs, which are reported separately
         return
@@ -91,14 +92,14 @@ def test_what_is_told_is_told_where_it_is_not_at_its_default(row):
         value.flat[-1] = row.default + 1
     else:
         setattr(holder, name, row.default + 1)
-    after = lines(told_fields(model), warning=row.effect == Effect.MOTION)
+    after = lines(told_fields(model), title)
     (new,) = set(after) - set(before)
     assert row.text in new
 
 
 def test_a_field_that_the_table_does_not_have_is_told_if_it_is_not_zero(monkeypatch):
     monkeypatch.setattr(mjcf_fields, "USED", USED.replace("body_mass", ""))
-    told = lines(told_fields(rich()), warning=True)
+    told = lines(told_fields(rich()), "warning")
     assert [line for line in told if "body_mass" in line and "not known to this version" in line]
 
 

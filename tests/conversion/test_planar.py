@@ -195,7 +195,7 @@ def test_what_is_no_planar_chain_is_refused_with_what_would_be_one(robot, wanted
 
 
 def test_the_mjcf_of_a_scene_has_its_links_walls_and_start():
-    text, left_out = mjcf_of(load_scene("pinned_arm"))
+    text, _, left_out = mjcf_of(load_scene("pinned_arm"))
     root = ElementTree.fromstring(text)
     assert [body.get("name") for body in root.iter("body")] == ["link[1]", "link[2]"]
     (wall,) = [geom for geom in root.iter("geom") if geom.get("type") == "plane"]

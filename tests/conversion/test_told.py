@@ -222,7 +222,7 @@ def test_a_range_of_controls_of_a_servo_is_told(tmp_path):
     servo = '<position name="hold" joint="a" kp="10" ctrlrange="-1 1"/>'
     scene, done = read(tmp_path, arm(rest=drives(servo) + key(ctrl="3")))
     assert scene.chain.links[0].joint_rest_angle == pytest.approx(-1.0)
-    assert "actuator hold: its control is from -1 to 1; targets of a scene have no limits" in done.left_out
+    assert "actuator hold: its control is from -1 to 1; targets of a scene have no limits" in done.differs
     assert scene.inputs.joint_targets
 
 
@@ -232,7 +232,11 @@ def test_nothing_is_told_of_what_is_held(tmp_path):
         rest=drives('<damper joint="b" kv="1" ctrlrange="0 1"/>'),
     )
     _, done = read(tmp_path, text, joints=["a"])
-    assert not [line for line in (*done.warnings, *done.left_out) if "joint b" in line or "actuator" in line]
+    assert not [
+        line
+        for line in (*done.warnings, *done.differs, *done.left_out)
+        if "joint b" in line or "actuator" in line
+    ]
     assert "joint b: held at the start" in done.notes
 
 
@@ -295,7 +299,7 @@ def test_an_effort_of_zero_is_told(tmp_path):
 def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
     parts = [link("u").replace('ixx=".01"', 'ixx=".05"'), joint("a", "base", "u")]
     told = "link u: its moments of inertia, 0.02, 0.02 and 0.05 kg.m2, are those of no body"
-    assert told in read(tmp_path, urdf(*parts))[1].left_out
+    assert told in read(tmp_path, urdf(*parts))[1].differs
 
 
 @pytest.mark.parametrize(
@@ -407,7 +411,7 @@ def test_a_slide_is_a_slider_with_what_its_joint_and_drives_have(tmp_path):
     assert scene.inputs.joint_targets
     assert scene.inputs.joint_torques
     assert not scene.inputs.slider_force
-    assert "joint rail: limits are soft in MuJoCo; a scene has its own, in [contact]" in done.left_out
+    assert "joint rail: limits are soft in MuJoCo; a scene has its own, in [contact]" in done.differs
     motor, _ = read(tmp_path, cart(rest=drives('<motor joint="rail" gear="10" ctrlrange="-1 1"/>')))
     assert motor.inputs.slider_force
     assert motor.chain.slider.force_limit == 10.0
@@ -427,7 +431,7 @@ def test_the_armature_of_a_slide_that_rises_is_told_as_a_weight(tmp_path):
     assert scene.chain.slider.mass == 0.5
     told = "joint rail: its armature, 0.5 kg, is part of the mass of the carriage, which has weight"
     assert told in done.warnings
-    assert told in read(tmp_path, cart("1 0 0", 'armature=".5"'))[1].left_out
+    assert told in read(tmp_path, cart("1 0 0", 'armature=".5"'))[1].differs
 
 
 def test_equal_limits_of_a_slide_are_refused_with_its_unit(tmp_path):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import tomlkit
 
+from chain_impact.conversion.differences import DIFFERS, LEFT_OUT, WARNING
 from chain_impact.conversion.mjcf import read_mjcf
 from chain_impact.conversion.planar import Choices, Converted
 from chain_impact.conversion.proposals import chain_of
@@ -63,8 +64,8 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
     """
     if output.suffix.lower() == ".xml":
         scene = scene_of(source)
-        text, left_out = mjcf_of(scene)
-        done = Converted(scene_to_dict(scene), [], left_out, [])
+        text, differs, left_out = mjcf_of(scene)
+        done = Converted(scene_to_dict(scene), [], differs, left_out, [])
     else:
         _, done = of_robot(Path(source), choices)
         told = [f"From {Path(source).name}.", *(f"{title}: {line}" for title, line in told_lines(done))]
@@ -79,5 +80,6 @@ def told_lines(done: Converted) -> list[tuple[str, str]]:
 
     Differences that change the motion come first.
     """
-    titles = (("warning", done.warnings), ("left out", done.left_out), ("note", done.notes))
-    return [(title, line) for title, lines in titles for line in lines]
+    titles = (WARNING, DIFFERS, LEFT_OUT, "note")
+    told = (done.warnings, done.differs, done.left_out, done.notes)
+    return [(title, line) for title, lines in zip(titles, told, strict=True) for line in lines]

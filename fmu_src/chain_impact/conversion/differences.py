@@ -12,6 +12,7 @@ from chain_impact.recording.text import few
 
 NEGLIGIBLE = 0.02  # the largest shift that gives no warning, over a length
 SHOWN = 6  # largest number of names in a line
+WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # the titles of reports
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 
 
@@ -33,6 +34,7 @@ class Difference:
         name: the name of the element; empty if the kind suffices.
         text: the rest of the sentence.
         effect: the effect of the difference.
+        differs: whether the scene has the part in another form; else it is left out.
         size: the size of the difference over a length, if known; larger differences come first.
         joints: names of joints; the difference has no effect if all these joints are held. Without names it
             always has an effect.
@@ -44,14 +46,17 @@ class Difference:
     name: str = ""
     text: str
     effect: Effect
+    differs: bool = False
     size: float = 0.0
     joints: frozenset[str] = frozenset()
     bodies: frozenset[int] = frozenset()
 
     @property
-    def warns(self) -> bool:
-        """Whether the difference changes the robot's motion by more than a negligible amount."""
-        return self.effect == Effect.MOTION or self.size > NEGLIGIBLE
+    def title(self) -> str:
+        """The title of the report; a warning if the motion changes by more than a negligible amount."""
+        if self.effect == Effect.MOTION or self.size > NEGLIGIBLE:
+            return WARNING
+        return DIFFERS if self.differs else LEFT_OUT
 
     def matters(self, held: Collection[str], owner: dict[int, int]) -> bool:
         """Return whether the difference has an effect, for given held joints and the link of each body.
@@ -63,9 +68,10 @@ class Difference:
         return not self.bodies or len({owner[b] for b in self.bodies}) > 1
 
 
-def of_joint(name: str, text: str, effect: Effect) -> Difference:
+def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> Difference:
     """Return a difference of a joint, which has no effect if the joint is held."""
-    return Difference(kind="joint", name=name, text=text, effect=effect, joints=frozenset([name]))
+    about = frozenset([name])
+    return Difference(kind="joint", name=name, text=text, effect=effect, differs=differs, joints=about)
 
 
 @contextmanager
@@ -79,12 +85,12 @@ def heard(package: str) -> Iterator[list[Difference]]:
         told.append(Difference(kind=package, text=message, effect=Effect.NONE))
 
 
-def lines(differences: Iterable[Difference], *, warning: bool) -> list[str]:
-    """Return the warnings, or all other differences, as one sentence each, with the largest effect first."""
+def lines(differences: Iterable[Difference], title: str) -> list[str]:
+    """Return the differences with a title as one sentence each, with the largest effect first."""
     ordered = sorted(differences, key=lambda one: (one.effect, -one.size))
     names: dict[tuple[str, str], list[str]] = {}
     for one in ordered:
-        if one.warns == warning:
+        if one.title == title:
             names.setdefault((one.kind, one.text), []).append(one.name)
     return [line(kind, list(dict.fromkeys(found)), text) for (kind, text), found in names.items()]
 

@@ -190,7 +190,7 @@ class _Reader:
     def _tell_soft(self, joint: str, what: str, where: str) -> None:
         if self.carried is None:
             text = f"{what} soft in MuJoCo; a scene has its own, in {where}"
-            self.differences.append(of_joint(joint, text, Effect.CONTACT))
+            self.differences.append(of_joint(joint, text, Effect.CONTACT, differs=True))
 
     def _others(self) -> Iterator[Difference]:
         """Yield the number of each kind of element that only measures or shows something."""

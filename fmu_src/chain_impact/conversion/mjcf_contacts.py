@@ -146,4 +146,4 @@ class Contacts:
                 )
         if walls:
             text = "is soft in MuJoCo (solref, solimp); a wall of a scene has the law in [contact]"
-            yield Difference(kind="contact", text=text, effect=Effect.CONTACT)
+            yield Difference(kind="contact", text=text, effect=Effect.CONTACT, differs=True)

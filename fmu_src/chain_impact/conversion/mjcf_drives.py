@@ -233,17 +233,16 @@ class Drives:
         for one in drives:
             if one.stiffness and abs(one.gain / one.stiffness - 1.0) > ALIKE:
                 text = f"the target angle is {one.gain / one.stiffness:.6g} times its control"
-                yield Difference(kind="actuator", name=one.name, text=text, effect=Effect.NONE, joints=about)
+                yield _of_servo(one.name, text, about)
         servos = {one.name for one in drives if one.is_servo}
         for a in self.at[j]:
             if self._clamps(a) and self._name(a) in servos:
                 low, high = self.model.actuator_ctrlrange[self.model.actuator_ctrladr[a]]
                 text = f"its control is from {low:.6g} to {high:.6g}; targets of a scene have no limits"
-                name = self._name(a)
-                yield Difference(kind="actuator", name=name, text=text, effect=Effect.NONE, joints=about)
+                yield _of_servo(self._name(a), text, about)
 
     def _tell_joint(self, joint: Joint, text: str, effect: Effect) -> None:
-        self.differences.append(of_joint(joint.name, text, effect))
+        self.differences.append(of_joint(joint.name, text, effect, differs=True))
 
     def _tell_limit(self, joint: Joint, limit: float) -> None:
         """Report that the limit of the drives also limits the spring and the damper of a joint."""
@@ -267,3 +266,8 @@ class Drives:
             text = f"its drives act with {low:.6g} to {high:.6g}; the limit of a scene is the same both ways"
             self._tell_joint(joint, text, Effect.MOTION)
         return None if math.isinf(limit) else float(limit)
+
+
+def _of_servo(name: str, text: str, joints: frozenset[str]) -> Difference:
+    """Return a difference between the control of an actuator and the target of a joint."""
+    return Difference(kind="actuator", name=name, text=text, effect=Effect.NONE, differs=True, joints=joints)

@@ -100,6 +100,7 @@ class Told(NamedTuple):
         default: the default, a number.
         effect: the effect of another value.
         text: the sentence on the element.
+        differs: whether the scene has the element in another form; else something is left out.
     """
 
     field: str
@@ -107,23 +108,31 @@ class Told(NamedTuple):
     default: float
     effect: Effect
     text: str
+    differs: bool = False
 
 
 TOLD = (
     Told("jnt_stiffnesspoly", "joint", 0, MOTION, "its spring is not linear; the scene has its linear part"),
     Told("jnt_springyield", "joint", 0, MOTION, "its spring yields (springyield), in the scene it does not"),
-    Told("jnt_margin", "joint", 0, CONTACT, "its limits act from a margin on, in the scene where they are"),
+    Told(
+        "jnt_margin",
+        "joint",
+        0,
+        CONTACT,
+        "its limits act from a margin on, in the scene where they are",
+        True,
+    ),
     Told("jnt_actgravcomp", "joint", 0, MOTION, "gravcomp is part of its drives (actuatorgravcomp)"),
     Told("dof_dampingpoly", "dof", 0, MOTION, "its damping is not linear; the scene has its linear part"),
     Told("body_plugin", "body", -1, MOTION, "has a plugin, which is not in the scene"),
     Told("geom_plugin", "geom", -1, CONTACT, "has a plugin, which is not in the scene"),
-    Told("geom_margin", "geom", 0, CONTACT, "touches from a margin on, in the scene where it is"),
-    Told("geom_gap", "geom", 0, CONTACT, "has a gap, in the scene none"),
+    Told("geom_margin", "geom", 0, CONTACT, "touches from a margin on, in the scene where it is", True),
+    Told("geom_gap", "geom", 0, CONTACT, "has a gap, in the scene none", True),
     Told("geom_surfacevel", "geom", 0, CONTACT, "its surface moves (surfacevel), in the scene it does not"),
     Told("geom_adhesion", "geom", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
     Told("geom_fluid", "geom", 0, NONE, "has a shape in a fluid (fluidshape), and the scene has no fluid"),
-    Told("pair_margin", "pair", 0, CONTACT, "touches from a margin on, in the scene where it is"),
-    Told("pair_gap", "pair", 0, CONTACT, "has a gap, in the scene none"),
+    Told("pair_margin", "pair", 0, CONTACT, "touches from a margin on, in the scene where it is", True),
+    Told("pair_gap", "pair", 0, CONTACT, "has a gap, in the scene none", True),
     Told("pair_adhesion", "pair", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
     Told("key_plastic", "keyframe", 0, MOTION, "has a plastic state, and the scene has none"),
     Told("opt.density", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
@@ -162,18 +171,18 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 
 def _about(model: Any, row: Told, i: int) -> Difference:
     """Return a difference for element ``i``, with the joint or body to which the element belongs."""
+    told: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":
-        return Difference(kind="option", name=row.field[4:], text=row.text, effect=row.effect)
+        return Difference(kind="option", name=row.field[4:], **told)
     if row.kind in ("joint", "dof"):
         j = i if row.kind == "joint" else int(model.dof_jntid[i])
-        return of_joint(model.joint(j).name or f"{j}", row.text, row.effect)
+        return of_joint(model.joint(j).name or f"{j}", **told)
     element = {"body": model.body, "geom": model.geom, "pair": model.pair, "keyframe": model.key}[row.kind](i)
     bodies = frozenset[int]()
     if row.kind in ("body", "geom"):
         b = i if row.kind == "body" else int(model.geom_bodyid[i])
         bodies = frozenset([b - 1, -1]) if model.body_weldid[b] else bodies
-    name = element.name or f"{i}"
-    return Difference(kind=row.kind, name=name, text=row.text, effect=row.effect, bodies=bodies)
+    return Difference(kind=row.kind, name=element.name or f"{i}", bodies=bodies, **told)
 
 
 def fates(field: str) -> list[str]:

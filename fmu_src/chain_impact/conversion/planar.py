@@ -9,7 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.differences import SHOWN, Difference, Effect, line, lines
+from chain_impact.conversion.differences import (
+    DIFFERS,
+    LEFT_OUT,
+    SHOWN,
+    WARNING,
+    Difference,
+    Effect,
+    line,
+    lines,
+)
 from chain_impact.conversion.flat import TINY, Plan, near, plan_of
 from chain_impact.conversion.joints import Chosen, Moving, NoChainError, above, chosen_joints
 from chain_impact.conversion.robot import Body, Joint, Robot
@@ -47,12 +56,14 @@ class Converted(NamedTuple):
     Attributes:
         data: the data of the scene.
         warnings: sentences on differences that change the motion, with the largest effect first.
-        left_out: sentences on other parts of the robot that the scene does not have, or has in another form.
+        differs: sentences on other parts of the robot that the scene has in another form.
+        left_out: sentences on other parts of the robot that the scene does not have.
         notes: sentences on the relation of the scene to the robot.
     """
 
     data: dict[str, Any]
     warnings: list[str]
+    differs: list[str]
     left_out: list[str]
     notes: list[str]
 
@@ -120,7 +131,8 @@ class _Conversion:
             self.notes.append(line("joint", sorted(self.held), "held at the start"))
         told = [one for one in self.robot.differences if one.matters(self.held, self.owner)]
         told += [*self.differences, *differences]
-        return Converted(data, lines(told, warning=True), lines(told, warning=False), self.notes)
+        found = [lines(told, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
+        return Converted(data, found[0], found[1], found[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
         """Return the table of the inputs that the drives need; a free base has no joint 1."""
@@ -187,8 +199,8 @@ class _Conversion:
                 self._tell("body", body.name, text, Effect.MOTION)
         return gravity
 
-    def _tell(self, kind: str, name: str, text: str, effect: Effect, size: float = 0.0) -> None:
-        self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, size=size))
+    def _tell(self, kind: str, name: str, text: str, effect: Effect, *, differs: bool = False) -> None:
+        self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, differs=differs))
 
     def _tip(self) -> np.ndarray:
         """Return the last link's end, from its joint: a frame, or twice as far as the centre of mass."""
@@ -347,7 +359,8 @@ class _Conversion:
             amount = f"{joint.armature:.6g} kg"
             text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
             weighs = abs(float(np.dot(gravity, way))) > TINY
-            self._tell("joint", joint.name, text, Effect.MOTION if weighs else Effect.NONE)
+            effect = Effect.MOTION if weighs else Effect.NONE
+            self._tell("joint", joint.name, text, effect, differs=True)
         keys: dict[str, float | None] = {
             "damping": joint.damping or None,
             "stiffness": joint.stiffness or None,

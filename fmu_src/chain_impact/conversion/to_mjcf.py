@@ -39,8 +39,8 @@ SLIDER_KEYS = {
 """Key of a slider → attribute of a joint."""
 
 
-def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
-    """Return the MJCF of a scene, and a sentence on each feature that MuJoCo treats in another way."""
+def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
+    """Return the MJCF of a scene, and sentences on what differs in MuJoCo, and on what is left out."""
     root = Element("mujoco", model=scene.name)
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(
@@ -73,7 +73,8 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str]]:
         SubElement(actuators, "motor", name=name, joint=joint)
     _add_start(root, scene)
     ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="unicode") + "\n", list(_differences(scene))
+    text = ElementTree.tostring(root, encoding="unicode") + "\n"
+    return text, list(_differences(scene)), list(_left_out(scene))
 
 
 def _add_walls(world: Element, scene: Scene) -> None:
@@ -205,32 +206,48 @@ def _steps(values: tuple[float, ...]) -> Iterator[float]:
 
 
 def _differences(scene: Scene) -> Iterator[str]:
-    """Yield sentences on features that MuJoCo does not have or treats in another way."""
-    contact, links = scene.contact, scene.chain.links
-    radii = [contact.radius for _ in contact.points] + [site.radius for _, site in scene.chain.sites]
-    if scene.half_planes and radii:
-        law = f"contact.model = {contact.model}, stiffness, exponent and restitution"
-        yield f"{law}: MuJoCo has a soft contact of its own, solref and solimp"
-        if 0.0 in radii:
-            radius = LEAST_RADIUS * max(link.length for link in links)
-            yield f"points without a radius have one of {radius:.3g} m"
-        if scene.has_contact_friction:
-            yield "static_friction: MuJoCo has one coefficient"
+    """Yield sentences on features that MuJoCo treats in another way."""
+    links = scene.chain.links
+    if scene.half_planes and 0.0 in _radii(scene):
+        radius = LEAST_RADIUS * max(link.length for link in links)
+        yield f"points without a radius have one of {radius:.3g} m"
     if scene.chain.stops or (scene.chain.slider and scene.chain.slider.stops):
         yield "stops: MuJoCo has soft limits of its own, solreflimit and solimplimit"
-    limits = {f"link[{i}].joint_torque_limit": link.joint_torque_limit for i, link in enumerate(links, 1)}
-    limits |= {"slider.force_limit": scene.chain.slider.force_limit} if scene.chain.slider else {}
-    for name, limit in limits.items():
-        if limit is not None:
+    for name, limit in _limits(scene):
+        if limit:
             yield f"{name}: in MuJoCo it does not limit spring and damper"
-        if limit == 0.0:
-            yield f"{name} = 0: MuJoCo knows no such limit"
     for i, link in enumerate(links, 1):
         if link.inertia < LEAST_INERTIA:
             yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg.m2, the least"
+
+
+def _left_out(scene: Scene) -> Iterator[str]:
+    """Yield sentences on features that MuJoCo does not have."""
+    if scene.half_planes and _radii(scene):
+        law = f"contact.model = {scene.contact.model}, stiffness, exponent and restitution"
+        yield f"{law}: MuJoCo has a soft contact of its own, solref and solimp"
+        if scene.has_contact_friction:
+            yield "static_friction: MuJoCo has one coefficient"
+    for name, limit in _limits(scene):
+        if limit == 0.0:
+            yield f"{name} = 0: MuJoCo knows no such limit"
     for key in ("joint_targets", "tip_force", "base_motion", "wall_motion"):
         if getattr(scene.inputs, key):
             yield f"inputs.{key}: is no input of the MuJoCo model"
+
+
+def _radii(scene: Scene) -> list[float | None]:
+    """Return the radii of all points that can touch walls [m]."""
+    contact = scene.contact
+    return [contact.radius for _ in contact.points] + [site.radius for _, site in scene.chain.sites]
+
+
+def _limits(scene: Scene) -> Iterator[tuple[str, float | None]]:
+    """Yield the names and values of the limits of all drives; None for no limit."""
+    for i, link in enumerate(scene.chain.links, 1):
+        yield f"link[{i}].joint_torque_limit", link.joint_torque_limit
+    if scene.chain.slider:
+        yield "slider.force_limit", scene.chain.slider.force_limit
 
 
 def _numbers(*values: float) -> str:

@@ -68,7 +68,7 @@ def read_urdf(path: Path) -> Robot:
         )
     differences = [*other_elements(root), *told, *_odd_inertias(bodies)]
     for joint in robot.joints:
-        differences += _limits_left_out(joint)
+        differences += _limits(joint)
     return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, differences=differences)
 
 
@@ -218,7 +218,9 @@ def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
                 f"its moments of inertia, {low:.4g}, {middle:.4g} and {high:.4g} kg.m2, are those of no body"
             )
             around = frozenset([b, -1])
-            yield Difference(kind="link", name=body.name, text=text, effect=Effect.MASS, bodies=around)
+            yield Difference(
+                kind="link", name=body.name, text=text, effect=Effect.MASS, differs=True, bodies=around
+            )
 
 
 def _joint(joint: Any) -> Joint:
@@ -253,7 +255,7 @@ def _range(joint: Any) -> tuple[float, float]:
     return float(limit.lower or 0.0), float(limit.upper or 0.0)
 
 
-def _limits_left_out(joint: Any) -> Iterator[Difference]:
+def _limits(joint: Any) -> Iterator[Difference]:
     """Yield the differences between the limits of a joint in the file and in the scene."""
     limit = joint.limit
     if limit is None or joint.type not in KINDS:
@@ -261,18 +263,21 @@ def _limits_left_out(joint: Any) -> Iterator[Difference]:
     turns = KINDS[joint.type] == "hinge"
     rate, force = ("rad/s", "N.m") if turns else ("m/s", "N")
     damped = joint.dynamics is not None and bool(joint.dynamics.damping)
-    found: dict[str, Any] = {
+    left_out: dict[str, Any] = {
         f"limit of the velocity, {limit.velocity or 0.0:.6g} {rate}: is not in the scene": limit.velocity,
         f"limit of the effort, {limit.effort or 0.0:.6g} {force}: is not in the scene, where it would limit "
         "the damper, too": limit.effort and damped,
         "limit of the effort 0: is taken as none": limit.effort == 0.0,
+    }
+    low, high = _range(joint)
+    differing: dict[str, Any] = {
         "has no limits of its position: is taken as free": (
             joint.type != "continuous" and limit.lower is None and limit.upper is None
         ),
+        f"starts at {min(max(0.0, low), high):.6g}, its limit, as 0 is beyond it": (
+            low <= high and not low <= 0.0 <= high
+        ),
     }
-    low, high = _range(joint)
-    if low <= high and not low <= 0.0 <= high:
-        found[f"starts at {min(max(0.0, low), high):.6g}, its limit, as 0 is beyond it"] = True
-    for text, true in found.items():
-        if true:
-            yield of_joint(joint.name, text, Effect.NONE)
+    for told in (left_out, differing):
+        for text in (text for text, true in told.items() if true):
+            yield of_joint(joint.name, text, Effect.NONE, differs=told is differing)

@@ -88,8 +88,11 @@ class Walls:
         tables = {"box": box, "walls": walls, "contact": contact}
         return {key: table for key, table in tables.items() if table}, points, self.differences
 
-    def _tell(self, kind: str, name: str, text: str, size: float = 0.0) -> None:
-        self.differences.append(Difference(kind=kind, name=name, text=text, effect=Effect.CONTACT, size=size))
+    def _tell(self, kind: str, name: str, text: str, size: float = 0.0, *, differs: bool = False) -> None:
+        contact = Effect.CONTACT
+        self.differences.append(
+            Difference(kind=kind, name=name, text=text, effect=contact, differs=differs, size=size)
+        )
 
     def _links(self, plane: Plane) -> set[int]:
         """Return the links that can touch a plane."""
@@ -107,7 +110,7 @@ class Walls:
                 f"its friction is from {found[0]:.6g} to {found[-1]:.6g}, by what touches it; its wall has "
                 "the largest"
             )
-            self._tell("plane", plane.name, text)
+            self._tell("plane", plane.name, text, differs=True)
         return found[-1]
 
     def _points(self, touching: set[int], bare: set[int], has_balls: bool) -> dict[str, Any]:
@@ -169,7 +172,14 @@ class Walls:
             else:
                 text, effect = f"{what}: its radius is smaller by that", Effect.CONTACT
             self.differences.append(
-                Difference(kind="link of joint", name=hinge, text=text, effect=effect, size=deep / length)
+                Difference(
+                    kind="link of joint",
+                    name=hinge,
+                    text=text,
+                    effect=effect,
+                    differs=free >= 0.0,
+                    size=deep / length,
+                )
             )
             if free < 0.0:
                 return False
@@ -220,4 +230,4 @@ class Walls:
                 f"its shapes reach {beyond:.4g} m, {100 * beyond / length:.3g} % of the length, beyond its "
                 f"{what}, which alone touch walls"
             )
-            self._tell("link of joint", name, text, beyond / length)
+            self._tell("link of joint", name, text, beyond / length, differs=True)
