@@ -4,12 +4,24 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
+from chain_impact.pages.recorded import program
 from tests.pages.conftest import packed_module, page_contents, until, until_told
 from tests.pages.test_in_browser import ROWS
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 SHOWN = "[...document.querySelectorAll('#outputs-over-time dt')].map((term) => term.textContent)"
+TICKS = """([module, first, step]) => {
+  const ticksOf = Function(`${module}; return ticksOf;`)();
+  return ticksOf([0, 1, 2, 3].map((k) => first + k * step)); }"""
+COURSE = """async ({ module, file, kit, values }) => {
+  const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
+  const { parts: { forces, contacts } } = runThrough(motion(kernel, values));
+  return contacts.map(({ point, wall, onset, end, peak }) => {
+    const { course } = forces.find((one) => one.point === point && one.wall === wall);
+    const within = course.force.filter((_, k) => course.time[k] >= onset && course.time[k] <= end);
+    return [peak, Math.max(...within)];
+  }); }"""
 MOTION = """async ({ module, file, kit, curves }) => {
   const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
   const { parts: { outputs, time } } = runThrough(motion(kernel, {}, { curves }));
@@ -20,6 +32,29 @@ MOTION = """async ({ module, file, kit, curves }) => {
 @pytest.fixture(scope="module")
 def result():
     return simulate("four_link_box")
+
+
+@pytest.mark.parametrize(
+    ("first", "step", "expected"),
+    [
+        (-2e-5, 1e-5, ["-0.00002", "-0.00001", "0", "0.00001"]),
+        (0.0, 0.25, ["0", "0.25", "0.50", "0.75"]),
+        (-100.0, 50.0, ["-100", "-50", "0", "50"]),
+        (1.0, 2e-9, ["1.000000000e+0", "1.000000002e+0", "1.000000004e+0", "1.000000006e+0"]),
+        (2e6, 1e6, ["2e+6", "3e+6", "4e+6", "5e+6"]),
+    ],
+)
+def test_ticks_have_the_digits_that_their_distance_needs(worker, first, step, expected):
+    assert worker.evaluate(TICKS, [program(("format",)), first, step]) == expected
+
+
+def test_a_slow_contact_that_lasts_has_its_peak_in_the_course_of_its_force(worker):
+    """The last impact is too slow for slow motion, and lasts until the end."""
+    given = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
+    found = worker.evaluate(COURSE, {**given, "values": {"contact.restitution": 0.5}})
+    peaks, highest = np.array(found).T
+    assert peaks[-1] < 20.0  # N
+    assert highest == pytest.approx(peaks, rel=0.01)
 
 
 def told(page, name):

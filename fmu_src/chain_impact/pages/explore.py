@@ -24,7 +24,7 @@ from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
 from chain_impact.system import written_whole
 
-WORKER = ("kernel", "pacing", "room", "view", "frames", "bodies", "motion", "worker")
+WORKER = ("kernel", "pacing", "room", "view", "frames", "bodies", "recording", "motion", "worker")
 """The modules of the page's worker; each comes after the modules that it imports."""
 MODULES = (
     *PLAYER,

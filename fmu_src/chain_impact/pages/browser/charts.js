@@ -1,6 +1,7 @@
 // The charts, drawn by uPlot: the energies over the whole time, and the force of one contact.
 
-import { durationText, forceText, unitsOf } from "./format.js";
+import { durationText, fixed, forceText, ticksOf, unitsOf } from "./format.js";
+import { lastBefore } from "./recording.js";
 
 const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // shown time before and after a contact, over the duration of the contact
@@ -48,11 +49,12 @@ function highest(...all) {
 function around(recording, contact) {
   const { onset, end } = contact;
   const margin = AROUND * Math.max(end - onset, 1e-6);
-  const first = Math.floor(recording.frameAt(onset - margin));
-  const last = Math.ceil(recording.frameAt(end + margin)) + 1;
-  const times = Array.from(recording.time.slice(first, last), (time) => time - onset);
-  const during = (all) => all && times.map((time, index) => (time >= 0 && time <= end - onset ? all[first + index] : 0));
-  const [force, depth, friction] = [recording.forceOf(contact), recording.depthOf(contact), recording.frictionOf(contact)].map(during);
+  const { time, ...course } = recording.courseOf(contact);
+  const first = lastBefore(time, onset - margin);
+  const last = lastBefore(time, end + margin) + 2;
+  const times = Array.from(time.slice(first, last), (now) => now - onset);
+  const during = (all) => all && times.map((now, index) => (now >= 0 && now <= end - onset ? all[first + index] : 0));
+  const [force, depth, friction] = [course.force, course.depth, course.friction].map(during);
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
 }
 
@@ -145,10 +147,13 @@ export class TimeChart extends Chart {
       {
         series: [{}, ...series],
         scales: { x: { time: false, range: () => this.span }, y: { range: (_, least, most) => this.#range(least, most) } },
-        axes: [axis({ size: 26, space: 64, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) }), axis({ size: labelledWidth, space })],
+        axes: [axis({ size: 26, space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }), axis({ size: labelledWidth, space, values: (_, ticks) => ticksOf(ticks) })],
         hooks: {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
-          draw: [(plot) => this.behind.forEach(({ places, stroke }) => drawCurve(plot, places, stroke))],
+          draw: [(plot) => {
+            this.behind.forEach(({ places, stroke }) => drawCurve(plot, places, stroke));
+            if (plot === this.plot) this.mark(); // the scale of the time may be new
+          }],
         },
       },
       data,
@@ -211,7 +216,7 @@ export class EnergyChart extends TimeChart {
   draw(frame) {
     this.mark(this.recording.timeAt(frame));
     this.values.forEach(([name, value]) => {
-      value.textContent = this.recording.between(this.recording.energies[name], frame).toFixed(this.decimals);
+      value.textContent = fixed(this.recording.between(this.recording.energies[name], frame), this.decimals);
     });
   }
 }

@@ -15,6 +15,28 @@ export function digits(value, count = 3) {
   return value.toFixed(Math.min(Math.max(decimals, 0), 9));
 }
 
+/** Return a number with some decimals; a number that is then zero has no sign. */
+export function fixed(value, decimals) {
+  return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "");
+}
+
+const DECIMALS = 6; // largest number of decimals of a tick that is not written with an exponent
+const LARGE = 1e6; // least size of a tick that is written with an exponent
+
+/** Return ticks at equal distances as texts, all different, with as many digits as their distance needs. */
+export function ticksOf(ticks) {
+  const step = ticks.length > 1 ? Number((ticks[1] - ticks[0]).toPrecision(3)) : Math.abs(ticks[0]) || 1;
+  const [mantissa, exponent] = step.toExponential().split("e");
+  const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // of the distance
+  const largest = Math.max(...ticks.map(Math.abs));
+  const isPlain = decimals <= DECIMALS && (largest < LARGE || decimals > 0);
+  return ticks.map((tick) => {
+    if (Math.abs(tick) < step / 2) return "0";
+    const digits = Math.floor(Math.log10(Math.abs(tick))) + decimals;
+    return isPlain ? fixed(tick, Math.max(decimals, 0)) : tick.toExponential(Math.min(Math.max(digits, 0), 15));
+  });
+}
+
 /** Return a force as text, for example 12.3 kN; without a count, with all its digits. A moment has another unit. */
 export function forceText(newtons, count = 3, unit = "N") {
   const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];

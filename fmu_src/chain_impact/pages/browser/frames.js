@@ -82,7 +82,10 @@ export function framesOf(rows, { times, frameRate }) {
   const forces = rows.touches
     .filter(({ wall, force }) => wall && force.some((value) => value > 0))
     .map(({ point, wall, force, depth, friction, sticking }) =>
-      ({ point, wall, values: at(force), depth: at(depth), friction: at(friction), spans: sticking ? held(sticking) : [] }));
+      ({
+        point, wall, values: at(force), depth: at(depth), friction: at(friction), spans: sticking ? held(sticking) : [],
+        course: { time: rows.time, force, depth, friction },
+      }));
   const stuckJoints = rows.touches
     .filter(({ wall }) => !wall)
     .map(({ point, sticking }) => ({ joint: point, spans: held(sticking) }));

@@ -5,6 +5,7 @@ import { bodiesOf, railOf } from "./bodies.js";
 import { contactsOf, framesOf, timesOf } from "./frames.js";
 import { rowTimes } from "./kernel.js";
 import { FRAME_RATE } from "./pacing.js";
+import { lastBefore } from "./recording.js";
 import { STOPS, discOf, pointText, viewOf, wallsAt } from "./view.js";
 
 const IMPACT_TIME = 0.6; // [s] time on the screen that an impact takes
@@ -14,6 +15,7 @@ const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const FRAMES_OF_A_PERIOD = 16; // least number of frames in a period of the fastest sine that drives an input
 // largest number of impacts with additional rows of chosen outputs, and number of these rows
 const [FOLLOWED, ROWS_OF_IMPACT] = [400, 50];
+const FEW_FRAMES = 20; // number of frames in an impact below which additional rows show the course of the force
 const ALONE = 1e-3; // largest radius that is not drawn, over the size of the motion
 
 /** Return the impacts of a run in the form of a recording. */
@@ -83,7 +85,9 @@ export function* motion(kernel, values, { curves = [], held = {} } = {}) {
   const { moved } = scene;
   const words = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
     .filter((word) => word !== null);
-  const { time, columns } = yield* part(kernel.run(values, times, words.map((word) => ({ word })), { held: hands }), 1, runs);
+  const sparse = contacts.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
+  const dense = sparse.length ? withImpacts(times, sparse) : times;
+  const { time, columns } = yield* part(kernel.run(values, dense, words.map((word) => ({ word })), { held: hands }), 1, runs);
   if (time.length < 2) return { ...ending, parts: null };
   const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
@@ -129,13 +133,14 @@ export function* motion(kernel, values, { curves = [], held = {} } = {}) {
       values: first.time.map((now) => steps.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
     })),
   ] };
-  const outputs = { time, curves: [] };
+  const frames = dense === times ? time : times.slice(0, lastBefore(times, time.at(-1)) + 1);
+  const outputs = { time: frames, curves: [] };
   if (chosen.length) {
-    const found = yield* part(kernel.run(values, withImpacts(time, contacts), chosen, { held: hands }), 2, runs);
+    const found = yield* part(kernel.run(values, withImpacts(frames, contacts), chosen, { held: hands }), 2, runs);
     outputs.time = found.time;
     outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, isStepped: integer, values: found.columns[k] }));
   }
-  return { ...ending, parts: { ...framesOf(rows, { times: time, frameRate }), inputs, outputs } };
+  return { ...ending, parts: { ...framesOf(rows, { times: frames, frameRate }), inputs, outputs } };
 }
 
 /** Return held inputs as a run of the kernel needs them. */
@@ -147,8 +152,9 @@ export function heldIn(kernel, held) {
 
 /** Return times with additional times within impacts, because an impact may lie between two times. */
 function withImpacts(times, contacts) {
-  const inside = contacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd }) =>
-    Array.from({ length: ROWS_OF_IMPACT }, (_, k) => onset + ((impactEnd - onset) * k) / (ROWS_OF_IMPACT - 1)));
+  const inside = contacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
+    [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
+      Array.from({ length: ROWS_OF_IMPACT }, (_, k) => from + ((to - from) * k) / (ROWS_OF_IMPACT - 1))));
   const all = Float64Array.from([...times, ...inside.filter((time) => time < times.at(-1))]).sort();
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }

@@ -79,6 +79,11 @@ export class Recording {
     return this.#ofContact(point, wall)?.friction;
   }
 
+  /** Return time, force, penetration and friction of a contact in all rows, which may be denser than the frames. */
+  courseOf({ point, wall }) {
+    return this.#ofContact(point, wall)?.course ?? { time: this.time };
+  }
+
   #ofContact(point, wall) {
     return this.forces.find((force) => force.point === point && force.wall === wall);
   }
