@@ -34,14 +34,21 @@ def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
 def test_around_an_impact_time_is_that_after_its_onset(result):
     page = result.plot(curves="contact[4].y_min.force", around=2, title=None)
     (axes,) = page.axes
-    (line,) = axes.lines
+    end, line = axes.lines
     time, force, impact = line.get_xdata(), line.get_ydata(), result.impacts[1]
     assert len(time) >= CLOSE
     lasting = 1e3 * (impact["end"] - impact["onset"])
+    assert end.get_xdata()[0] == pytest.approx(lasting)
     assert (time[0], time[-1]) == pytest.approx((-0.5 * lasting, 2.0 * lasting))
     assert (force[(time < 0.0) | (time > lasting)] == 0.0).all()
     assert force.max() == pytest.approx(impact["peak_force"], rel=1e-4)
     assert page.get_suptitle() == ""
+
+
+def test_a_curve_that_lies_on_another_is_dashed(result):
+    forces = ["contact[0].y_max.force", "contact[1].y_max.force", "contact[2].y_min.force"]
+    (axes,) = result.plot(curves=forces).axes  # the first two are always zero
+    assert [line.get_linestyle() for line in axes.lines] == ["-", "--", "-"]
 
 
 def test_a_title_of_ones_own_or_none(result):

@@ -13,7 +13,7 @@ from chain_impact.pictures.message import write_head
 from chain_impact.pictures.over_time import mark_impacts
 from chain_impact.pictures.pages import settle
 from chain_impact.pictures.rest import shade_rests, shown_time
-from chain_impact.pictures.style import FULL, PALETTE, give_ticks, is_narrow, styled
+from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
@@ -22,6 +22,8 @@ DASHES = ("-", "--", ":")
 # largest number of curves in a panel, and largest number of panels
 MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
+SAME = 0.005  # the largest distance of two curves that look like one, over the height of the panel
+END = 0.5  # the fraction of the text colour in the line at an impact's end
 SIDE = 8  # the largest number of curves whose names are at the side of the panel
 
 
@@ -72,7 +74,7 @@ def seen(recording: Recording, curves: Curves) -> list[str]:
         return []
     impact = recording.impacts[curves.number - 1]
     wall = recording.wall_names[impact["wall"]]
-    return [f"impact {curves.number}, {recording.toucher(impact)} at {wall}"]
+    return [f"impact {curves.number} of {len(recording.impacts)}, {recording.toucher(impact)} at {wall}"]
 
 
 @styled({})
@@ -95,6 +97,8 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None
     if curves.onset is not None:
         start, factor = curves.onset, 1e3
         label = f"time after the onset at {curves.onset:.6f} s [ms]"
+        if np.isfinite(recording.impacts["end"][curves.number - 1]):
+            label += "; dotted: the end"
     time, shown = factor * (curves.time - start), shown_time(recording)
     ends = time[[0, -1]]
     if curves.onset is None:
@@ -102,8 +106,11 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None
         label = "; ".join(filter(None, (label, shown.told)))
     for axes, names in zip(grid, curves.panels, strict=True):
         mark_impacts(axes, recording, start, factor)
+        if curves.number:
+            mark_end(axes, recording, curves.number, start, factor)
+        hidden = hides([curves.values[name] for name in names])
         for k, name in enumerate(names):
-            look = DASHES[k // len(PALETTE)]
+            look = DASHES[min(k // len(PALETTE) + hidden[k], len(DASHES) - 1)]
             axes.plot(time, curves.values[name], look, color=PALETTE[k % len(PALETTE)], label=name)
         axes.set_ylabel(axis_label(names, curves.units[names[0]]))
         if curves.onset is None:
@@ -113,6 +120,24 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None
         axes.margins(y=0.08)
         give_ticks(axes)
         name_curves(axes, len(names))
+
+
+def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor: float) -> None:
+    """Draw a dotted line at the end of an impact, if the end is known."""
+    end = recording.impacts["end"][number - 1]
+    if np.isfinite(end):
+        axes.axvline(factor * (end - start), color=faint(axes, END), linewidth=0.8, linestyle=":", zorder=0)
+
+
+def hides(curves: Sequence[np.ndarray]) -> list[int]:
+    """Return for each curve how many curves before it look the same as it: these would not be seen."""
+    every = [curve[np.isfinite(curve)] for curve in curves]
+    whole = np.concatenate(every) if every else np.zeros(0)
+    seen = SAME * float(np.ptp(whole)) if whole.size else 0.0
+    return [
+        sum(bool(np.all(np.abs(curve - other) <= seen)) for other in curves[:k])
+        for k, curve in enumerate(curves)
+    ]
 
 
 def axis_label(names: Sequence[str], unit: str) -> str:
