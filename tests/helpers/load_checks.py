@@ -10,12 +10,8 @@ import numpy as np
 from chain_impact.scene.candidates import candidates
 
 NEWTON, MOMENTUM = 1e-9, 1e-8  # allowed errors of Newton's law and of momentum, over the largest term
-SAMPLED, ROUGH = (
-    1e-6,
-    1000.0,
-    # allowed error of a peak, over the largest force and over this force times the tolerance: samples locate
-    # peaks
-)
+# The allowed error of a peak is (SAMPLED + ROUGH × tolerance) × the largest force, as a peak is a sample.
+SAMPLED, ROUGH = 1e-6, 1000.0
 SMALL = 1e-12  # over the weight, or over a momentum of one link length per second
 
 

@@ -235,10 +235,10 @@ def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float =
 
 
 def hard(solver: dict[str, Any], contact: dict[str, Any]) -> bool:
-    """Return whether a scene may need any amount of work with every solver.
+    """Return whether the work for a scene has no useful bound.
 
-    Such scenes are: the explicit method with a stiff contact or joint; a method of order 3 with a very tight
-    tolerance; and a stiff wall without dissipation, on which a point oscillates during the whole simulation.
+    The explicit method may have stiff contacts or joints. The implicit method is slow at a tight tolerance. At
+    a wall that dissipates next to nothing a point oscillates during the whole simulation.
     """
     if solver["method"] == "explicit":
         return True

@@ -289,7 +289,10 @@ def test_errors_are_scene_errors_for_whoever_catches_them(arm):
 
 
 def in_first_impact(part, **contact):
-    """Return a chain that stands in the first impact of the default scene, and that impact."""
+    """Return a chain that was stepped into the first impact of the default scene, and the row of this impact.
+
+    The time is after ``part`` of the impact's duration.
+    """
     scene = load_scene("four_link_box").with_values({f"contact.{key}": one for key, one in contact.items()})
     first = simulate(scene).impacts[0]
     chain = Chain(scene)

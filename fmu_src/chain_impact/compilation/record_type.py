@@ -154,7 +154,7 @@ class _Fields(AttributeTemplate):
 
 
 def _built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
-    """Return the code that computes an affine number for an instance."""
+    """Return the LLVM value of an affine number: a constant plus factors times counts of the instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
     for factor, name in zip(number[1:], COUNTERS.values(), strict=True):
         if factor:

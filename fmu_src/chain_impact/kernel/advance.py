@@ -366,7 +366,10 @@ def begin_step(d):
 
 
 def apply_pending_events(d):
-    """Apply the events and set the rate after them; return their number, and whether any is a kink."""
+    """Apply the events and set the rate after them; return their number.
+
+    The second value is whether any of them is a kink of a force or the limit of a drive.
+    """
     events = d.drive.event
     kinked = events > 0
     for c in range(d.candidates):

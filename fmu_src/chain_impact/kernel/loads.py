@@ -129,7 +129,7 @@ def fill_loads(d, y, rate):
 
 
 def fill_guide(d):
-    """Fill the outputs of the line's force and moment on the slider's carriage, from the loads of joint 0."""
+    """Fill the outputs of the line's force and moment on the slider's carriage, from the loads of joint 1."""
     out, own, gravity = d.output, d.slider, d.model.gravity
     # R = n·(f₁ − m g),  n = (−u_y, u_x); the carriage does not turn
     fx, fy = out.load.x[0] - own.mass * gravity[0], out.load.y[0] - own.mass * gravity[1]

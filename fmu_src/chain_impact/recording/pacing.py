@@ -24,7 +24,9 @@ WITHIN = np.linspace(0.0, 1.0, 25)  # the times of this grid within a contact, o
 # the least speed of an impact that is shown in slow motion, over the speed of the fastest impact
 SLOW_SPEED = 0.05
 SLOW_COUNT = 100  # the largest number of impacts that are shown in slow motion; these are the fastest impacts
-LONGEST_IMPACT = 5.0  # the longest duration of an impact, over penetration divided by approach speed
+# A film shows an impact as ended after LONGEST_IMPACT times δ/v, with the penetration δ and the approach
+# speed v.
+LONGEST_IMPACT = 5.0
 # [m/s] the least approach speed for this ratio, because a point that comes to rest at a wall has no speed
 SLOWEST = 1e-6
 

@@ -13,11 +13,14 @@ from difflib import get_close_matches
 Place = tuple[str | int, ...]
 """A path in nested tables and lists; indices of lists count from 0."""
 AT = "{at}"
-"""Stands for any index in the template of a path; in the template of a name, {n} or {name} of a wall."""
-LINK_AT, ENTRY_AT = "{link}", "{entry}"
-"""Stand for the indices of a link and of a point on the link in a template of a path.
+"""The placeholder of an index in the template of a path.
 
-In names, {of} and {n}.
+The template of a name has {n} in this place, or {name} for a wall.
+"""
+LINK_AT, ENTRY_AT = "{link}", "{entry}"
+"""The placeholders of a link and of a point on the link in the template of a path.
+
+The template of a name has {of} and {n} in these places.
 """
 AXES = ("x", "y")
 STOPS = ("joint_min", "joint_max")

@@ -24,7 +24,10 @@ SHIFT = 1e-3  # s
 
 @pytest.fixture
 def step():
-    """Return three links with two contacts and the impedance of an implicit step; its state and z."""
+    """Return three links with two contacts in an implicit step.
+
+    These are the scene, the instance, the touching candidates, the state y and the extended start z.
+    """
     rng = np.random.default_rng(11)
     scene, d = chain(rng, LINKS)
     touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]

@@ -78,9 +78,9 @@ def rng():
 
 
 def jointed(rng, touching=False):
-    """Return two pinned links with dampers and springs, in flight or with the tip at a wall.
+    """Return two pinned links with springs and dampers, the candidate of the tip, and the rate of the joints.
 
-    The joints' rate.
+    The chain is in flight, or with its tip at a wall.
     """
     _, d = chain(rng, 2, "pinned", springs=True, dampers=True)
     tip = d.candidate.point.tolist().index(2)

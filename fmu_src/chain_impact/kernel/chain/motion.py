@@ -83,7 +83,7 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Return a bound on the distance [m] that any channel moves in the present piece of the inputs."""
+    """Estimate the largest distance [m] that a channel moves in the present piece of the inputs."""
     most = 0.0
     for m in range(d.channels):
         total = 0.0

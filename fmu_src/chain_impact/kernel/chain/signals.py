@@ -151,14 +151,17 @@ def acts_in_limited_drive(d, j):
 
 
 def sway_of_signals(d):
-    """Return the sum of the amplitudes of all sines; those of integrals are as at the start of the sine."""
+    """Estimate the sum of the amplitudes of all sines and of their integrals."""
     own, total = d.signal, 0.0
     for j in range(d.signals):
         if own.form[j] == SINE:
             i = own.source[j]
             size = abs(own.amplitude[i])
+            # an integral of the sine moves by a √(2π/|g|) while the frequency is near 0
+            slow = math.sqrt(abs(own.frequency_rate[i]))
+            falls = own.frequency[i] * own.frequency_rate[i] < 0.0
             for _ in range(own.integrals[j]):
-                size /= max(TAU * abs(own.frequency[i]), math.sqrt(TAU * abs(own.frequency_rate[i])))
+                size /= slow if falls else max(TAU * abs(own.frequency[i]), slow)
             total += size
     return total
 
@@ -191,8 +194,7 @@ def set_segment(d, j, k, lap):
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 
-# ---- derivation of the polynomials from the scene's numbers
-# ---------------------------------------------------
+# ---- derivation of the polynomials from the scene's numbers -----------------------------------------------
 
 
 def derive_signals(d, time):

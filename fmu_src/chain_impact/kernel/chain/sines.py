@@ -163,7 +163,8 @@ def fresnel(middle, since, g, u, v):
 def by_quadrature(d, i, m, s, rise):
     """Return I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from 0 to s in a rise, m ≤ 2."""
     begin = TAU * d.signal.frequency[i]
-    turn = max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s)
+    # in a rise Φ turns by SLOW at most
+    turn = min(SLOW, max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s))
     panels = 1
     while panels * PANEL < turn:
         panels += 1

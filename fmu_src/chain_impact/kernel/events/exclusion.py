@@ -249,7 +249,7 @@ def sundman_u_now(d, y):
 def set_clearance(d, c, u, slope):
     """Set φ and φ′ of candidate c for the located points.
 
-    U and ``slope`` = u′ are those of the regularized contact.
+    The arguments ``u`` and ``slope`` = u′ are those of the regularized contact.
     """
     if c == d.step.regularized:
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope

@@ -309,7 +309,7 @@ def release_contacts(d):
             end_contact(d, d.touch.active_index[k], True)
             parting = True
     if parting:
-        # a joint may stick at a stop that it leaves: the sticking joint moves along
+        # a joint that sticks at a stop must be free to move away from the stop
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)

@@ -237,7 +237,11 @@ def mark_pulling(d, _c, theta):
 
 
 def may_release(d, c):
-    """Return True: in a step in which inputs turn by much, any held point may leave between the stages."""
+    """Return whether to search for a held point that leaves in a step in which inputs turn by much.
+
+    Any point may leave between the stages, so the answer is no only if ``may_pull`` has just refused the
+    step.
+    """
     return may_pull(d, c) or accepted(d)
 
 

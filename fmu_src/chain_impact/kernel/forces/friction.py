@@ -188,8 +188,8 @@ def keep_static_forces(d):
 def static_power(d):
     """Return the power [W] that the forces of sticking elements dissipate, whose speeds are errors of a step.
 
-    An explicit step moves by these speeds. An implicit step evaluates this power before the last iteration
-    reduces the speeds, and does not use the power.
+    An explicit step moves by these speeds, so the power is dissipated. The stages of an implicit step leave
+    the power out, because the last iteration makes the speeds smaller than those of the evaluated stages.
     """
     own, dissipated = d.friction, 0.0
     for i in range(own.stuck_count):

@@ -137,7 +137,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
         begin: function (d) that is called before the stages are evaluated.
         rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
         linearize: function (d, z) that evaluates the derivatives in A at the state z for which f was just
-        evaluated.
+            evaluated.
         factorize: function (d, h) that factorizes the systems.
         solve: function (d, h, size) that solves the systems in place; r and x are the rows of
             ``implicit.parts``.

@@ -97,7 +97,7 @@ def latest_dtype() -> np.dtype:
     """Return the layout of the list of the latest impacts, newest first, when outputs were filled last."""
     return record(
         ("kept", INTEGER),  # number of latest impacts that the scene requests
-        ("listed", INTEGER),  # number of ended contacts in the list; −1 if it has lasting contacts
+        ("listed", INTEGER),  # number of contacts that had ended by then; −1 if others lasted
         ("point", INTEGER, (LATEST,)),  # number of the point, 0…N; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
         ("time", REAL, (LATEST,)),  # s

@@ -56,8 +56,8 @@ def knot_dtype(knots: int) -> np.dtype:
     The knots of a table are given.
     """
     return record(
-        ("given_time", REAL, (knots,)),  # s, times of the rows of a table or of steps
-        # values of the rows of a table or of steps, in the unit of the input
+        ("given_time", REAL, (knots,)),  # s, times of the values of a signal of steps
+        # values of a signal of steps, in the unit of the input
         ("given_value", REAL, (knots,)),
         ("time", REAL, (knots,)),  # s, time of the knot
         ("powers", REAL, (knots, DEGREE + 1)),  # coefficients of the powers of the time since the knot

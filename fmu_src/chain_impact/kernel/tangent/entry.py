@@ -61,7 +61,10 @@ def forget_slopes(dual_numbers):
 
 
 def truncate_tangent(d, t):
-    """Update the contacts up to the communication point, and store the state there for trials."""
+    """End the last step at the communication point, with the contacts updated.
+
+    The state there is stored, so that trials of new input values can return to it.
+    """
     set_own_output_time(t, d.step.time)
     keep_state(t)
     update_own_to_output_time(t)

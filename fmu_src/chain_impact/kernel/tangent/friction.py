@@ -46,8 +46,8 @@ OPEN = 100.0
 # The largest difference between the derivatives of two event times that count as one time, over the largest
 # derivative.
 APART = 1e-5
-# The largest limit of friction at the begin of a contact, over the excess of the force at which the end of
-# sticking is found.
+# If an element sticks from the onset of its contact, and its limit of friction is at most FIRST times the
+# excess of |F_t| over the limit at which the end of sticking is located, the derivatives end there.
 FIRST = 1000.0
 # The largest change of a position that a run may leave open, over the largest derivative: a fit to a position
 # at rest needs an accuracy of some percent.

@@ -17,7 +17,8 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
-WIDEST = 1e8  # largest ratio between the start and the end of a search on a logarithmic scale
+# A search on a logarithmic scale goes from the start value / WIDEST to the start value × WIDEST at most.
+WIDEST = 1e8
 
 
 @dataclass(frozen=True)
