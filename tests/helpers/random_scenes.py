@@ -237,8 +237,8 @@ def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float =
 def hard(solver: dict[str, Any], contact: dict[str, Any]) -> bool:
     """Return whether the work for a scene has no useful bound.
 
-    The explicit method may have stiff contacts or joints. The implicit method is slow at a tight tolerance. At
-    a wall that dissipates next to nothing a point oscillates during the whole simulation.
+    The explicit method may have stiff contacts or joints. The implicit method is slow at a tight tolerance.
+    At a wall that dissipates next to nothing, a point oscillates during the whole simulation.
     """
     if solver["method"] == "explicit":
         return True

@@ -181,6 +181,12 @@ def test_the_order_of_a_course_has_its_bounds(course):
         d[course].course.order = 0
 
 
+@pytest.mark.parametrize("field", ["order", "integrals"])
+def test_the_loops_over_a_signal_have_their_bounds(field):
+    d = Plain(Instance(load_scene("bouncing_table")).record)
+    assert_fits(d, "signal", field, 0, ((0, True), (2, True), (-1, False), (3, False), (1 << 50, False)))
+
+
 def test_a_record_without_room_for_friction_has_none():
     _, d = chain(np.random.default_rng(0), 3)
     assert d.elements == 0
