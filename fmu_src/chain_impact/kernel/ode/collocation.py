@@ -26,6 +26,7 @@ from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.ode.control import (
     IMPLICIT,
     ORDER,
+    clear_faded,
     conclude,
     largest_errors,
     moment_error,
@@ -337,6 +338,7 @@ def keep_stages(d):
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
             own.last[i, j] = own.stages[i, j]
+        clear_faded(d, own.last[i])
     own.listing = d.touch.listings
     for j in range(len(d.work.y)):
         set_dense(d.step, j, own.last, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)

@@ -67,6 +67,10 @@ TURN = 2.8
 # ONSET_SIZE and ONSET_ORDER for an explicit step in time. After the onset the force is a power of the time,
 # so the order of errors is lower than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
+# [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest and is set to 0.
+# Otherwise the number would decay until its square underflows; some processors are slow with such denormal
+# numbers.
+FADED = 1e-100
 
 
 def begin_trial(d, h):
@@ -176,6 +180,14 @@ def set_scales(d, y, scale, contacts):
         scale[supplied_at(n)] = d.model.energy + abs(y[supplied_at(n)]) + impact_energy(d)
     for k in range(contacts):
         scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
+
+
+def clear_faded(d, y):
+    """Set coordinates and rates that are smaller than FADED to 0."""
+    for j in range(dissipated_at(d.links)):
+        # only the value becomes 0; derivatives in a tangent instance stay
+        if 0.0 < abs(y[j]) < FADED:
+            y[j] = 0.0
 
 
 def no_step(d):

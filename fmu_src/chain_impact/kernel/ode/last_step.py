@@ -20,7 +20,7 @@ from chain_impact.kernel.equations import located_rate, state_rate
 from chain_impact.kernel.forces.friction import keep_anchors
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode import collocation, explicit
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, rescale
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, clear_faded, rescale
 from chain_impact.kernel.ode.dense import (
     append_quadratures,
     fraction,
@@ -36,10 +36,6 @@ from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the step's dense output
-# [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest and is set to 0.
-# Otherwise the number would decay until its square underflows; some processors are slow with such denormal
-# numbers.
-FADED = 1e-100
 
 
 def reset_step(d, time, y):
@@ -90,14 +86,6 @@ def accept(d):
     else:
         # the error control of this method has located the points at the end if contacts are active
         find_rate(d, d.touch.active_count > 0)
-
-
-def clear_faded(d, y):
-    """Set coordinates and rates that are smaller than FADED to 0."""
-    for j in range(dissipated_at(d.links)):
-        # only the value becomes 0; derivatives in a tangent instance stay
-        if 0.0 < abs(y[j]) < FADED:
-            y[j] = 0.0
 
 
 def dissipate(d, energy):
