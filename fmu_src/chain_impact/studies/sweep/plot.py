@@ -44,6 +44,7 @@ MOST_DRAWN = 2**18  # largest number of runs in a picture
 # WIDE_RANGE: the ratio of values above which an axis is logarithmic; MOST: the part of the values that this
 # ratio considers
 WIDE_RANGE, MOST = 1e3, 0.95
+DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
 NEVER = "no run has a finite value"
 
@@ -120,7 +121,7 @@ def fill(page: Figure, found: Runs) -> None:
     """Draw all panels on an empty page."""
     quantities, kind = _quantities(found), kind_of(found.design)
     varying = varying_in(found.design)
-    headline(page, title(found, "" if kind == MAPS else " (×)"), conditions(varying))
+    headline(page, title(found, "" if kind == MAPS else " (×)"), conditions(found, varying))
     # parameters that are numbers come before choices
     first, *rest = sorted(varying, key=lambda one: bool(one.choices))
     if kind == DOTS:
@@ -159,12 +160,12 @@ def title(found: Runs, mark: str) -> str:
     return ", ".join(parts + ([f"{failed} failed{mark}"] if failed else []))
 
 
-def conditions(varying: list[Variation]) -> str:
+def conditions(found: Runs, varying: list[Variation]) -> str:
     """Return the varied parameters and their ranges."""
     parts = []
     for one in varying:
         ends = " to ".join(number(end) for end in dict.fromkeys((one.values.min(), one.values.max())))
-        parts.append(f"{len(one.values)} of {one.name}" if one.choices else f"{_label(one)} {ends}")
+        parts.append(f"{len(one.values)} of {one.name}" if one.choices else f"{_label(found, one)} {ends}")
     return "; ".join(parts)
 
 
@@ -225,7 +226,7 @@ def _curves(
         if len(failed):
             axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
         axes.set_xscale("log" if _is_logarithmic(across) else "linear")
-        axes.set_xlabel(_label(across))
+        axes.set_xlabel(_label(found, across))
         give_ticks(axes)
         _dress(axes, quantity, shown)
     if choice:
@@ -279,7 +280,7 @@ def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variatio
         for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):
             if scale.names:
                 axis.set_ticks(range(len(scale.names)), scale.names)
-        axes.set(xlabel=_label(first), ylabel=_label(second))
+        axes.set(xlabel=_label(found, first), ylabel=_label(found, second))
         if x.names:
             axes.tick_params(axis="x", rotation=90)
         if np.ma.is_masked(shown):
@@ -323,10 +324,16 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
         axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.column == "impact.count":
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
-    elif finite.min() > 0.0 and np.divide(*np.quantile(finite, [MOST, 1.0 - MOST])) >= WIDE_RANGE:
-        axes.set_yscale("log")
+    elif finite.min() > 0.0:
+        is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
+        if is_over_log or np.divide(*np.quantile(finite, [MOST, 1.0 - MOST])) >= WIDE_RANGE:
+            axes.set_yscale("log")
 
 
-def _label(variation: Variation) -> str:
+def _label(found: Runs, variation: Variation) -> str:
+    """Return the name and unit of a parameter; a unit has the exponent if all runs have the same exponent."""
     unit = variation.variable.unit
+    part = found.scene.stops if unit.startswith("N.m") else found.scene.contact
+    if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*found.varied}:
+        unit = unit.replace("exponent", f"{part.exponent:g}")
     return variation.name + (f" [{unit}]" if unit not in ("", "1") else "")
