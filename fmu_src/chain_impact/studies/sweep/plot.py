@@ -19,7 +19,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.pictures.pages import drawn
 from chain_impact.pictures.style import give_ticks, headline, is_narrow, legend_at_foot, number, styled
@@ -44,6 +44,7 @@ MOST_DRAWN = 2**18  # largest number of runs in a picture
 # WIDE_RANGE: the ratio of values above which an axis is logarithmic; MOST: the part of the values that this
 # ratio considers
 WIDE_RANGE, MOST = 1e3, 0.95
+FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
 NEVER = "no run has a finite value"
@@ -328,6 +329,10 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
         is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
         if is_over_log or np.divide(*np.quantile(finite, [MOST, 1.0 - MOST])) >= WIDE_RANGE:
             axes.set_yscale("log")
+        if axes.get_yscale() == "log" and finite.max() < WIDE_RANGE * finite.min():
+            axes.yaxis.set_minor_locator(LogLocator(subs=FEW_TICKS))
+            for kind in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
+                kind(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def _label(found: Runs, variation: Variation) -> str:
