@@ -78,7 +78,8 @@ def compared(path: Path, choices: Choices = ALL) -> Compared:
     moving = _moving(robot, names)
     done = chain_of(moving, choices, str(path))
     apart = turned_in_scene(done, moving, names) - turned_in_mujoco(path, moving, names, choices.keyframe)
-    told = [*done.warnings, *(line for line in done.left_out if line.startswith("link"))]
+    others = (*done.differs, *done.left_out)
+    told = [*done.warnings, *(line for line in others if line.startswith("link"))]
     return Compared(names, float(np.abs(apart).max()), told[0] if told else "")
 
 
