@@ -32,6 +32,7 @@ GROUPS = {
         "yourdfpy",
     ),
     "notebook": ("ipykernel", "nbconvert"),
+    "docs": ("mkdocstrings", "zensical"),
     "dev": ("flint", "yaml"),
 }
 """Extra of the package → its modules that ``pytest --full`` needs."""
