@@ -43,4 +43,4 @@ def move(instance: Instance, memory: Any) -> None:
     block = instance._block
     place = np.frombuffer(memory, block.dtype, count=1)
     place[:] = block
-    instance._block, instance.record, instance._address = place, place[0], place.ctypes.data
+    instance._use(place)

@@ -49,5 +49,5 @@ def test_the_key_that_makes_an_input():
 
 
 def test_a_link_that_there_is_needs_no_hint():
-    assert [parameter_hint(f"link[{i}].massa", 3) for i in (1, 3)] == [None, None]
-    assert [parameter_hint(f"link[{i}].mass", 3) for i in (0, 4)] == ["links count from 1 to 3"] * 2
+    assert [parameter_hint(f"link[{i}].massa", 3, ()) for i in (1, 3)] == [None, None]
+    assert [parameter_hint(f"link[{i}].mass", 3, ()) for i in (0, 4)] == ["links count from 1 to 3"] * 2

@@ -151,15 +151,18 @@ class Instance:
         """
         self.model = model_of(source)
         varied = self.model.varied if varied is None else varied
-        self._block = self.model.new_instance(varied)
-        self.record = self._block[0]
-        self.words = np.ndarray(self._block.nbytes // WORD, np.float64, self._block)
-        self._integers, self._log_at = self.words.view(np.int64), log_words(self.model.sizes)
+        self._use(self.model.new_instance(varied))
+        self._log_at = log_words(self.model.sizes)
         if driven:
             driven.set(self.record, 0)
         self._kernel = kernel_for(self.model.scene, derivatives=bool(varied))
-        self._address = self._block.ctypes.data
         self.initialize()
+
+    def _use(self, block: np.ndarray) -> None:
+        """Use an array of one record as the memory of the instance."""
+        self._block, self.record, self._address = block, block[0], block.ctypes.data
+        self.words = np.ndarray(block.nbytes // WORD, np.float64, block)
+        self._integers = self.words.view(np.int64)
 
     def initialize(self) -> None:
         """Set the instance to its start, t = 0, with the parameters, initial values and inputs in its record.
