@@ -14,7 +14,7 @@ from chain_impact.scene.names import AXES
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.signal import Samples, Signal
 from chain_impact.scene.signal_checks import check_table
-from chain_impact.scene.signal_values import is_motion, table_of
+from chain_impact.scene.signal_values import is_motion, table_of, values_of
 from chain_impact.scene.signals import family
 from chain_impact.scene.table_file import TIME, read_table, samples_of
 
@@ -75,7 +75,7 @@ def driven_rows(
         at, powers = _course(signal, members, members.index(name), stop)
         begin = begins.get(name, 0.0) if name not in columns else 0.0
         for rows, side in ((before, "left"), (after, "right")):
-            rows[name] = begin + _values(at, powers, points, side)
+            rows[name] = begin + values_of(at, powers, points, side)
         jumps |= np.abs(after[name] - before[name]) > JUMP * np.abs(after[name]).max()
     jumps[0] = False
     rows = np.concatenate([before[jumps], after])[[TIME, *driven]]
@@ -102,12 +102,3 @@ def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tupl
     for _ in range(k - source):
         powers = powers[:, 1:] * np.arange(1.0, powers.shape[1])
     return at, powers
-
-
-def _values(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any) -> np.ndarray:
-    """Return the values of polynomials at some times; the side of a jump is ``left`` or ``right``."""
-    k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
-    total = np.zeros(len(times))
-    for column in powers.T[::-1]:
-        total = total * (times - at[k]) + column[k]
-    return total

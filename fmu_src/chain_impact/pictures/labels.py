@@ -67,19 +67,17 @@ class Ink:
         A straight line from ``place`` to the box must pass no other label and little else; it is marked, too.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
-        line = (slice(0), slice(0))
+        box = self._drawn[y0:y1, x0:x1]
+        if box.any():
+            return False
         if place is not None:
             middle = 0.5 * (low + high)
             count = 2 + int(np.abs(middle - place).max())
             line = tuple(np.linspace(place, middle, count).astype(int).T[::-1])
-        box = self._drawn[y0:y1, x0:x1]
-        if (
-            box.any()
-            or self._labels[line].any()
-            or self._drawn[line].sum() > COVERED * self._drawn[line].size
-        ):
-            return False
-        box[:] = self._labels[y0:y1, x0:x1] = self._drawn[line] = True
+            if self._labels[line].any() or self._drawn[line].sum() > COVERED * count:
+                return False
+            self._drawn[line] = True
+        box[:] = self._labels[y0:y1, x0:x1] = True
         return True
 
 

@@ -263,10 +263,8 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
     names = _keys() if change in _keys() else _keys() | _names(scene)
     typed, change = change, change if change in names else fmu_name(change)
     if change not in names:
-        raise UnknownNameError(
-            *(scene.name, typed, names, "no parameter"),
-            parameter_hint(change, len(scene.chain.links), scene.signals),
-        )
+        hint = parameter_hint(change, len(scene.chain.links), scene.signals)
+        raise UnknownNameError(scene.name, typed, names, "no parameter", hint)
     return names[change], _chosen(scene, change, given)
 
 

@@ -127,8 +127,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         grown = np.cumsum(_at(powers, ends - at))
         powers[1:, 0], gain = grown[:-1], float(grown[-1])
         # the integral is 0 at the start of the run
-        k = int(np.clip(np.searchsorted(at, 0.0, side="right") - 1, 0, None))
-        powers[:, 0] -= _at(powers[[k]], np.array([-at[k]]))
+        powers[:, 0] -= values_of(at, powers, np.zeros(1))
     return at, powers, gain if period else 0.0
 
 
@@ -145,6 +144,15 @@ def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarra
     ends = ["clamped" if moves and inside else "not-a-knot" for inside in (at[0] > 0.0, at[-1] < stop)]
     spline = CubicSpline(at, values, bc_type="periodic" if signal.period else tuple(ends))
     return np.asarray(spline.c[::-1].T)
+
+
+def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right") -> np.ndarray:
+    """Return the values of polynomials, which begin ``at`` given times, at some ``times``.
+
+    At a jump the value is the one on a ``side``, left or right.
+    """
+    k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
+    return _at(powers[k], times - at[k])
 
 
 def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -381,10 +381,9 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
     kernel.advance_awhile.argtypes = [pointer, real]
     kernel.observe.argtypes = kernel.follow.argtypes = kernel.sound.argtypes = [pointer]
-    kernel.trajectory.argtypes = [
-        *(pointer, pointer, integer, pointer, integer, pointer, integer, ctypes.c_int32)
-    ]
+    rows = (pointer, pointer, integer, pointer, integer, pointer, integer)
     runs = (pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
+    kernel.trajectory.argtypes = [*rows, ctypes.c_int32]
     kernel.run_each.argtypes = [*runs, ctypes.c_int32]
     kernel.trajectory.restype = kernel.run_each.restype = integer
     return kernel

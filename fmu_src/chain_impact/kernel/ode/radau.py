@@ -165,7 +165,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
 
     def converge(d, h, size):
         own = d.implicit
-        before, theta = 0.0, 0.0
+        before = 0.0
         for k in range(1, ITERATIONS + 1):
             find_residuals(d, h, size)
             if k == 1:
@@ -177,18 +177,18 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
             if not own.correction < FARTHEST:
                 own.contraction = math.inf
                 return False
-            if k > 1:
-                theta = own.correction / before if before > 0.0 else 0.0
+            theta = own.correction / before if before > 0.0 else 0.0
             before, own.contraction = own.correction, theta
-            ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
             # A first correction shows no θ. At rest it is small, and to stop there would leave its error.
-            if k > 1 and ratio * own.correction <= ENOUGH:
+            if k == 1:
+                continue
+            ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
+            if ratio * own.correction <= ENOUGH:
                 return True
-            left = math.inf
-            if theta < 1.0:
-                left = power(theta, float(ITERATIONS - k)) / (1.0 - theta) * own.correction
             # the iteration diverges, or will not converge in time
-            if k > 2 and (theta > DIVERGES or left > ENOUGH):
+            if k > 2 and theta > DIVERGES:
+                return False
+            if k > 2 and power(theta, float(ITERATIONS - k)) / (1.0 - theta) * own.correction > ENOUGH:
                 return False
         return False
 
