@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import product
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
@@ -57,9 +57,21 @@ class Ink:
         page.set_canvas(own)
         grounds = [*FLAT, page.get_facecolor(), *(axes.get_facecolor() for axes in page.axes)]
         grounds += [faint(axes, SHADE) for axes in page.axes]
-        colours = np.asarray(canvas.buffer_rgba())[::-1, :, :3].astype(int) @ [1 << 16, 1 << 8, 1]
-        self._drawn = ~np.isin(colours, [_packed(ground) for ground in grounds])
+        colours = np.ascontiguousarray(canvas.buffer_rgba())[::-1].view(np.uint32)[..., 0]
+        self._drawn = np.ones(colours.shape, bool)
+        for ground in {*map(_pixel, grounds)}:
+            self._drawn &= colours != ground
         self._labels = np.zeros_like(self._drawn)
+        # the number of drawn pixels below and to the left of each corner of a pixel
+        self._counts = np.zeros(np.add(colours.shape, 1), np.int32)
+        self._drawn.cumsum(axis=0, dtype=np.int32, out=self._counts[1:, 1:])
+        self._counts.cumsum(axis=1, out=self._counts)
+
+    def were_free(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """Return which boxes, given by corners in pixels, shape (B, 2), are free apart from labels."""
+        (x0, y0), (x1, y1) = np.floor(low).astype(int).T, np.ceil(high).astype(int).T
+        counts = self._counts
+        return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
 
     def take(self, low: np.ndarray, high: np.ndarray, place: np.ndarray | None = None) -> bool:
         """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free.
@@ -93,11 +105,37 @@ def place_labels(
         lines: whether a label may be far from its place, connected by a line.
         look: properties of the text, with matplotlib's names.
     """
-    return [label for label in labels if not _place(axes, label, ink, look, FARTHER + FAR * lines)]
+    steps = np.array(FARTHER + FAR * lines)
+    probe = axes.text(0.0, 0.0, "", **look)  # measures texts
+
+    @functools.cache
+    def half_size(words: str) -> np.ndarray:
+        """Return half of the width and of the height of a text [pixels]."""
+        probe.set_text(words)
+        return 0.5 * np.asarray(probe.get_window_extent().size)
+
+    left = []
+    for label in labels:
+        sizes = {words: half_size(words) for words in (label.text, label.short) if words}
+        if not _place(axes, label, sizes, ink, steps, **look):
+            left.append(label)
+    probe.remove()
+    return left
 
 
-def _place(axes: Axes, label: Label, ink: Ink, look: dict[str, Any], steps: Sequence[float]) -> bool:
-    """Write a label, or its short form, at the first free position; return whether there is one."""
+def _place(
+    axes: Axes, label: Label, sizes: dict[str, np.ndarray], ink: Ink, steps: np.ndarray, **look: Any
+) -> bool:
+    """Write one of some texts at the first free position; return whether there is one.
+
+    Args:
+        axes: the axes inside which the text stays.
+        label: the place, and the best direction from it.
+        sizes: the texts, the best first → half of the width and of the height of each [pixels].
+        ink: the used pixels of the page.
+        steps: factors on the distance from the place that are tried, in this order.
+        look: properties of the text, with matplotlib's names.
+    """
     page = axes.get_figure(root=True)
     assert page is not None
     point, inside = page.dpi / 72.0, axes.get_window_extent()
@@ -108,34 +146,33 @@ def _place(axes: Axes, label: Label, ink: Ink, look: dict[str, Any], steps: Sequ
         "va": "center",
         "in_layout": False,
     }
-    for words in filter(None, (label.text, label.short)):
-        text = axes.annotate(words, label.place, (0.0, 0.0), **style, **look)
-        half = 0.5 * np.asarray(text.get_window_extent().size)
-        for step, direction in product(steps, _directions(label.away)):
-            way = direction * (step * CLOSE * point + half)
-            low, high = at + way - half - PAD * point, at + way + half + PAD * point
-            is_inside = bool((low >= inside.min).all() and (high <= inside.max).all())
-            led: dict[str, Any] = {"arrowprops": LEADER, "zorder": ABOVE} if step in FAR else {}
-            if is_inside and ink.take(low, high, at if led else None):
-                text.remove()
-                axes.annotate(words, label.place, (way / point).tolist(), **led, **style, **look)
+    for words, half in sizes.items():
+        ways = _directions(label.away) * (steps[:, None, None] * CLOSE * point + half)
+        low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
+        is_inside = ((low >= inside.min) & (high <= inside.max)).all(axis=-1)
+        tried = np.argwhere(is_inside)
+        free = ink.were_free(low[is_inside], high[is_inside])
+        for step, turn in tried[free].tolist():
+            led: dict[str, Any] = {}
+            if steps[step] in FAR:
+                led = {"arrowprops": LEADER, "zorder": ABOVE}
+            if ink.take(low[step, turn], high[step, turn], at if led else None):
+                offset = (ways[step, turn] / point).tolist()
+                axes.annotate(words, label.place, offset, **led, **style, **look)
                 return True
-        text.remove()
     return False
 
 
-def _directions(away: tuple[float, float]) -> Iterator[np.ndarray]:
-    """Yield unit vectors in all directions, those nearest to ``away`` first."""
-    best = math.atan2(away[1], away[0])
-    for turn in TURNS:
-        angle = best + 2.0 * math.pi / PARTS * turn
-        yield np.array([math.cos(angle), math.sin(angle)])
+def _directions(away: tuple[float, float]) -> np.ndarray:
+    """Return unit vectors in all directions, those nearest to ``away`` first, shape (PARTS, 2)."""
+    angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / PARTS * np.array(TURNS)
+    return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
-def _packed(colour: Any) -> int:
-    """Return a colour as one number, in the form of a pixel."""
-    red, green, blue = (round(255.0 * float(part)) for part in to_rgb(colour))
-    return (red << 16) + (green << 8) + blue
+def _pixel(colour: Any) -> int:
+    """Return an opaque colour as one number, in the form of a pixel."""
+    parts = [round(255.0 * part) for part in to_rgba(colour, 1.0)]
+    return int(np.array(parts, np.uint8).view(np.uint32)[0])
 
 
 def listed(numbers: Iterable[int]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -31,11 +32,13 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: i
         _put(axes, list(handles), labels, columns)
 
 
-def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> None:
+def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Give each legend above its axes the most columns with which it is not wider than the axes.
 
     On a narrow page an entry that a legend below also has is left out, and a legend without entries, too.
+    Returns whether a legend has changed.
     """
+    is_changed = False
     told: set[str] = set()
     for axes in reversed(page.axes if wanted is None else wanted):
         legend = axes.get_legend()
@@ -47,8 +50,10 @@ def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> None:
         labels = [label for _, label in kept]
         if is_narrow(page):
             told.update(labels)
+        before = legend.get_window_extent().size
         if not labels:
             legend.remove()
+            is_changed = True
             continue
         axes.apply_aspect()
         width = axes.get_window_extent().width
@@ -58,6 +63,8 @@ def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> None:
             assert legend is not None
             if legend.get_window_extent().width <= width:
                 break
+        is_changed |= not np.allclose(legend.get_window_extent().size, before)
+    return is_changed
 
 
 def _put(axes: Axes, handles: list[Any], labels: list[str], columns: int) -> None:

@@ -152,16 +152,17 @@ def settle(page: Figure, scaled: Axes | None = None) -> None:
     Axes with the same scale along x and y have room for their labels, even if they become narrow.
     """
     engine = page.get_layout_engine()
-    for turn in range(2):
+    fit_legends(page)
+    for _ in range(2):
         if scaled is not None:
             scaled.set_aspect("auto")
         if engine is not None:
             engine.execute(page)
         if scaled is not None:
             scaled.set_aspect("equal")
-        fit_legends(page)
-        if turn == 0:
-            break_labels(page)
+        is_changed = break_labels(page)
+        if not (fit_legends(page) or is_changed):
+            return
 
 
 def meet(one: Bbox, two: Bbox) -> bool:
@@ -169,8 +170,12 @@ def meet(one: Bbox, two: Bbox) -> bool:
     return bool(one.x1 > two.x0)
 
 
-def break_labels(page: Figure) -> None:
-    """Break labels that are longer than their axes, and give axes fewer numbers if these would overlap."""
+def break_labels(page: Figure) -> bool:
+    """Break labels that are longer than their axes, and give axes fewer numbers if these would overlap.
+
+    Returns whether a label was broken.
+    """
+    before = labels_of(page)
     for axes in page.axes:
         label, inside = axes.yaxis.label, axes.get_window_extent()
         if label.get_window_extent().height > LONGER * inside.height:
@@ -181,3 +186,9 @@ def break_labels(page: Figure) -> None:
         label = axes.xaxis.label
         if label.get_window_extent().width > LONGER * inside.width:
             label.set_text(label.get_text().replace("; ", ";\n"))
+    return labels_of(page) != before
+
+
+def labels_of(page: Figure) -> list[str]:
+    """Return the labels of all axes."""
+    return [axis.label.get_text() for axes in page.axes for axis in (axes.xaxis, axes.yaxis)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -13,6 +14,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -104,6 +106,8 @@ class Page(Figure):
         """Make a page that arranges its contents; the options are those of a matplotlib figure."""
         with styled():
             super().__init__(**{"layout": "constrained"} | options)
+            new_canvas: Any = FigureCanvasAgg  # matplotlib has no type information for the canvas
+            new_canvas(self)  # keeps its renderer; the usual canvas makes one each time a text is measured
             self._settings = {
                 key: value for key, value in mpl.rcParams.items() if key.partition(".")[0] in DRAWING
             }
@@ -183,12 +187,23 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
 def broken(page: Figure, text: str) -> str:
     """Return a small text with line breaks, so that it fits between the margins of the page."""
     probe = page.text(0.0, 0.0, "", fontsize="small")
+
+    @functools.cache
+    def width(word: str) -> float:
+        """Return the width of a word [pixels]."""
+        probe.set_text(word)
+        return float(probe.get_window_extent().width)
+
+    room, space = (page.get_figwidth() - 2.0 * LEFT) * page.dpi, width("n n") - width("nn")
     lines: list[str] = []
+    filled = 0.0  # the width of the last line, with a space at its end
     for word in text.split(" "):
-        longer = f"{lines[-1]} {word}" if lines else word
-        probe.set_text(longer.rstrip(SEPARATOR))
-        fits = probe.get_window_extent().width <= (page.get_figwidth() - 2.0 * LEFT) * page.dpi
-        lines = [*lines[:-1], longer] if fits or not lines else [*lines, word]
+        if lines and filled + width(word.rstrip(SEPARATOR)) <= room:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(word)
+            filled = 0.0
+        filled += width(word) + space
     probe.remove()
     return "\n".join(lines)
 
