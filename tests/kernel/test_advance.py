@@ -10,7 +10,16 @@ from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events import handlers
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET
 from chain_impact.kernel.ode import last_step
-from chain_impact.kernel.ode.control import EXPLICIT, FAR_OFF, IMPLICIT, SAFETY, conclude, refuse
+from chain_impact.kernel.ode.control import (
+    EXPLICIT,
+    IMPLICIT,
+    INACCURATE,
+    SAFETY,
+    SPOILED,
+    accepted,
+    conclude,
+    refuse,
+)
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.rows.constraints import MOVING, SOLVED
 from chain_impact.kernel.status import (
@@ -358,9 +367,9 @@ class Landing:
 
         def check_energy(d, theta):
             self.noted.append(("energy", theta))
-            refuse(d, loss)
+            conclude(d, max(d.trial.error, loss), d.trial.cost_factor)
             if not keeps:
-                refuse(d, FAR_OFF)
+                refuse(d, SPOILED)
             return KEPT
 
         monkeypatch.setattr(loop, "attempt", attempt)
@@ -369,16 +378,17 @@ class Landing:
 
     def located(self, d, theta):
         if theta is None:
-            refuse(d, FAR_OFF)
+            refuse(d, SPOILED)
             return -1.0
         return theta
 
     def run(self, theta):
-        """Return the outcome, and the calls after the acceptance of the whole step."""
+        """Return the error or the reason of the refusal, and the calls after the first acceptance."""
         self.patch.setattr(loop, "find_event", lambda d: self.located(d, theta))
         loop.try_step(self.d, SIZE)
         assert self.noted[:2] == [("try", 1.0), "accept"]
-        return self.d.trial.error, self.noted[2:]
+        trial = self.d.trial
+        return trial.error if accepted(self.d) else trial.outcome, self.noted[2:]
 
 
 BACK = ["roll back", "drop events"]
@@ -406,18 +416,18 @@ def of(theta):
         # the interpolant of an implicit step is accurate at the ends
         *(({"bends": False, "method": IMPLICIT}, theta, 0.2, of(theta)) for theta in (0.0, 1.0)),
         # a step whose event cannot be located or repeated is refused and undone, also after a repeat
-        ({"bends": True}, None, FAR_OFF, BACK),
-        ({"bends": True, "onset": None}, 0.4, FAR_OFF, [*REPEATED, *BACK]),
+        ({"bends": True}, None, SPOILED, BACK),
+        ({"bends": True, "onset": None}, 0.4, SPOILED, [*REPEATED, *BACK]),
         *(
-            ({"bends": True, "errors": [0.2, bad]}, 0.4, FAR_OFF, [*REPEATED[:2], *BACK])
+            ({"bends": True, "errors": [0.2, bad]}, 0.4, SPOILED, [*REPEATED[:2], *BACK])
             for bad in (1.5, NAN)
         ),
         # a step that changes the total energy is refused and undone
         *(
-            ({"bends": False, "keeps": False, "loss": loss}, 0.4, FAR_OFF, [of(0.4)[0], *BACK])
+            ({"bends": False, "keeps": False, "loss": loss}, 0.4, SPOILED, [of(0.4)[0], *BACK])
             for loss in (0.0, 1.0)
         ),
-        ({"bends": False, "loss": 1.05}, 0.4, 1.05, [of(0.4)[0], *BACK]),
+        ({"bends": False, "loss": 1.05}, 0.4, INACCURATE, [of(0.4)[0], *BACK]),
     ],
 )
 def test_a_step_ends_at_its_event(monkeypatch, told, theta, error, done):
@@ -450,12 +460,12 @@ def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolv
     monkeypatch.setattr(loop, "check_energy", fails)
     before = landing.d.balance.at_end, landing.d.balance.available
     error, noted = landing.run(-1.0)
-    assert error == (FAR_OFF if refused else 0.2)
+    assert error == (SPOILED if refused else 0.2)
     assert ("roll back" in noted) == refused
     assert (landing.d.balance.at_end, landing.d.balance.available) == (before if refused else KEPT)
 
 
 def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monkeypatch):
     landing = Landing(monkeypatch, bends=True)
-    landing.located = lambda d, theta: (refuse(d, FAR_OFF), theta)[1]
-    assert landing.run(0.4) == (FAR_OFF, BACK)
+    landing.located = lambda d, theta: (refuse(d, SPOILED), theta)[1]
+    assert landing.run(0.4) == (SPOILED, BACK)

@@ -304,7 +304,7 @@ def try_step(d, h):
     if control.accepted(d):
         present, available = check_energy(d, theta)
     if control.accepted(d) and d.rigid.unsolved != SOLVED:
-        control.refuse(d, control.FAR_OFF)
+        control.refuse(d, control.SPOILED)
     if not control.accepted(d):
         roll_back(d)
         drop_events(d)
@@ -336,7 +336,7 @@ def land(d, theta):
     roll_back(d)
     attempt(d, h)
     if not control.accepted(d):
-        control.conclude(d, control.FAR_OFF, d.trial.cost_factor)
+        control.refuse(d, control.SPOILED)
         return -1.0
     accept(d)
     # the error of the whole step, not of the repeated part, determines the size of the next step

@@ -28,7 +28,7 @@ from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.forces.user_law import present
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe, observe_state, refill_motion
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, SOLVER_METHODS
+from chain_impact.kernel.ode.control import ACCEPTED, DIVERGED, EXPLICIT, IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.ode.last_step import SOLVER, keep_state, return_to_kept_state
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import WALLS
@@ -62,6 +62,7 @@ def within_bounds(d):
     fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
     fits = fits and within(d.step.method, EXPLICIT, IMPLICIT)
     fits = fits and within(d.step.last_method, EXPLICIT, IMPLICIT)
+    fits = fits and within(d.trial.outcome, ACCEPTED, DIVERGED)
     fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.statistics.status, OK, LAST_STATUS)
     fits = fits and within(d.latest.kept, 0, len(d.latest.time))

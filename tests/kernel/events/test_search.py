@@ -21,7 +21,7 @@ from chain_impact.kernel.events.search import (
     onset_fraction,
     starts_clear,
 )
-from chain_impact.kernel.ode.control import FAR_OFF, IMPLICIT, accepted, conclude
+from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, conclude
 from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
 from tests.helpers.problems import (
     GHOST,
@@ -214,7 +214,7 @@ def test_a_time_that_runs_back_refuses_the_step():
     d.step.end = 3.0
     d.touch.impact_speed[:], d.touch.kink_crossed[1] = 1e6, 1
     find_event(d)
-    assert d.trial.error == FAR_OFF
+    assert d.trial.outcome == SPOILED
 
 
 def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):

@@ -56,7 +56,8 @@ def test_a_step_that_changes_the_ledger_or_is_not_finite_is_refused(entry, theta
     for off in (1e-5, np.nan):
         d["step"]["state_end"][entry] += off
         d["step"]["dense"][0, entry] += off
-        assert error_after_check(d, theta) == control.FAR_OFF
+        error_after_check(d, theta)
+        assert d.trial.outcome == control.SPOILED
         assert before == d["balance"]["at_end"]
 
 
@@ -97,6 +98,7 @@ def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
         noted = by_the_step / ((d.step.end - d.step.start) / (10.0 + d.step.end))
         assert 0.1 < noted < 1.0 or by_the_step == 0.1
     assert error_after_check(d, -1.0) == d.trial.error == pytest.approx(noted, rel=1e-3)
+    assert control.accepted(d) == (noted <= 1.0)
 
 
 def test_energy_that_a_parameter_takes_is_not_lost():

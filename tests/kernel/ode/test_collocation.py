@@ -10,7 +10,7 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
-from chain_impact.kernel.ode import collocation, control, dense
+from chain_impact.kernel.ode import collocation, control, dense, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ORDER
 from chain_impact.kernel.ode.extended import extended_size, gap_at, quadrature_at, rate_at
 from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, REAL_EIGENVALUE
@@ -274,10 +274,10 @@ def stiff_joint(damping, tolerance=1e-8):
 @pytest.mark.parametrize("damping", [1e3, 1e6])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
 def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, damping, h):
-    """FADED time constants at an amplitude of the tolerance, and fewer for larger errors of the step."""
+    """DECAY_TIMES time constants for an error of the tolerance, and fewer for a larger error of the step."""
     d, rho, fast = stiff_joint(damping, tolerance)
     taken = 1.0 - 1.0 / (1.0 + rho * h * REAL_EIGENVALUE)  # one linear solution with the real shift
-    expected = collocation.FADED / rho * (rho / (taken * fast)) ** (1.0 / (ORDER[IMPLICIT] - 1))
+    expected = collocation.DECAY_TIMES / rho * (rho / (taken * fast)) ** (1.0 / (ORDER[IMPLICIT] - 1))
     assert collocation.prepare(d, h) == pytest.approx(expected, rel=1e-6)
     collocation.attempt(d, expected)
     assert control.accepted(d)
@@ -362,15 +362,15 @@ def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
 
 
 @pytest.mark.parametrize(
-    ("contraction", "correction", "error", "share"),
+    ("contraction", "correction", "outcome", "share"),
     [
-        (0.97, 1.0, collocation.LATE, 1 / 2),
-        (1.3, 1.0, collocation.DIVERGED, 1 / 3),
-        (1.3, math.inf, math.inf, None),
+        (0.97, 1.0, control.LATE, 1 / 2),
+        (1.3, 1.0, control.DIVERGED, 1 / 3),
+        (1.3, math.inf, control.INFINITE, None),
     ],
 )
 def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
-    monkeypatch, contraction, correction, error, share
+    monkeypatch, contraction, correction, outcome, share
 ):
     d = at_start()[1]
     collocation.prepare(d, 0.01)
@@ -384,8 +384,8 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 
     monkeypatch.setattr(collocation, "_converge", unsolved)
     before = d.statistics.rhs_evaluations
-    collocation.attempt(d, 0.01)
-    assert d.trial.error == error
+    methods.attempt(d, 0.01)
+    assert d.trial.outcome == outcome
     assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * RADAU_STAGES
     if share:

@@ -70,7 +70,7 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
         control.conclude(d, 0.0, 0.7)
         assert 6.0 < control.factor(d) < math.inf
         control.conclude(d, 1e-5, 1.0)
-        control.refuse(d, control.FAR_OFF)
+        control.refuse(d, control.SPOILED)
         assert 1 / 8.5 < control.factor(d) < 1 / 7
 
 
@@ -109,10 +109,11 @@ def test_a_step_is_accepted_with_an_error_of_the_tolerance_and_without_a_larger_
     control.conclude(d, error, 0.7)
     assert control.accepted(d) == (error <= 1.0)
     np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
-    if not math.isnan(error):
-        control.conclude(d, 0.5, 0.7)
-        control.refuse(d, error)
-        assert (d.trial.error, d.trial.cost_factor) == (max(0.5, error), 0.7)
+    assert (d.trial.outcome == control.INFINITE) == (not math.isfinite(error))
+    control.conclude(d, 0.5, 0.7)
+    control.refuse(d, control.SPOILED)
+    assert not control.accepted(d)
+    assert (d.trial.error, d.trial.cost_factor) == (0.5, 0.7)
 
 
 def test_a_try_has_its_size_and_a_run_begins_without_the_error_of_an_earlier_one():
@@ -121,6 +122,6 @@ def test_a_try_has_its_size_and_a_run_begins_without_the_error_of_an_earlier_one
     methods.attempt(d, 1e-3)
     assert d.trial.size == 1e-3
     assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
-    control.refuse(d, control.FAR_OFF)
+    control.refuse(d, control.SPOILED)
     assert initialize(d, 0.0) == OK
     assert control.accepted(d)

@@ -47,7 +47,7 @@ from chain_impact.kernel.forces.contact_force import note_crossing
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.forces.holding import least_impulse, project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
-from chain_impact.kernel.ode.control import FAR_OFF, accepted, refuse
+from chain_impact.kernel.ode.control import SPOILED, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
@@ -193,7 +193,7 @@ def may_pull(d, _c):
     if not least < -pull_limit(d):
         return False
     if least < -strongest(d) and d.step.size > SHORT:
-        refuse(d, FAR_OFF)
+        refuse(d, SPOILED)
         return False
     return True
 

@@ -35,7 +35,7 @@ from chain_impact.kernel.events.sampled import (
     find_saturation,
     has_come_near,
 )
-from chain_impact.kernel.ode.control import FAR_OFF, IMPLICIT, accepted, refuse
+from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.rows.constraints import any_point_held
@@ -78,7 +78,7 @@ def find_event(d):
     theta = find_crossing(d)
     if theta >= 0.0 and not credible(d, theta):
         if d.step.end - d.step.start > SIMULTANEOUS + RESOLVED * abs(d.step.end):
-            refuse(d, FAR_OFF)
+            refuse(d, SPOILED)
             return -1.0
         theta = drop_separating(d, theta)
         if theta < 0.0:
@@ -89,7 +89,7 @@ def find_event(d):
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
-        refuse(d, FAR_OFF)
+        refuse(d, SPOILED)
     return theta
 
 
@@ -165,14 +165,14 @@ def onset_fraction(d):
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
     if pending_changes(d) and not has_come_near(d):
-        refuse(d, FAR_OFF)
+        refuse(d, SPOILED)
         return -1.0
     late, _ = onset_lateness(d, d.step.state_end)
     if late == -math.inf:
         return -1.0
     theta = 1.0 - late
     if not abs(late) <= LANDED:
-        refuse(d, FAR_OFF)
+        refuse(d, SPOILED)
         return -1.0
     ensure_dense(d, SOLVER)
     interpolate(d.step, theta, d.work.y)
@@ -181,7 +181,7 @@ def onset_fraction(d):
     interpolate(d.step, theta, d.work.y)
     late, deepest = onset_lateness(d, d.work.y)
     if not (abs(late) <= LANDED and deepest <= DEEP * d.model.size):
-        refuse(d, FAR_OFF)
+        refuse(d, SPOILED)
     return theta
 
 

@@ -40,8 +40,9 @@ from chain_impact.kernel.forces.contact_force import elastic_force
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.ode.control import (
     EXPLICIT,
-    FAR_OFF,
+    SPOILED,
     accepted,
+    conclude,
     impact_energy,
     penetration_scale,
     refuse,
@@ -183,19 +184,19 @@ def check_energy(d, theta):
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
-            refuse(d, FAR_OFF)
+            refuse(d, SPOILED)
             return present, there
         balance.allowed = max(balance.allowed, allowed)
     if change > SLIP * there and present - balance.origin > GAIN * there:
-        refuse(d, FAR_OFF)
+        refuse(d, SPOILED)
         return present, there
     loss = -change / loss_allowed(d, there) if change < 0.0 else 0.0
     if loss > 1.0 and not -change > round_off(d, y):
         loss = 1.0
     if loss > NOTABLE:
-        refuse(d, loss)
+        conclude(d, max(d.trial.error, loss), d.trial.cost_factor)
     if accepted(d) and d.step.rate_known and is_long(d) and not interpolates(d):
-        refuse(d, FAR_OFF)
+        refuse(d, SPOILED)
     return present, there
 
 

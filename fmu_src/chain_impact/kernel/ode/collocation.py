@@ -24,12 +24,16 @@ from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, supplie
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.ode.control import (
+    DIVERGED,
     IMPLICIT,
+    INFINITE,
+    LATE,
     ORDER,
     clear_faded,
     conclude,
     largest_errors,
     moment_error,
+    refuse,
     set_scales,
 )
 from chain_impact.kernel.ode.dense import POWERS, interpolate, take_quadratures
@@ -65,9 +69,6 @@ from chain_impact.kernel.status import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
 SLOW = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
-# The errors assigned to a refused step whose iteration did not converge in time (LATE), or diverged
-# (DIVERGED): the next try is half or a third as long.
-LATE, DIVERGED = 40.0, 700.0
 # distance from a step to which its polynomial is extrapolated with degree 5, 4 and 3, over the step's length
 FORETOLD = (1.2, 2.0, 3.0)
 # The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution .7,
@@ -78,7 +79,7 @@ FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 BEYOND = 1.04
 LEFT = 1e-3  # the last part of a step in which a contact that ends has practically no force left
 # the length of the first step after an event at a tolerance of 1, over the time constant of a fast motion
-FADED = 3.0
+DECAY_TIMES = 3.0
 WITH_START = (0.0, *NODES)
 
 
@@ -208,7 +209,7 @@ def first_size(d, h):
     # the factor 1/(1 + ρ h μ) remains of a motion that decays with the rate ρ
     rho = (most / remains - 1.0) / shift
     if rho * h > 1.0 and most > rho:
-        return min(h, FADED / rho * power(rho / most, 1.0 / (ORDER[IMPLICIT] - 1)))
+        return min(h, DECAY_TIMES / rho * power(rho / most, 1.0 / (ORDER[IMPLICIT] - 1)))
     return h
 
 
@@ -262,9 +263,10 @@ def attempt(d, h):
             change, apart = project_clearances(d, own.z, d.trial.state)
             error = max(error, change, apart)
         conclude(d, error, cost_factor(own))
+    elif not math.isfinite(own.correction):
+        refuse(d, INFINITE)
     else:
-        refused = DIVERGED if own.contraction > 1.0 else LATE
-        conclude(d, refused if math.isfinite(own.correction) else math.inf, 1.0)
+        refuse(d, DIVERGED if own.contraction > 1.0 else LATE)
 
 
 def cost_factor(own):

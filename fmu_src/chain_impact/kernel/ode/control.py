@@ -6,11 +6,11 @@ next step. Implicit steps are stable however stiff the equations are. The end of
 accurate than its dense output, so the step is repeated to end at an event, and the implicit method finds a
 size for the first step after an event.
 
-A method tries a step and computes the step's error, relative to the tolerance. The search for events and the
-energy check can raise this error to refuse the step. The step is accepted if its error is at most 1 after all
-checks. A rejected step costs as much as an accepted step. So the sizes of the first step in flight and of the
-first step of a contact are estimated in advance. The components of an error are divided by scales, to which
-the tolerance refers.
+A method tries a step and computes the error of the step, relative to the tolerance. A step with an error ≤ 1
+is accepted, unless the method, the search for events or the energy check refuses the step for another reason.
+A rejected step costs as much as an accepted step. So the sizes of the first step in flight and of the first
+step of a contact are estimated in advance. The components of an error are divided by scales, to which the
+tolerance refers.
 """
 
 import math
@@ -56,9 +56,18 @@ def chosen(choice):
 SHRINK, GROW = 0.1, 6.0
 EXPONENT = tuple(-1.0 / order for order in ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
-# The error assigned to a step that is refused for another reason than its error: the next try is a seventh as
-# long, or an eighth in the implicit method.
-FAR_OFF = 1e6
+# The outcomes of a tried step:
+# INACCURATE  the error exceeds the tolerance
+# INFINITE    the error is infinite or NaN
+# SPOILED     an event cannot be located, forces are not found, or the energy is wrong
+# RUNS_BACK   the time decreases in a regularized step
+# LATE        Newton's iteration converges too slowly
+# DIVERGED    Newton's iteration diverges
+ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
+# For each outcome from SPOILED on, the error over the tolerance that gives the same next size. After SPOILED
+# the next try is a seventh as long, or an eighth in the implicit method; after RUNS_BACK and LATE it is half
+# as long, and after DIVERGED a third.
+SAME_AS_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
 # the least error of a step for the choice of the next size; a smaller error, such as 0, counts as LEAST
 LEAST = 1e-16
 # [rad] The rotation of the links in the first step of a flight, at a tolerance of 1: the largest for which
@@ -76,21 +85,32 @@ FADED = 1e-100
 def begin_trial(d, h):
     """Begin to try a step of size h."""
     d.trial.size = h
+    conclude(d, 0.0, 1.0)
 
 
 def conclude(d, error, cost_factor):
-    """Set the error of the tried step, over the tolerance, and the factor of its cost on the next size."""
+    """Set the outcome of the tried step from its error.
+
+    Args:
+        d: the instance.
+        error: the error of the step, over the tolerance.
+        cost_factor: the factor on the next size because of the cost of the step.
+    """
     d.trial.error, d.trial.cost_factor = error, cost_factor
+    if error <= 1.0:
+        d.trial.outcome = ACCEPTED
+    else:
+        d.trial.outcome = INACCURATE if math.isfinite(error) else INFINITE
 
 
-def refuse(d, error):
-    """Raise the error of the tried step to ``error``, over the tolerance, if this is larger."""
-    d.trial.error = max(d.trial.error, error)
+def refuse(d, outcome):
+    """Refuse the tried step for the reason ``outcome``."""
+    d.trial.outcome = outcome
 
 
 def accepted(d):
     """Return whether the checks so far accept the tried step."""
-    return d.trial.error <= 1.0
+    return d.trial.outcome == ACCEPTED
 
 
 def propose(d, size):
@@ -119,10 +139,11 @@ def resume_flight(d):
 
 
 def factor(d):
-    """Return the factor that gives the next size from the size of the tried step, from its error and cost."""
-    if not math.isfinite(d.trial.error):
+    """Return the next size over the size of the tried step, from the outcome, the error and the cost."""
+    outcome, method = d.trial.outcome, d.step.method
+    if outcome == INFINITE:
         return SHRINK
-    method, error = d.step.method, max(d.trial.error, LEAST)
+    error = SAME_AS_ERROR[outcome] if outcome >= SPOILED else max(d.trial.error, LEAST)
     return max(SHRINK, SAFETY[method] * d.trial.cost_factor * power(error, EXPONENT[method]))
 
 
@@ -194,7 +215,7 @@ def no_step(d):
     """Return the status of a run in which no step is accepted, even the smallest."""
     if d.rigid.unsolved == SQUEEZED:
         return NO_ROOM
-    return STEP_TOO_SMALL if math.isfinite(d.trial.error) else NOT_FINITE
+    return NOT_FINITE if d.trial.outcome == INFINITE else STEP_TOO_SMALL
 
 
 def controlled_count(d):

@@ -14,7 +14,14 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.functions import sequence
-from chain_impact.kernel.ode.control import conclude, controlled_count, scaled_errors, set_gap_errors
+from chain_impact.kernel.ode.control import (
+    RUNS_BACK,
+    conclude,
+    controlled_count,
+    refuse,
+    scaled_errors,
+    set_gap_errors,
+)
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
 from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
@@ -101,7 +108,6 @@ BEYOND, STRETCH = 1.04, 1.2
 # round-off. The search for events finds this end. A step that ends there could be shorter than the resolution
 # of time.
 LEFT = 1e-6
-HALVE = 50.0  # the error for which the next try of a method of order 8 is half as long
 # NO_ERROR: an error whose square could underflow, as at rest, where held points have practically no speed.
 # HUGE: an error whose square could overflow.
 NO_ERROR, HUGE = 1e-100, 1e100
@@ -222,7 +228,10 @@ def attempt(d, h):
     """Try a step of size h from ``step.state_end``."""
     make(d, h)
     count_evaluations(d, STEP_EVALUATIONS)
-    conclude(d, HALVE if runs_back(d, d.trial.state) else estimate(d, h), 1.0)
+    if runs_back(d, d.trial.state):
+        refuse(d, RUNS_BACK)
+    else:
+        conclude(d, estimate(d, h), 1.0)
 
 
 def estimate(d, h):

@@ -199,8 +199,8 @@ def prepare(d, h):
 def attempt(d, h):
     """Try a step of size h from ``step.state_end`` with the current method.
 
-    The outcome is in ``trial``: the state at the step's end, and the error relative to the tolerance, which
-    is not finite if f was not.
+    The result is in ``trial``: the state at the step's end, the outcome, and the error relative to the
+    tolerance.
     """
     begin_trial(d, h)
     if d.step.method == IMPLICIT:

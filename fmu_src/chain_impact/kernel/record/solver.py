@@ -65,7 +65,8 @@ def trial_dtype(links: int) -> np.dtype:
     return record(
         ("size", REAL),  # s, in the step's integration variable
         ("state", REAL, (state_size(links),)),  # y at the step's end
-        ("error", REAL),  # error relative to the tolerance; the step is accepted if the error is at most 1
+        ("outcome", INTEGER),  # whether the step is accepted, see kernel/ode/control.py
+        ("error", REAL),  # error relative to the tolerance, of a step that is ACCEPTED or INACCURATE
         ("cost_factor", REAL),  # factor on the size of the next step, from the cost of the tried step
     )
 

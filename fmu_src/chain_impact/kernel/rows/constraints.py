@@ -65,7 +65,7 @@ ROUND_OFF = 1e-15  # the largest residual that is accepted, over the largest mot
 # smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its energy.
 NOISE = 1e-13
 # [m, m/s or m/s²] the size of a residual whose square may underflow, as in a chain that has come to rest
-FADED = 1e-100
+UNDERFLOWS = 1e-100
 # The largest motion that sticking elements may keep, over the squared tolerance times the largest motion.
 # Impulses against a smaller motion, which can hardly be constrained, would end the sticking again and again.
 NEGLIGIBLE = 0.1
@@ -134,7 +134,7 @@ def solve_equality(d, scale):
     worst = iterate(d, scale, impedance)
     if any_point_held(d):
         return worst
-    if worst > max(ROUND_OFF * scale, FADED):
+    if worst > max(ROUND_OFF * scale, UNDERFLOWS):
         least = NEGLIGIBLE * d.solver.tolerance * d.solver.tolerance * scale
         leave_free(d, least * least / (least * least + worst * worst), NOISE * scale)
     return 0.0

@@ -163,7 +163,7 @@ MOST = 100  # largest number of iterations: with θ = 0.8 the error falls to abo
 # The largest derivative of the state that is round-off, with respect to parameters that only change limits of
 # static friction, over the derivative of the speed that these limits could give in the step.
 LEAST = 1e-3
-FAR_OFF = 1e300  # stands for the relative correction if the derivatives are zero
+UNLIMITED_CORRECTION = 1e300  # stands for the relative correction if the derivatives are zero
 
 
 def make_implicit(d, t, h):
@@ -241,9 +241,9 @@ def last_correction(d, t, size):
                 largest = max(largest, part)
                 total += part  # max() is not used, because it would lose a NaN
         if not math.isfinite(total + whole):
-            return FAR_OFF
+            return UNLIMITED_CORRECTION
         if largest > worst * whole:
-            worst = largest / whole if whole > 0.0 else FAR_OFF
+            worst = largest / whole if whole > 0.0 else UNLIMITED_CORRECTION
     return worst
 
 
