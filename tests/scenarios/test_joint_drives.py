@@ -391,9 +391,7 @@ def test_derivatives_through_limits_are_those_of_differences(method):
                 run = simulate(changed, inputs=more, tolerance=1e-13)
                 exact = exact + sign * weight * run["point[3].x"] / (60.0 * step)
         found = result.sensitivity("point[3].x", name)
-        # with implicit steps the times of the drives' limits have an error of the tolerance
-        allowed = 2e-7 if method == "implicit" else 1e-8
-        assert np.abs(found - exact).max() < allowed * np.abs(exact).max(), name
+        assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max(), name
 
 
 def test_derivatives_hold_where_targets_and_stiffness_are_set_on_the_way():

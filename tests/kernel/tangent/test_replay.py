@@ -77,7 +77,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
     d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
     d.step.state_end = rng.normal(size=SIZE)
-    d.model, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace()
+    d.model, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace(event=0)
     d.touch, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
     t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
@@ -238,3 +238,26 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
     assert parts(t.quadrature.state_end[0]) == (4.0, [1.0 + 7.0 * 2.0, 2.0 - 7.0 * 3.0])
     assert parts(t.quadrature.state_end[1]) == (6.0, [1.0 - 5.0 * 2.0, 2.0 + 5.0 * 3.0])
     assert calls == [("mark_jump",)]
+
+
+@pytest.mark.parametrize(
+    ("limit", "events", "fixed"),
+    [(0, (NONE, NONE), False), (1, (NONE, NONE), True), (1, (NONE, ONSET), False)],
+)
+def test_the_step_after_the_limit_of_a_drive_starts_at_a_time_without_derivatives(
+    monkeypatch, calls, limit, events, fixed
+):
+    d, t = instances()
+    t.drive.event, t.touch.event, t.element.event = limit, list(events), [NONE] * 3
+    monkeypatch.setattr(replay, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))
+    monkeypatch.setattr(replay, "make", lambda _d, t, _h: calls.append(("make", parts(t.step.end))))
+    monkeypatch.setattr(replay, "take_values", lambda _d, _t: None)
+    monkeypatch.setattr(replay, "move_end", lambda _t: None)
+    before = parts(t.step.state_end[0])
+    replay.replay(d, t)
+    assert ("make", (1.4999, [0.0, 0.0] if fixed else [3.0, 4.0])) in calls
+    moved = [-0.5 * 3.0, -0.5 * 4.0] if fixed else [0.0, 0.0]
+    assert parts(t.step.state_end[0])[1] == pytest.approx(
+        [a + b for a, b in zip(before[1], moved, strict=True)]
+    )
+    assert (("evaluate_start",) in calls) == fixed

@@ -61,6 +61,7 @@ from chain_impact.kernel.ode.last_step import (
     ensure_dense,
     ensure_points,
     ensure_rate,
+    evaluate_start,
     mark_jump,
     reset_step,
     truncate_step,
@@ -262,7 +263,10 @@ def speed_by_friction(d, t, direction):
 def replay(d, t):
     """Repeat the last step of d in dual numbers."""
     copy_modes(d, t)
+    limit_ends_step = ends_at_limit(t)
     apply_pending_events(t)
+    if limit_ends_step:
+        fix_start(t)
     # derivatives of an input belong to a constant that is added to the input
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
@@ -285,6 +289,26 @@ def replay(d, t):
     settle_impulses(t)
     copy_marks(d, t)
     move_end(t)
+
+
+def ends_at_limit(t):
+    """Return whether the last step ends with the end of a drive's mode, and with no other event."""
+    for c in range(t.candidates):
+        if t.touch.event[c]:
+            return False
+    return t.drive.event != 0 and pending_changes(t) == 0
+
+
+def fix_start(t):
+    """Let the next step start at a time without derivatives, by a move along the motion after the event.
+
+    Otherwise the derivatives at a fixed time would have the error of the interpolant's slope times the
+    derivative of the event time, in all steps up to the next event.
+    """
+    mark_jump(t)
+    ensure_rate(t)
+    move_along(t, carried(0.0, -1.0, t.step.end))
+    evaluate_start(t)
 
 
 def make(d, t, h):
