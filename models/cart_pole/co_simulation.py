@@ -1,4 +1,4 @@
-"""Co-simulate the cart and the controller that balances its pole, two FMUs.
+"""Co-simulate the cart and the controller that balances its pole, two FMUs; a signal pushes the pole.
 
 ``python models/cart_pole/co_simulation.py`` builds both FMUs and writes a table and a picture. The masters
 are those of the controlled arm.
@@ -14,7 +14,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "controlled_arm"))
 from masters import run  # noqa: E402
 
-STOP_TIME, STEP = 4.0, 5e-3  # s
+STOP_TIME, STEP = 6.0, 5e-3  # s
 
 
 def main():
@@ -39,7 +39,7 @@ def main():
 
 
 def draw(path, time, columns):
-    """Draw the positions of cart and pole, and the force."""
+    """Draw the positions of cart and pole, and the force; a band shows the push."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 5.2), layout="constrained")
@@ -51,6 +51,9 @@ def draw(path, time, columns):
     tilt.set_ylabel("pole from upright [deg]")
     force.plot(time, columns["slider.force"])
     force.set(xlabel="time [s]", ylabel="force [N]")
+    pushed = [t for t, push in zip(time, columns["tip.force.x"], strict=True) if push]
+    for panel in (place, tilt, force):
+        panel.axvspan(pushed[0], pushed[-1], color="gold", linewidth=0.0)
     figure.savefig(path, dpi=160)
 
 

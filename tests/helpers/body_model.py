@@ -109,14 +109,6 @@ class BodyModel(ChainModel):
         gear[:, 0] *= self.pinned
         self.own = self.own + turn.T @ (gear[:, None] * np.eye(n)) @ turn
 
-    def set_inputs(self, time: float) -> None:
-        super().set_inputs(time)
-        self.target_rate = self.values("joint[{}].target_velocity")
-        names = [
-            (f"joint[{i}].target_angle", f"link[{i}].joint_rest_angle") for i in range(1, self.links + 1)
-        ]
-        self.rest = np.stack([self.value(name if name in self.base else own) for name, own in names], 1)
-
     def _slider(self) -> None:
         """Return P for the free coordinates, and the force along u."""
         n, slider = self.links, self.scene.chain.slider
@@ -189,8 +181,9 @@ class BodyModel(ChainModel):
         forces[:, 2:] += self.folded((turned_ways * outward).sum(2))
         forces[:, :2] += (self.moments[..., None] * square * ways).sum(1)
         forces[:, :2] += self.total[:, None] * self.gravity
-        bent, turned = relative(place.angle) - self.rest, relative(omega)
-        wanted = self.torque - self.damper * (turned - self.target_rate) - self.spring * bent
+        (rest, rate), turned = self.targets(y[:, self.time]), relative(omega)
+        bent = relative(place.angle) - rest
+        wanted = self.torque - self.damper * (turned - rate) - self.spring * bent
         moment = limited(wanted, [link.joint_torque_limit for link in self.scene.chain.links])
         forces[:, 2:] += moment
         forces[:, 2:-1] -= moment[:, 1:]

@@ -21,6 +21,7 @@ import numpy as np
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.signal import Signal
 from tests.helpers.complex_laws import TINY, Law
 
 REST = 1e-9  # [m/s or rad/s] the largest speed that counts as rest when modes are decided
@@ -29,6 +30,41 @@ ROUND_OFF = 1e-9
 DEPENDENT = 1e8  # the least condition number of constraints that count as dependent
 Inputs = Mapping[str, Any]
 """Constant values of inputs, or their times and values; each value holds until the next time."""
+
+
+class Ramp:
+    """The smooth ramp 10 x³ − 15 x⁴ + 6 x⁵ of a signal, with its rate."""
+
+    def __init__(self, signal: Signal) -> None:
+        assert signal.shape == "smooth"
+        self.signal = signal
+        self.switches = signal.start, signal.start + signal.duration
+
+    def at(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        own = self.signal
+        x = (time - own.start) / own.duration
+        x = np.where(x.real <= 0.0, 0.0, np.where(x.real >= 1.0, 1.0, x))
+        height = own.final - own.initial
+        value = own.initial + height * np.polyval([6.0, -15.0, 10.0, 0.0, 0.0, 0.0], x)
+        return value, height / own.duration * 30.0 * x**2 * (1.0 - x) ** 2
+
+
+class Sine:
+    """A sine of constant frequency and amplitude, from time 0, with its rate."""
+
+    switches = ()
+
+    def __init__(self, signal: Signal) -> None:
+        assert not any((signal.start, signal.rise, signal.frequency_rate))
+        self.signal, self.rate = signal, 2.0 * math.pi * signal.frequency
+
+    def at(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        own, phase = self.signal, self.signal.phase + self.rate * time
+        return own.mean + own.amplitude * np.sin(phase), own.amplitude * self.rate * np.cos(phase)
+
+
+Path = Ramp | Sine
+PATHS: dict[str, type[Path]] = {"ramp": Ramp, "sine": Sine}
 
 
 class Place:
@@ -123,6 +159,7 @@ class ChainModel:
     def __init__(self, scene: Scene, parameters: Sequence[str] = (), inputs: Inputs | None = None) -> None:
         self.scene, self.parameters, self.inputs = scene, list(parameters), dict(inputs or {})
         self.base = {k: v for k, v in scene.values.items() if isinstance(v, float | int)}
+        self._signals()
         self.base |= {k: v for k, v in self.inputs.items() if isinstance(v, float | int)}
         unknown = set(parameters) - set(self.base)
         assert not unknown, f"no parameters: {unknown}"
@@ -141,6 +178,30 @@ class ChainModel:
         self.size = self.root + count
         self.friction = DryFriction(self)
         self.set_inputs(0.0)
+
+    def _signals(self) -> None:
+        """Set held inputs, the targets of joints that signals move, and the times at which inputs change.
+
+        A smooth ramp or a sine, without parameters of its own, gives a joint's target and the target's rate.
+        """
+        self.paths: dict[int, Path] = {}
+        for signal in self.scene.signals.values():
+            for name in signal.input:
+                if signal.form == "steps":
+                    self.inputs[name] = (signal.times, signal.values)
+                else:
+                    assert name.endswith("target_angle"), name
+                    self.paths[int(name[6]) - 1] = PATHS[signal.form](signal)
+        switches = {t for given in self.inputs.values() if np.ndim(given) for t in given[0]}
+        switches |= {t for path in self.paths.values() for t in path.switches}
+        self.switches = sorted(switches - {0.0})
+
+    def targets(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the angles that springs of joints pull to, and rates that dampers follow, (lanes, N)."""
+        angles, rates = self.rest.copy(), self.target_rate.copy()
+        for joint, path in self.paths.items():
+            angles[:, joint], rates[:, joint] = path.at(time)
+        return angles, rates
 
     def value(self, name: str, otherwise: float = 0.0) -> np.ndarray:
         """Return a parameter in each lane, shape (lanes,)."""
@@ -163,6 +224,11 @@ class ChainModel:
         if not self.pinned:
             self.torque[:, 0] = 0.0
         self.tip = np.stack([self.value(f"tip.force.{axis}") for axis in "xy"], 1)
+        self.target_rate = self.values("joint[{}].target_velocity")
+        names = [
+            (f"joint[{i}].target_angle", f"link[{i}].joint_rest_angle") for i in range(1, self.links + 1)
+        ]
+        self.rest = np.stack([self.value(name if name in self.base else own) for name, own in names], 1)
 
     def _bodies(self) -> None:
         """Set the terms of T = ½m|ẋ₀|² + Σ b_i ω_i (ẋ₀·e_i⊥) + ½Σ c_ij cos(θ_i−θ_j) ω_i ω_j + ½Σ I_i ω_i²."""
@@ -177,8 +243,8 @@ class ChainModel:
         self.total, self.b = mass.sum(1), (arm * mass[:, None]).sum(2)
         self.own = self.values("link[{}].inertia")[..., None] * np.eye(n)
         self.c = np.einsum("lik,lk,ljk->lij", arm, mass, arm)
-        self.damper, self.spring, self.rest = (
-            self.values(f"link[{{}}].joint_{name}") for name in ("damping", "stiffness", "rest_angle")
+        self.damper, self.spring = (
+            self.values(f"link[{{}}].joint_{name}") for name in ("damping", "stiffness")
         )
         if not self.pinned:
             self.damper[:, 0] = self.spring[:, 0] = 0.0
@@ -296,8 +362,9 @@ class ChainModel:
         outward = self.c @ (square * along) + self.b[..., None] * self.gravity[:, None]
         forces[:, 2:] += (across * outward).sum(2)
         forces[:, :2] += (self.b[..., None] * square * along).sum(1) + self.total[:, None] * self.gravity
-        bent, turned = relative(place.angle) - self.rest, relative(omega)
-        moment = self.torque - self.damper * turned - self.spring * bent
+        (rest, rate), turned = self.targets(y[:, self.time]), relative(omega)
+        bent = relative(place.angle) - rest
+        moment = self.torque - self.damper * (turned - rate) - self.spring * bent
         forces[:, 2:] += moment
         forces[:, 2:-1] -= moment[:, 1:]
         loss = (self.damper * turned**2).sum(1)

@@ -124,8 +124,7 @@ class _Run:
             self.note_modes()
 
     def to(self, times: Sequence[float]) -> Derivatives:
-        rows, switches = [], {t for given in self.chain.inputs.values() if np.ndim(given) for t in given[0]}
-        left = sorted(switches - {0.0})
+        rows, left = [], list(self.chain.switches)
         for time in times:
             while left and left[0] < time:
                 self.advance(switch := left.pop(0))

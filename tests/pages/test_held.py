@@ -92,7 +92,7 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
 
 def test_command_file_and_pin_have_all_changed_inputs(show, tmp_path):
     changes = "joint[1].target_velocity=2&joint[2].target_angle=1&joint[1].target_angle@=0.1:0.5"
-    page = show("arm_at_stop", hash_=f"#simulation.stop_time=0.3&{changes}")
+    page = show("ur5e", {"inputs.joint_targets": True}, hash_=f"#simulation.stop_time=0.3&{changes}")
     page.get_by_role("button", name="Pin").click()
     assert "joint[1].target_angle@ = 0.1:0.5" in page.locator("#pins tbody tr").last.inner_text()
     page.get_by_role("button", name="Export…").click()

@@ -11,11 +11,11 @@ from chain_impact import Chain, load_scene
 from chain_impact.scene.models import models_folder
 
 FOLDER = models_folder() / "cart_pole"
-STEP, ROWS = 5e-3, 801  # s
+STEP, ROWS = 5e-3, 1201  # s
 
 
 @pytest.mark.full("builds two FMUs")
-def test_the_controller_balances_the_pole_also_as_the_cart_hits_its_stop(tmp_path):
+def test_the_controller_balances_the_pole_also_as_the_cart_hits_its_stop_and_the_pole_is_pushed(tmp_path):
     """The reference is a Chain that a Python loop steps with the same gains."""
     options = ["-o", tmp_path, "--plot", tmp_path / "cart.png"]
     subprocess.run([sys.executable, FOLDER / "co_simulation.py", *options], check=True)
