@@ -1,5 +1,9 @@
 """`chain-impact simulate --curves`."""
 
+import re
+
+import pytest
+
 
 def test_curves_are_drawn_into_a_file(run, here):
     asked = ("simulate", "pinned_arm", "--stop-time", "0.6", "--curves", "contact[*].x_max.force")
@@ -11,7 +15,17 @@ def test_curves_are_drawn_into_a_file(run, here):
         assert name in told
     assert run(*asked, "--around", "1", "--plot", "near.svg")[0] == 0
     assert "time after the onset at" in (here / "near.svg").read_text(encoding="utf-8")
+    for size, wide in (("84", 84.0), ("84x120", 84.0)):
+        assert run(*asked, "--plot", "near.svg", "--size", size)[0] == 0
+        told = re.search(r'width="([\d.]+)pt"', (here / "near.svg").read_text(encoding="utf-8"))
+        assert float(told[1]) == pytest.approx(72.0 * wide / 25.4)
     for more, text in (
+        (
+            ("--curves", "energy.*,*.x,*.angle", "--plot", "a.svg", "--size", "84x51"),
+            "no room for its panels: it must be at least",
+        ),
+        (("--csv", "a.csv", "--size", "84"), "--size: it is the size of a picture: give --plot FILE too"),
+        (("--plot", "a.svg", "--size", "6in"), "6in must be a width in millimetres, or WIDTHxHEIGHT"),
         (("--around", "2", "--plot", "a.svg"), "around = 2 must be 1 to 1"),
         ((), "give --plot FILE or --show too"),
         (("--plot", "a.svg", "--rank", "peak_force"), "curves or derivatives"),

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from chain_impact import Recording, SceneWarning, load_scene, record_slowly
+from chain_impact.pictures.arrow_scale import LONGEST, ArrowScale
 from chain_impact.pictures.film import (
     CHAIN,
     ENERGIES,
@@ -179,10 +180,8 @@ def test_an_arrow_is_there_while_there_is_a_force(recording):
 def test_forces_in_joints_are_arrows_of_a_colour_of_their_own_with_a_key():
     recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
     sizes = sum(np.hypot(*force.T) for force in recording.loads.values())
-    key, arrows = 10, 60
-    for time, least, most in ((0.0, key, arrows), (recording.time[sizes.argmax()], arrows, 1000)):
-        (picture,) = pictures(recording, time)
-        assert least < coloured(picture, LOAD) < most
+    start, peak = (coloured(one, LOAD) for one in pictures(recording, 0.0, recording.time[sizes.argmax()]))
+    assert 60 < start < peak < 1000
     (picture,) = pictures(record_slowly("pinned_arm"), recording.time[sizes.argmax()])
     assert coloured(picture, LOAD) == 0
 
@@ -228,3 +227,14 @@ def test_forces_as_text(value, text):
 )
 def test_rates_as_text(rate, text):
     assert rate_text(rate) == text
+
+
+def test_arrows_have_lengths_by_the_cube_root_of_the_force_and_the_ruler_has_round_forces():
+    scale = ArrowScale(2000.0, 1.0)
+    assert scale.length(2000.0) == pytest.approx(LONGEST)
+    assert scale.length(250.0) == pytest.approx(LONGEST / 2.0)
+    assert not scale.shows(1e-3)
+    marks = scale.marks()
+    assert [text for _, text in marks if text] == ["1 kN", "100 N"]
+    for at, text in marks[:2]:
+        assert at == pytest.approx(scale.length({"1 kN": 1000.0, "100 N": 100.0}[text]))

@@ -15,6 +15,7 @@ from matplotlib.text import Text
 from chain_impact.pictures import plot
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import fit_legends, legend_above
+from chain_impact.pictures.pages import SIZE
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.models import model_names
@@ -209,6 +210,15 @@ def test_a_page_that_is_too_low_is_refused_and_one_as_high_as_told_is_drawn():
     check_texts(result.plot(size=(6.0, least), panels=panels))
 
 
+def test_a_page_without_a_height_is_as_high_as_its_contents_need():
+    result, panels = recorded("sliding_rod"), ["energy", "friction"]
+    width, height = result.plot(size=(6.0, None), panels=panels).get_size_inches()
+    assert width == 6.0
+    assert 2.0 < height < SIZE[1]
+    low = result.plot(size=(3.3, None)).get_size_inches()[1]
+    assert SIZE[1] <= low < 8.0
+
+
 def test_fonts_follow_the_settings_of_matplotlib():
     with mpl.rc_context({"font.size": 7.0, "figure.titlesize": 8.0, "font.family": "serif"}):
         page = recorded("rod_drop").plot(size=(4.7, 6.0))
@@ -259,6 +269,20 @@ def test_legends_of_different_figures_keep_all_their_entries_and_one_figure_has_
     fit_legends(first.figure)
     assert first.get_legend() is None
     assert second.get_legend() is not None
+
+
+def test_a_legend_in_two_rows_is_read_row_by_row():
+    page = Figure((3.0, 2.0), layout="constrained")
+    axes = page.subplots()
+    names = ["kinetic", "potential", "total", "dissipated", "supplied"]
+    legend_above(axes, [Patch(label=name) for name in names])
+    for _ in range(2):  # the second time, the entries come from a legend with several columns
+        fit_legends(page)
+        texts = axes.get_legend().get_texts()
+        page.draw_without_rendering()
+        places = {text.get_text(): text.get_window_extent() for text in texts}
+        assert sorted(names, key=lambda name: (-round(places[name].y0), places[name].x0)) == names
+        assert 1 < len({round(box.x0) for box in places.values()}) < len(names)
 
 
 def test_axes_of_a_dark_style_have_texts_and_a_total_that_can_be_seen():

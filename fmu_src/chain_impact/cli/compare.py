@@ -15,8 +15,10 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
+    check_size,
     names_in,
     scene_of_options,
+    sized,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.screen import law_table, show
@@ -47,6 +49,7 @@ def run(options: argparse.Namespace) -> int:
     """
     from chain_impact.studies.compare import compare
 
+    check_size(options)
     check_outputs(options.csv, options.plot, inputs=[options.source])
     scene = scene_of_options(options)
     with progress("comparing") as advance:
@@ -55,7 +58,8 @@ def run(options: argparse.Namespace) -> int:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
     if options.plot:
-        comparison.plot(options.plot)
+        with sized():
+            comparison.plot(options.plot, size=options.size)
         say(f"picture  {options.plot}")
     show(law_table(comparison))
     return 0

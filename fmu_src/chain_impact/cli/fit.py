@@ -15,10 +15,12 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
+    check_size,
     complete_scenes,
     names_in,
     pairs,
     settings_of,
+    sized,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.scene.models import scene_path
@@ -91,6 +93,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.fit.fit import fit
 
     data = [names_in(text) for text in options.data]
+    check_size(options)
     check_outputs(options.scene, options.plot, inputs=[options.source, *chain.from_iterable(data)])
     settings = settings_of(options.set)
     scene = with_settings(load_scene(options.source), settings)
@@ -114,7 +117,8 @@ def run(options: argparse.Namespace) -> int:
         found.save(options.scene, scene_path(options.source))
         say(f"scene    {options.scene}")
     if options.plot:
-        found.plot(options.plot)
+        with sized():
+            found.plot(options.plot, size=options.size)
         say(f"picture  {options.plot}")
     say(repr(found))
     return 0

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +25,8 @@ Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
 INTERPOLATIONS = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
+INCH = 25.4  # [mm]
+MILLIMETRES = (51, 1500)  # the least and the largest width and height of a picture [mm]
 
 
 class UsageError(ValueError):
@@ -132,10 +136,57 @@ class Once(argparse.Action):
 
 
 def add_plot(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the option for the file of a picture."""
+    """Add the options for the file and the size of a picture."""
     command.add_argument(
         "--plot", action=Once, metavar="FILE", type=ending(*PICTURES), help=f"draw {what} (png, svg, pdf)"
     )
+    command.add_argument(
+        "--size",
+        action=Once,
+        metavar="MM",
+        type=page_size,
+        help="width of the picture in millimetres, as 84, or width and height, as 120x150",
+    )
+
+
+def page_size(text: str) -> tuple[float, float | None]:
+    """Return the width and the height of a picture [inches] from a text in millimetres.
+
+    The height is None for a text without height.
+    """
+    width, cross, height = text.lower().partition("x")
+    try:
+        sides = [float(side) for side in ([width, height] if cross else [width])]
+    except ValueError:
+        sides = [math.nan]
+    if not all(MILLIMETRES[0] <= side <= MILLIMETRES[1] for side in sides):
+        raise argparse.ArgumentTypeError(
+            f"{text} must be a width in millimetres, or WIDTHxHEIGHT, for example 120x150; each must be "
+            f"{MILLIMETRES[0]} … {MILLIMETRES[1]}"
+        )
+    return sides[0] / INCH, sides[1] / INCH if cross else None
+
+
+def check_size(options: argparse.Namespace) -> None:
+    """Refuse the size of a picture if there is no picture."""
+    if options.size and not options.plot:
+        raise UsageError("--size: it is the size of a picture: give --plot FILE too")
+
+
+@contextmanager
+def sized() -> Iterator[None]:
+    """Tell in millimetres that a picture has no room, as ``--size`` does.
+
+    Raises:
+        UsageError: when a picture has no room.
+    """
+    from chain_impact.pictures import NoRoomError
+
+    try:
+        yield
+    except NoRoomError as error:
+        told = "wider" if error.least is None else f"at least {math.ceil(INCH * error.least)} high"
+        raise UsageError(f"--size: the picture has no room for its panels: it must be {told}") from None
 
 
 def add_csv(command: argparse.ArgumentParser, what: str) -> None:

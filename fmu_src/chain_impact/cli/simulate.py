@@ -23,11 +23,13 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
+    check_size,
     driven,
     ending,
     inputs_of,
     names_in,
     settings_of,
+    sized,
 )
 from chain_impact.cli.progress import complain, progress, say
 from chain_impact.cli.screen import sensitivity_tables, show, summary, tabulated
@@ -49,6 +51,8 @@ from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Size = tuple[float, float | None]
+"""Width and height of a picture [inches]; a height of None is the height that the contents need."""
 ROWS = 1000  # the least number of rows for a picture
 
 
@@ -119,12 +123,14 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU, print a summary, and write the files that the options name."""
+    check_size(options)
     window = open_window() if options.show else None
     report(
         options.source,
         options.set,
         csv=options.csv,
         picture=options.plot,
+        size=options.size,
         impacts=options.impacts,
         columns=names_in(*options.columns),
         sensitivities=names_in(*options.sensitivity),
@@ -161,6 +167,7 @@ def report(
     *,
     csv: Path | None = None,
     picture: Path | None = None,
+    size: Size | None = None,
     impacts: Path | None = None,
     columns: Sequence[str] = (),
     sensitivities: Sequence[str] = (),
@@ -195,12 +202,12 @@ def report(
         recording.save_impacts(impacts)
         say(f"impacts  {impacts}")
     if ranking:
-        draw_ranking(ranking, picture, window)
+        draw_ranking(ranking, picture, size, window)
     elif curves:
-        draw_curves(recording, curves_in(recording, source, curves, around), picture, window)
+        draw_curves(recording, curves_in(recording, source, curves, around), picture, size, window)
     elif picture or window:
         shown = recording if sensitivities or fault else with_rows(recording, source, settings, inputs)
-        draw(shown, picture, window, sensitivities)
+        draw(shown, picture, size, window, sensitivities)
     show(summary(recording))
     if check:
         say(f"check    {difference_text(differences(recording, record(source, tighter, inputs=inputs)))}")
@@ -214,23 +221,29 @@ def report(
 
 
 def draw(
-    recording: Recording, picture: Path | None, window: Figure | None, sensitivities: Sequence[str]
+    recording: Recording,
+    picture: Path | None,
+    size: Size | None,
+    window: Figure | None,
+    sensitivities: Sequence[str],
 ) -> None:
     """Draw a recording into a file and a window: derivatives of outputs if named, else the motion."""
     from chain_impact.pictures import fill, fill_sensitivities, plot
 
     fill_page = fill_sensitivities if sensitivities else fill
     if picture:
-        plot(recording, picture, fill_page)
+        with sized():
+            plot(recording, picture, fill_page, size)
         say(f"picture  {picture}")
     if window:
         fill_page(window, recording)
 
 
-def draw_ranking(ranking: Ranking, picture: Path | None, window: Figure | None) -> None:
+def draw_ranking(ranking: Ranking, picture: Path | None, size: Size | None, window: Figure | None) -> None:
     """Draw a ranking into a file and a window, if these are given."""
     if picture:
-        ranking.plot(picture)
+        with sized():
+            ranking.plot(picture, size=size)
         say(f"picture  {picture}")
     if window:
         ranking.fill(window)
@@ -259,14 +272,17 @@ def curves_in(recording: Recording, source: str, names: Sequence[str], around: i
         raise error if isinstance(error, SceneError) else UsageError(str(error)) from None
 
 
-def draw_curves(recording: Recording, curves: Curves, picture: Path | None, window: Figure | None) -> None:
+def draw_curves(
+    recording: Recording, curves: Curves, picture: Path | None, size: Size | None, window: Figure | None
+) -> None:
     """Draw curves into a file and a window, if these are given."""
     from chain_impact.pictures import curves_size, drawn, fill_curves
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
     try:
         if picture:
-            drawn(fill_page, picture, usual=curves_size(curves))
+            with sized():
+                drawn(fill_page, picture, size, curves_size(curves))
             say(f"picture  {picture}")
         if window:
             fill_page(window)

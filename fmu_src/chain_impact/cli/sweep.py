@@ -18,9 +18,11 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
+    check_size,
     pairs,
     scene_of_options,
     settings_of,
+    sized,
 )
 from chain_impact.cli.progress import complain, progress, say
 
@@ -86,6 +88,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.variables.model import Model
 
     table = Path(options.table)
+    check_size(options)
     check_outputs(table, options.plot, inputs=[options.source])
     scene = scene_of_options(options)
     vary = variations(options.vary, settings_of(options.set))
@@ -114,7 +117,8 @@ def run(options: argparse.Namespace) -> int:
         raise
     say(f"table    {options.table}")
     if options.plot:
-        found.plot(options.plot)
+        with sized():
+            found.plot(options.plot, size=options.size)
         say(f"picture  {options.plot}")
     say(repr(found))
     return 0

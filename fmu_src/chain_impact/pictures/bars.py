@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.style import BLUE, GREY, INK, VERMILLION, headline, is_narrow, styled
+from chain_impact.pictures.style import BLUE, GREY, INK, LEAST_TICKS, VERMILLION, headline, is_narrow, styled
 
 # [inch] the width of the page, the space above and below the bars, and the height for one bar
 WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
 # NUMBER: [inch] the space for a number beside a bar. PART: the width of the axes over the width of the page.
-NUMBER, PART = 0.6, 0.45
+NUMBER, PART = 0.7, 0.45
 THICK = 0.66  # the thickness of a bar, over the distance between bars
 
 
@@ -51,7 +51,7 @@ def fill_bars(
     for row, value, text in zip(rows, values, told, strict=True):
         side = 1.0 if value > 0.0 else -1.0
         axes.annotate(
-            text,
+            text.replace("-", "−"),
             (value, row),
             (4.0 * side, 0.0),
             textcoords="offset points",
@@ -68,6 +68,6 @@ def fill_bars(
     low, high = min([0.0, *values]), max([0.0, *values])
     room = (high - low or 1.0) * NUMBER / (PART * page.get_figwidth())
     axes.set_xlim(low - (room if low < 0.0 else 0.0), high + (room if high > 0.0 else 0.0))
-    axes.xaxis.set_major_locator(MaxNLocator(3 if is_narrow(page) else 6))
+    axes.xaxis.set_major_locator(MaxNLocator(4 if is_narrow(page) else 6, min_n_ticks=LEAST_TICKS))
     if not names:
         axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=GREY)

@@ -17,6 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.patheffects import withStroke
 
+from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.film_files import write_gif, write_mp4
 from chain_impact.pictures.over_time import ENERGY_COLOURS, mark_impacts
@@ -62,8 +63,8 @@ SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)
 CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a page that has no room for energies, in the form of SCENE, CLOCK and RATE."""
-LONGEST, LEAST, BAR = 0.26, 0.02, 0.035
-"""Longest and shortest arrow, and half a bar of sticking, over the smaller side of the scene."""
+# half of a bar of sticking, and the distance of the ruler from the corner, over the smaller side of the scene
+BAR, CORNER = 0.035, 0.035
 # TAIL: [s] the simulated time in which the trace of the tip fades; TAIL_PARTS: the number of its pieces
 TAIL, TAIL_PARTS = 0.3, 40
 # largest difference from 1 in real time, largest rate in slow motion, least factor without decimals
@@ -207,13 +208,13 @@ class Film:
         (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
         (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
         peaks = recording.impacts["peak_force"][~recording.at_stops]
-        seen = [
-            one.force.max(initial=0.0)
-            for one in self.touches
-            if one.wall not in STOPS and one.force is not None
-        ]
+        at_walls = [one.force for one in self.touches if one.wall not in STOPS]
+        seen = [force.max(initial=0.0) for force in at_walls if force is not None]
         seen += [np.hypot(*force.T).max() for force in recording.loads.values()]
-        self.peak = max([np.nanmax(peaks, initial=0.0), *seen])
+        peak = max([np.nanmax(peaks, initial=0.0), *seen])
+        self.scale = ArrowScale(peak, self.side)
+        if peak > 0.0:
+            self.scale.draw(self.scene, self.view[0] + CORNER * self.side, MUTED)
         if self.loads:
             self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
 
@@ -347,7 +348,7 @@ class Film:
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
         for joint, force in forces.items():
             whole = float(np.hypot(*force))
-            if whole > self.peak * LEAST / LONGEST:
+            if whole > 0.0 and self.scale.shows(whole):
                 place = self.points[frame, joint - 1]
                 self._add_arrow(place, force / whole, whole, LOAD, told=joint == largest)
 
@@ -372,7 +373,7 @@ class Film:
         self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, told: bool = True
     ) -> None:
         """Add the arrow of a force [N] from a place in a direction; with ``told``, also its size as text."""
-        head = foot + self.side * max(LEAST, LONGEST * whole / self.peak) * direction
+        head = foot + self.scale.length(whole) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
         self.moving.append(self.scene.add_patch(arrow))

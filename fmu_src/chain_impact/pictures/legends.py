@@ -41,10 +41,12 @@ def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     is_changed = False
     told: set[str] = set()
     for axes in reversed(page.axes if wanted is None else wanted):
-        legend = axes.get_legend()
+        legend: Any = axes.get_legend()  # matplotlib has no type information for the columns
         if legend is None or legend.get_gid() != MARK:
             continue
-        entries = zip(legend.legend_handles, (text.get_text() for text in legend.get_texts()), strict=True)
+        texts = [text.get_text() for text in legend.get_texts()]
+        places = np.argsort(_by_column(len(texts), legend._ncols))
+        entries = [(legend.legend_handles[k], texts[k]) for k in places]
         kept = [(handle, label) for handle, label in entries if label not in told]
         handles: list[Any] = [handle for handle, _ in kept]
         labels = [label for _, label in kept]
@@ -60,7 +62,6 @@ def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         for columns in range(len(labels), 0, -1):
             _put(axes, handles, labels, columns)
             legend = axes.get_legend()
-            assert legend is not None
             if legend.get_window_extent().width <= width:
                 break
         is_changed |= not np.allclose(legend.get_window_extent().size, before)
@@ -68,4 +69,12 @@ def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 
 
 def _put(axes: Axes, handles: list[Any], labels: list[str], columns: int) -> None:
-    axes.legend(handles, labels, **ABOVE, ncols=columns).set_gid(MARK)
+    """Put a legend above axes whose entries are read row by row."""
+    order = _by_column(len(labels), columns)
+    own = [handles[k] for k in order], [labels[k] for k in order]
+    axes.legend(*own, **ABOVE, ncols=columns).set_gid(MARK)
+
+
+def _by_column(count: int, columns: int) -> list[int]:
+    """Return the order in which matplotlib, which fills column by column, puts entries row by row."""
+    return [row for column in range(columns) for row in range(column, count, columns)]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chain_impact.pictures.labels import Ink, listed
 from chain_impact.pictures.legends import fit_legends
@@ -48,6 +49,7 @@ NUMBERS = {"motion": number_rings, "impacts": number_impacts}
 
 The functions return the numbers without room.
 """
+FEET = 3  # the largest number of times that the panels are arranged above the text at the foot
 TOLD_AS = {"motion": "motion", "impacts": "speeds"}
 """Name of a panel → word for the panel in the sentence on numbers without room."""
 
@@ -79,19 +81,35 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: 
         motion.clear()
         draw_motion(motion, recording, room.height / room.width)
         settle(page, motion)
-    engine = page.get_layout_engine()
+    number_and_tell(page, found, recording)
+
+
+def number_and_tell(page: Figure, found: dict[str, Axes], recording: Recording) -> None:
+    """Write the numbers of impacts into all panels, and at the foot which have no room.
+
+    The text at the foot takes room from the panels, in which then fewer numbers may have room.
+    """
+    engine, foot = page.get_layout_engine(), None
+    room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None
     page.set_layout_engine("none")  # artists that were drawn to find room for labels keep their positions
-    if missing := number_all(page, found, recording):
+    missing = number_all(page, found, recording)
+    for _ in range(FEET if missing else 0):
         page.set_layout_engine(engine)
+        if isinstance(engine, ConstrainedLayoutEngine):
+            engine.set(rect=room)
         for axes in (found[name] for name in NUMBERS if name in found):
             for text in [*axes.texts]:
                 text.remove()
-        foot = write_foot(page, missing)
-        settle(page, motion)
+        if foot is not None:
+            foot.remove()
+        foot, told = write_foot(page, missing), broken(page, missing)
+        settle(page, found.get("motion"))
         page.set_layout_engine("none")
         missing = number_all(page, found, recording)
-        if foot is not None:
-            foot.set_text(broken(page, missing))
+        if foot is None or broken(page, missing).count("\n") <= told.count("\n"):
+            break
+    if foot is not None:
+        foot.set_text(broken(page, missing))
 
 
 def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> str:
@@ -171,6 +189,14 @@ def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[st
     return found
 
 
-def plot(recording: Recording, path: Path, draw: Callable[[Figure, Recording], None] = fill) -> None:
-    """Draw the recording into a file; the suffix png, svg or pdf determines the kind."""
-    drawn(lambda page: draw(page, recording), path, usual=SIZE)
+def plot(
+    recording: Recording,
+    path: Path,
+    draw: Callable[[Figure, Recording], None] = fill,
+    size: Sequence[float | None] | None = None,
+) -> None:
+    """Draw the recording into a file; the suffix png, svg or pdf determines the kind.
+
+    ``size`` is as for ``drawn``.
+    """
+    drawn(lambda page: draw(page, recording), path, size, usual=SIZE)

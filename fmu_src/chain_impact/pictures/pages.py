@@ -20,13 +20,14 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.legends import fit_legends
-from chain_impact.pictures.style import FULL, LEAST_TICKS, Page, save, styled
+from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, Page, save, styled
 
 # [inch] the default width and height of a page, and the least and the largest width and height; larger pages
 # are sizes in other units, and would fill the memory with pixels
 SIZE, LEAST, LARGEST = (FULL, 5.4), 2.0, 60.0
 MM = 25.4  # millimetres in an inch
 LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
+USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label on a page without a given height
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the page, or overlap
 ROUND_OFF = 1e-9  # the largest difference that is round-off, over the length of an axis
 # the largest number of quarters of an inch by which the height of a page is increased, to find a sufficient
@@ -35,12 +36,27 @@ HIGHER = 40
 LONGER = 1.1  # the length of a label, over the length of its axis, above which it is broken into two lines
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty page."""
+Size = Sequence[float | None]
+"""Width and height of a page [inches]; a height of None is the height that the contents need."""
+
+
+class NoRoomError(ValueError):
+    """Raised for a page without room for its contents.
+
+    Attributes:
+        least: a sufficient height [inches]; None if there is none.
+    """
+
+    def __init__(self, width: float, height: float, told: str, least: float | None = None) -> None:
+        """Store the sufficient height; the message has the size [inches] and what it must be."""
+        super().__init__(f"size = ({width:g}, {height:g}) must be {told}")
+        self.least = least
 
 
 def drawn(
     fill: Fill,
     path: str | os.PathLike[str] | None = None,
-    size: Sequence[float] | None = None,
+    size: Size | None = None,
     usual: tuple[float, float] = SIZE,
 ) -> Figure | None:
     """Draw a page into a file, or return the page.
@@ -48,15 +64,18 @@ def drawn(
     Args:
         fill: function that draws the page.
         path: the file; its suffix png, svg or pdf determines the kind. None returns the page.
-        size: width and height [inches].
+        size: width and height [inches]; the height may be None, for a height that the contents need.
         usual: width and height [inches] if ``size`` is None.
 
     Raises:
         ValueError: when the size is not possible, or has no room for the panels.
         OSError: when the file cannot be written.
     """
-    inches = usual if size is None else page_size(size)
-    filled = fill if size is None else partial(fill_or_refuse, fill)
+    inches, filled = usual, fill
+    if size is not None:
+        width, height = page_size(size)
+        inches = width, needed_height(fill, width, usual) if height is None else height
+        filled = partial(fill_or_refuse, fill)
     if path is not None:
         save(Path(path), filled, inches)
         return None
@@ -65,17 +84,18 @@ def drawn(
     return page
 
 
-def page_size(size: Sequence[float]) -> tuple[float, float]:
+def page_size(size: Size) -> tuple[float, float | None]:
     """Return the width and the height of a page [inches].
 
     Raises:
         ValueError: when the size is not two numbers, or one of them is below LEAST or above LARGEST.
     """
     try:
-        width, height = map(float, size)
+        width, height = (None if side is None else float(side) for side in size)
     except (TypeError, ValueError):
         width = height = math.nan
-    if not (LEAST <= width <= LARGEST and LEAST <= height <= LARGEST):
+    width = math.nan if width is None else width
+    if not (LEAST <= width <= LARGEST and (height is None or LEAST <= height <= LARGEST)):
         told = f"width and height in inches, each at least {LEAST:g} and at most {LARGEST:g}"
         hint = f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < width < math.inf else ""
         raise ValueError(f"size = {size!r} must be {told}{hint}")
@@ -101,29 +121,56 @@ def fill_or_refuse(fill: Fill, page: Figure) -> None:
     if has_room(fill, page):
         return
     width, height = map(float, page.get_size_inches())
+    least = least_height(fill, width, height)
+    raise NoRoomError(width, height, f"at least {least:g} high for the panels, or have fewer panels", least)
+
+
+def needed_height(fill: Fill, width: float, usual: tuple[float, float]) -> float:
+    """Return the height of a page [inches] of a given width.
+
+    The height is the usual one on a narrow page, and less on another page that is narrower than usual; it is
+    larger if this is too low for the contents.
+
+    Raises:
+        ValueError: when no height is enough.
+    """
+    height = max(LEAST, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
+    page = Page(figsize=(width, height), dpi=DPI)
+    is_enough = has_room(fill, page, USUAL_SIDE)
+    return height if is_enough else least_height(fill, width, height, USUAL_SIDE)
+
+
+def least_height(fill: Fill, width: float, height: float, mean: float = 0.0) -> float:
+    """Return the least height of a page [inches], above a height that is too low, with room for all panels.
+
+    Raises:
+        ValueError: when no height is enough.
+    """
     heights = math.ceil(4.0 * height) / 4.0 + 0.25 * np.arange(1, HIGHER)
 
     def fits(higher: float) -> bool:
         """Return whether a page of this height has room for all panels."""
-        return has_room(fill, Page(figsize=(width, higher), dpi=page.dpi))
+        return has_room(fill, Page(figsize=(width, higher), dpi=DPI), mean)
 
     least = bisect_left(heights, True, key=fits)
     if least == len(heights):
-        raise ValueError(f"size = ({width:g}, {height:g}) must be wider for the panels")
-    told = f"must be at least {heights[least]:g} high for the panels, or have fewer panels"
-    raise ValueError(f"size = ({width:g}, {height:g}) {told}")
+        raise NoRoomError(width, height, "wider for the panels")
+    return float(heights[least])
 
 
 @styled()
-def has_room(fill: Fill, page: Figure) -> bool:
-    """Draw on a page; return whether axes have some height and texts are complete and do not overlap."""
+def has_room(fill: Fill, page: Figure, mean: float = 0.0) -> bool:
+    """Draw on a page; return whether axes have some height and texts are complete and do not overlap.
+
+    ``mean`` is the least mean height of axes with a label [inches].
+    """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
         fill(page)
         if not isinstance(page.get_layout_engine(), PlaceHolderLayoutEngine):
             page.draw_without_rendering()
-        least = LEAST_SIDE * page.dpi
-        if any(axes.get_ylabel() and axes.bbox.height < least for axes in page.axes):
+        sides = [axes.bbox.height / page.dpi for axes in page.axes if axes.get_ylabel()]
+        if sides and (min(sides) < LEAST_SIDE or np.mean(sides) < mean):
             return False
         boxes = list(text_boxes(page))
         whole = Bbox.union([page.bbox, *boxes])

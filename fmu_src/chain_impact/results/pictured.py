@@ -45,7 +45,7 @@ class Pictured(Recording):
         path: str | os.PathLike[str] | None = None,
         *,
         kind: str | None = None,
-        size: Sequence[float] | None = None,
+        size: Sequence[float | None] | None = None,
         panels: str | Sequence[str] = (),
         curves: str | Sequence[str] = (),
         around: int | None = None,
@@ -64,7 +64,8 @@ class Pictured(Recording):
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook; ``figure.axes`` have the names of panels as labels.
             kind: the name of a single panel, in place of ``panels``.
-            size: width and height [inches]. On a page narrower than 6 inches the motion is above the rest.
+            size: width and height [inches]; a height of None is what the contents need.
+                On a page narrower than 6 inches the motion is above the rest.
             panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all panels for
                 which the result has data.
             curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:
@@ -116,7 +117,7 @@ class Pictured(Recording):
         number: int,
         path: str | os.PathLike[str] | None = None,
         *,
-        size: Sequence[float] | None = None,
+        size: Sequence[float | None] | None = None,
         ax: Any = None,
     ) -> Any:
         """Draw one impact: force, penetration and speed over time, and force over penetration.
@@ -160,7 +161,7 @@ class Pictured(Recording):
         path: str | os.PathLike[str] | None = None,
         outputs: Sequence[str] = (),
         *,
-        size: Sequence[float] | None = None,
+        size: Sequence[float | None] | None = None,
     ) -> Figure | None:
         """Draw the changes of outputs, and of the speeds of impacts, if each parameter grows by 1 %.
 

@@ -135,14 +135,14 @@ class Ranking:
         yield from (f"limit    {limit}" for limit in self.limits)
 
     def plot(
-        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
+        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float | None] | None = None
     ) -> Figure | None:
         """Draw the largest effects as bars, to the right if the quantity grows with the parameter.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned.
-            size: width and height [inches].
+            size: width and height [inches]; a height of None is what the contents need.
 
         Raises:
             ValueError: when the size is not possible, or has no room for the bars.

@@ -83,7 +83,7 @@ class Comparison(LawRuns):
         self,
         path: str | os.PathLike[str] | None = None,
         *,
-        size: Sequence[float] | None = None,
+        size: Sequence[float | None] | None = None,
         ax: Any = None,
     ) -> Any:
         """Draw the loops of all laws, force over penetration in the first impact, and the energy over time.
@@ -91,7 +91,8 @@ class Comparison(LawRuns):
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
-            size: width and height [inches]. On a page narrower than 6 inches the loops are above the energy.
+            size: width and height [inches]; a height of None is what the contents need.
+                On a page narrower than 6 inches the loops are above the energy.
             ax: axes of matplotlib for the loops; these axes are returned.
 
         Raises:

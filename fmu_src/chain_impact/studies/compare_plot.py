@@ -47,7 +47,7 @@ Looks = dict[str, dict[str, Any]]
 def plot_comparison(
     comparison: LawRuns,
     path: str | os.PathLike[str] | None = None,
-    size: Sequence[float] | None = None,
+    size: Sequence[float | None] | None = None,
     ax: Any = None,
 ) -> Any:
     """Draw the picture; see ``Comparison.plot``."""

@@ -103,7 +103,11 @@ def test_a_scene_without_walls_has_no_panels_for_them():
     scene = load_scene("kneed_leg").with_values({"outputs.loads": True})
     page = drawn(sweep(scene, {"stop.restitution": "0.0,0.5"}))
     assert page.axes[0].get_ylabel() == "peak moment of stops [N·m]"
-    assert len(page.axes) == len(QUANTITIES) - 2
+    assert len(page.axes) == len(QUANTITIES) - 2 - 2
+    assert (
+        "the same in all runs: largest rotation beyond a stop 0 rad, largest force"
+        in page.texts[1].get_text()
+    )
     assert "peak force" not in page.get_suptitle()
 
 
@@ -155,8 +159,16 @@ def test_at_most_ten_colours():
 
 def test_outputs_that_were_asked_for_have_panels():
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4"}, outputs=["point[4].x", "impact.last_wall"])
-    labels = [axes.get_ylabel() for axes in drawn(found).axes]
-    assert labels[4:] == ["point[4].x at the end [m]", "impact.last_wall at the end"]
+    page = drawn(found)
+    assert [axes.get_ylabel() for axes in page.axes][4:] == ["point[4].x at the end [m]"]
+    assert "the same in all runs: impact.last_wall at the end 3" in page.texts[1].get_text()  # no panel
+
+
+def test_results_that_never_change_still_have_a_picture():
+    scene = load_scene("elastic_ball").with_values({"simulation.stop_time": 0.1})  # before the first impact
+    page = drawn(sweep(scene, {"contact.stiffness": "1e6:2e6:2"}))
+    assert "impacts" in [axes.get_ylabel() for axes in page.axes]
+    assert not any("the same" in text.get_text() for text in page.texts)
 
 
 def test_too_many_parameters_are_refused(tmp_path):

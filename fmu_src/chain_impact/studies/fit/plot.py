@@ -65,7 +65,7 @@ class Column:
 
 
 def plot_fit(
-    fit: Estimates, path: str | os.PathLike[str] | None = None, size: Sequence[float] | None = None
+    fit: Estimates, path: str | os.PathLike[str] | None = None, size: Sequence[float | None] | None = None
 ) -> Figure | None:
     """Draw the picture; see ``Fit.plot``."""
     count = min(len(fit.columns), MOST_PANELS)

@@ -90,14 +90,15 @@ class Fit(Estimates):
         return require("pandas", "pandas").DataFrame(rows, columns=columns).set_index("parameter")
 
     def plot(
-        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
+        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float | None] | None = None
     ) -> Figure | None:
         """Draw data, model, residuals and impacts.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
-            size: width and height [inches]. On a page narrower than 6 inches all panels are in one column.
+            size: width and height [inches]; a height of None is what the contents need.
+                On a page narrower than 6 inches all panels are in one column.
 
         Raises:
             ValueError: when the size is not possible, or has no room for the panels.

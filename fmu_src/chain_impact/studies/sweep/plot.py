@@ -47,6 +47,7 @@ WIDE_RANGE, MOST = 1e3, 0.95
 FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
+ROUND_OFF = 1e-9  # the largest difference of equal results, over their size
 NEVER = "no run has a finite value"
 
 
@@ -104,7 +105,7 @@ def check_picture(varied: int, samples: int | None, runs: int, source: str) -> N
 
 
 def plot_sweep(
-    found: Runs, path: str | os.PathLike[str] | None = None, size: Sequence[float] | None = None
+    found: Runs, path: str | os.PathLike[str] | None = None, size: Sequence[float | None] | None = None
 ) -> Figure | None:
     """Draw a sweep, see ``Sweep.plot``.
 
@@ -120,9 +121,10 @@ def plot_sweep(
 @styled()
 def fill(page: Figure, found: Runs) -> None:
     """Draw all panels on an empty page."""
-    quantities, kind = _quantities(found), kind_of(found.design)
+    quantities, kind = _drawn(found), kind_of(found.design)
     varying = varying_in(found.design)
-    headline(page, title(found, "" if kind == MAPS else " (×)"), conditions(found, varying))
+    parts = [conditions(found, varying), constants(found, quantities)]
+    headline(page, title(found, "" if kind == MAPS else " (×)"), "; ".join(filter(None, parts)))
     # parameters that are numbers come before choices
     first, *rest = sorted(varying, key=lambda one: bool(one.choices))
     if kind == DOTS:
@@ -144,10 +146,11 @@ def kind_of(design: Design) -> str:
 
 def usual_size(found: Runs) -> tuple[float, float]:
     """Return the default size of the page [inches]."""
-    count, kind = len(_quantities(found)), kind_of(found.design)
+    count, kind = len(_drawn(found)), kind_of(found.design)
     if kind == DOTS:
         return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(found.design)[0].values)
-    return 2 * (5.4 if kind == MAPS else 5.0), 0.6 + 2.7 * ((count + 1) // 2)
+    across = _across(count, kind)
+    return 10.8 if kind == MAPS else 10.0, 0.6 + 2.7 * math.ceil(count / across)
 
 
 def title(found: Runs, mark: str) -> str:
@@ -193,6 +196,34 @@ def _quantities(found: Runs) -> list[Quantity]:
     return [*main, *extra[:MOST_ASKED]]
 
 
+def _drawn(found: Runs) -> list[Quantity]:
+    """Return the quantities with a panel: those that differ between the runs; all if none differs."""
+    every = _quantities(found)
+    return [one for one in every if _differs(one.of(found))] or every
+
+
+def _differs(values: np.ndarray) -> bool:
+    """Return whether finite values differ by more than round-off, or there is none."""
+    finite = values[np.isfinite(values)]
+    return not finite.size or bool(np.ptp(finite) > ROUND_OFF * np.abs(finite).max())
+
+
+def constants(found: Runs, drawn: Sequence[Quantity]) -> str:
+    """Return words for the quantities without a panel: "the same in all runs: impacts 14"."""
+    parts = []
+    for one in _quantities(found):
+        if one not in drawn:
+            name, _, unit = one.label.partition(" [")
+            value = number(float(np.nanmax(one.of(found))))
+            parts.append(f"{name} {value} {unit.rstrip(']')}".rstrip())
+    return f"the same in all runs: {', '.join(parts)}" if parts else ""
+
+
+def _across(count: int, kind: str) -> int:
+    """Return how many panels are in a row of a wide page: two, or three curves beside each other."""
+    return 3 if count == 3 and kind == CURVES else 2  # noqa: PLR2004 - three panels leave no gap
+
+
 def _panels(page: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
     """Return empty panels, at most ``most`` in a row; on a narrow page, one below the other."""
     across = 1 if is_narrow(page) else min(count, most)
@@ -211,7 +242,7 @@ def _curves(
     choice: Variation | None = None,
 ) -> None:
     """Draw a panel for each quantity over a parameter, with one line for each choice."""
-    panels = _panels(page, len(quantities))
+    panels = _panels(page, len(quantities), _across(len(quantities), CURVES))
     values = found[across.name]
     for axes, quantity in zip(panels, quantities, strict=True):
         shown = quantity.of(found)

@@ -96,14 +96,15 @@ class Sweep(Runs):
         write_table(table_path(path), self.chunks(self.names))
 
     def plot(
-        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float] | None = None
+        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float | None] | None = None
     ) -> Figure | None:
         """Draw the main results over the varied parameters.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
-            size: width and height [inches]. On a page narrower than 6 inches all panels are in one column.
+            size: width and height [inches]; a height of None is what the contents need.
+                On a page narrower than 6 inches all panels are in one column.
 
         Raises:
             SceneError: when too many parameters vary for a picture.

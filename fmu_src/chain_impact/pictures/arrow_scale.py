@@ -1,0 +1,60 @@
+"""The lengths of the arrows of forces in a film, and a ruler that shows them.
+
+The weight of a link and the peak of an impact can differ by a factor of a thousand, and both must be visible:
+the length is proportional to the cube root of the force.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import EngFormatter
+
+LONGEST, LEAST = 0.26, 0.02  # the longest and the shortest arrow, over the smaller side of the scene
+DECADES = 6  # the largest number of powers of ten on the ruler
+# the least distance of a mark from the foot of the ruler, and of two numbers, over the length of the ruler
+FROM, APART = 0.1, 0.3
+TICK = 3.0  # [points] half of the length of a mark
+
+
+class ArrowScale:
+    """The scale from forces [N] to lengths [m] of arrows."""
+
+    def __init__(self, peak: float, side: float) -> None:
+        """Store the largest force [N], and the smaller side of the scene [m]."""
+        self.peak, self.side = peak, side
+
+    def length(self, force: float) -> float:
+        """Return the length of the arrow of a force [N], at least LEAST times the side [m]."""
+        # l = LONGEST · side · ∛(F / F_max)
+        return self.side * max(LEAST, LONGEST * math.cbrt(force / self.peak))
+
+    def shows(self, force: float) -> bool:
+        """Return whether the arrow of a force [N] is as long as on the scale."""
+        return self.length(force) > LEAST * self.side
+
+    def marks(self) -> list[tuple[float, str]]:
+        """Return place [m] and text of each power of ten on the ruler, the largest first; "" without room."""
+        found: list[tuple[float, str]] = []
+        highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST * self.side
+        for force in 10.0 ** (highest - np.arange(DECADES)):
+            at = self.length(float(force))
+            if at < FROM * whole:
+                break
+            has_room = at <= free - APART * whole
+            found.append((at, EngFormatter("N", places=0)(float(force)) if has_room else ""))
+            free = at if has_room else free
+        return found
+
+    def draw(self, axes: Axes, corner: np.ndarray, colour: str) -> None:
+        """Draw the ruler to the right of a corner [m], with a mark for each power of ten."""
+        left, y = corner
+        look: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 7}
+        marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
+        axes.plot([left, left + LONGEST * self.side], [y, y], **marks)
+        for at, text in self.marks():
+            axes.plot([left + at], [y], "|", **marks)
+            axes.annotate(text, (left + at, y), (0.0, TICK + 1.5), ha="center", va="bottom", **look)
