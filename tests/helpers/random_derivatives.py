@@ -19,7 +19,7 @@ import numpy as np
 
 from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.tangent.friction import APART
+from chain_impact.kernel.tangent.friction import SAME_TIME_SLOPE
 from chain_impact.results.result import Result
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
@@ -254,9 +254,9 @@ def compare_one(result: Result, parameter: str, value: float, near: Any, found: 
 def left_open(result: Result) -> float:
     """Return the error of derivatives that a run reports, over the largest derivative.
 
-    With friction the result is at least APART, because a run does not report smaller errors.
+    With friction the result is at least SAME_TIME_SLOPE, because a run does not report smaller errors.
     """
-    untold = APART if any(name.endswith("friction_impulse") for name in result.columns) else 0.0
+    untold = SAME_TIME_SLOPE if any(name.endswith("friction_impulse") for name in result.columns) else 0.0
     return max(shares_left_open(result), default=untold)
 
 

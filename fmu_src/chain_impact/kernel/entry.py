@@ -10,8 +10,8 @@ from chain_impact.kernel.advance import advance, must_reinit, reinit
 from chain_impact.kernel.chain.signals import (
     CHANNEL,
     CONSTANT,
-    DEGREE as DEGREE_OF_SIGNALS,
     RAMP,
+    SIGNAL_DEGREE,
     SINE,
     TABLE,
     TIP_FORCE,
@@ -107,7 +107,7 @@ def signals_within_bounds(d):
         fits = fits and within(own.input[j], TORQUE, CHANNEL) and within(own.index[j], 0, most)
         fits = fits and within(own.source[j], 0, d.signals - 1) and within(own.order[j], 0, 2)
         fits = fits and within(own.integrals[j], 0, 2)
-        fits = fits and within(own.form[j], CONSTANT, TABLE) and within(own.degree[j], 0, DEGREE_OF_SIGNALS)
+        fits = fits and within(own.form[j], CONSTANT, TABLE) and within(own.degree[j], 0, SIGNAL_DEGREE)
         fits = fits and within(own.first[j], 0, own.last[j]) and within(own.last[j], 0, d.knots - 1)
         fits = fits and within(own.segment[j], own.first[j], own.last[j])
         if fits:

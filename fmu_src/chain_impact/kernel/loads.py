@@ -34,7 +34,7 @@ from chain_impact.kernel.status import counted_work, uncount_work
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
 # where the forces may rise and fall often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
-NEARLY = 0.95  # the least fraction of a squared peak that a parabola through three samples finds
+NEAR_PEAK = 0.95  # the least fraction of a squared peak that a parabola through three samples finds
 
 
 def start_loads(d, time):
@@ -244,7 +244,7 @@ def rises_between(left, top, right, highest):
     # The maximum of a parabola through the samples counts if it lies between the outer samples.
     if bend <= 0.0 or abs(right - left) > 2.0 * bend:
         return False
-    return top + (right - left) * (right - left) / (8.0 * bend) > NEARLY * highest
+    return top + (right - left) * (right - left) / (8.0 * bend) > NEAR_PEAK * highest
 
 
 def load_joints_at(d, theta):

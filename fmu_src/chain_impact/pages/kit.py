@@ -19,7 +19,7 @@ import numpy as np
 
 from chain_impact.compilation.affine import COUNTS, SAMPLES, affine
 from chain_impact.kernel.chain.inertia import DERIVED
-from chain_impact.kernel.chain.signals import DEGREE
+from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
 from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
@@ -63,7 +63,7 @@ PLACES: dict[str, Place] = {
     "stop_law": ("stops", "law"),
     **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1).names or ()},
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
-    **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(DEGREE + 1)},
+    **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }
 """The words of a record that are not parameters and depend on the scene."""
 

@@ -3,12 +3,12 @@
 from chain_impact.kernel.tangent.trust import (
     AT_FLOOR,
     AT_LIMIT,
+    AT_ONE_TIME,
     FROM_REST,
     GRAZING,
     JUMP,
     NO_LESS,
     NOT_SOLVED,
-    SIMULTANEOUS,
     SLOW_CHANGE,
     TOGETHER,
 )
@@ -16,7 +16,7 @@ from chain_impact.kernel.tangent.trust import (
 REASONS = {
     GRAZING: "its point arrives so slowly that the tolerance leaves open whether it arrives at all",
     AT_FLOOR: "its approach speed is below contact.minimum_impact_speed, which the contact law takes instead",
-    SIMULTANEOUS: "several points arrive at one moment, and the motion afterwards depends on which is first",
+    AT_ONE_TIME: "several points arrive at one moment, and the motion afterwards depends on which is first",
     JUMP: "the force of its contact law jumps where the point turns",
     NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
 }
@@ -25,7 +25,7 @@ REASONS = {
 REASONS_AT_STOPS = REASONS | {
     GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
     AT_FLOOR: "its joint's speed is below stop.minimum_impact_speed, which the contact law takes instead",
-    SIMULTANEOUS: "several contacts begin at one moment, and the motion afterwards depends on which is first",
+    AT_ONE_TIME: "several contacts begin at one moment, and the motion afterwards depends on which is first",
     JUMP: "the moment of its contact law jumps where the joint turns back",
 }
 """Code → reason why derivatives end at an impact at a stop of a joint."""

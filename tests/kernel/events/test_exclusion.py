@@ -236,7 +236,7 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_an
     point = d.candidate.point[0]
     d.work.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
     d.work.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
-    expected = max(speed, end) > exclusion.NEARLY * exclusion.RELATCH_RATIO
+    expected = max(speed, end) > exclusion.NEARLY_FAST * exclusion.RELATCH_RATIO
     assert exclusion.nearly_fast(d, 0) == expected
     d.touch.kink_crossed[0] = 0
     assert exclusion.is_quiet(d, 0) == (not expected)

@@ -7,7 +7,7 @@ from chain_impact.kernel.chain.joints import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import handlers
 from chain_impact.kernel.events.handlers import (
-    LEFT,
+    LEAVING_TIME,
     apply_events,
     bends_force,
     choose_size,
@@ -67,13 +67,13 @@ def test_a_contact_begins_on_its_side_of_the_kink(law):
     [(0.9, -0.5, 1), (1.1, -0.5, 0), (0.0, 0.5, 0), (-5.0, 0.5, 0), (-5.0, -0.5, 1), (0.0, 0.0, 1)],
 )
 def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
-    """The contact ends within LEFT of δ*/v₀ from its end; a contact that moves inward stays."""
+    """The contact ends within LEAVING_TIME of δ*/v₀ from its end; a contact that moves inward stays."""
     d = arrived(law, speed=speed)
     if speed == 0.0:
         d.work.velocity.x[:] = d.work.velocity.y[:] = 0.0
     touch(d, [C])
     d.touch.depth_scale[C], d.touch.impact_speed[C] = 0.2, 4.0
-    press_in(d, C, times * LEFT * 0.2 / 4.0 * abs(speed))
+    press_in(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
     assert handle(d, C, END) == JUMPS[law]

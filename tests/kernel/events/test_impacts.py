@@ -121,7 +121,7 @@ def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_p
 
 def test_points_that_all_but_touch_are_neighbours():
     d, *_ = touching(0, (1,))
-    limit = impacts.NEAR * d.model.size
+    limit = impacts.TOUCHES * d.model.size
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
     d.touch.active[1] = d.touch.active[13] = 1
@@ -169,7 +169,7 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
 def test_impulses_fall_short_by_more_than_round_off(short):
     d, *_ = touching(1, POINTS, kinds=NONE)
     d.rigid.target[:4] = 0.5
-    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * impacts.GAIN * largest(d, d.work.velocity), 0.5
+    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * impacts.IMPACT_ROUND_OFF * largest(d, d.work.velocity), 0.5
     assert impacts.lacks_rebound(d) == (short > 1.0)
 
 

@@ -587,7 +587,7 @@ def test_round_off_is_that_of_a_speed_or_of_a_force(rubbing):
     d.element.limit[e], d.element.slack[e] = 7.0, 1e-9
     assert sampled.rest_speed(d) == sampled.AT_REST * size
     assert sampled.excess(d, e) == pytest.approx(
-        sampled.EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12
+        sampled.FRICTION_EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12
     )
     assert sampled.resolution_of(d, e) == sampled.rest_speed(d) + 1e-9
     d.element.mode[e] = STICKS

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import copy, in_reach, polar
-from chain_impact.kernel.mathematics.angles import LARGEST, cosine, cosine_and_sine, sine
+from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine, cosine_and_sine, sine
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel_calls import initialize
@@ -19,7 +19,7 @@ def kernel(angles):
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("size", [1.0, 10.0, 1e3, LARGEST])
+@pytest.mark.parametrize("size", [1.0, 10.0, 1e3, LARGEST_ANGLE])
 def test_errors_are_below_two_parts_in_1e16(size):
     angles = np.random.default_rng(4).uniform(-size, size, 4000)
     with mpmath.workdps(40):
@@ -56,12 +56,12 @@ def test_the_cosine_and_sine_of_an_angle_are_those_of_each_quarter_turn(quarter)
 
 
 def test_angles_are_in_reach_as_long_as_their_sizes_add_up_to_less_than_the_largest():
-    angles = np.array([9 * LARGEST, -0.6 * LARGEST, 0.39 * LARGEST, 9 * LARGEST])
+    angles = np.array([9 * LARGEST_ANGLE, -0.6 * LARGEST_ANGLE, 0.39 * LARGEST_ANGLE, 9 * LARGEST_ANGLE])
     assert in_reach(angles, 1, 2)
     assert in_reach(angles, 1, 0)
     assert not in_reach(angles, 1, 3)
     assert not in_reach(angles, 0, 2)
-    angles[2] = 0.4 * LARGEST
+    angles[2] = 0.4 * LARGEST_ANGLE
     assert not in_reach(angles, 1, 2)
 
 
@@ -73,7 +73,7 @@ def test_numbers_are_copied_from_where_they_begin(count, first):
     np.testing.assert_array_equal(out, [*numbers[first : first + count], *[-1.0] * (12 - count)])
 
 
-@pytest.mark.parametrize("largest", [3.0, 3.0 * LARGEST])
+@pytest.mark.parametrize("largest", [3.0, 3.0 * LARGEST_ANGLE])
 def test_a_radius_scales_both_and_angles_begin_where_they_are_said_to(largest):
     angles, radius = np.array([1.0, 2.0, -largest, 0.5]), np.array([0.7, 2.5])
     across, along = np.zeros(2), np.zeros(2)
@@ -85,7 +85,7 @@ def test_larger_angles_are_as_exact():
     """The last one is closer to a multiple of π/2 than any other double."""
     sizes = 2.0 ** np.random.default_rng(5).uniform(20.0, 1024.0, 200)
     with mpmath.workprec(1300):
-        for angle in [*sizes, *-sizes, LARGEST, -1e15, 6381956970095103.0 * 2.0**797]:
+        for angle in [*sizes, *-sizes, LARGEST_ANGLE, -1e15, 6381956970095103.0 * 2.0**797]:
             exact = mpmath.mpf(float(angle))
             assert abs(mpmath.cos(exact) - cosine(float(angle))) < 2e-16
             assert abs(mpmath.sin(exact) - sine(float(angle))) < 2e-16

@@ -211,7 +211,7 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
     scale += sum(moments)
     known += moments @ (abs(y[2 : LINKS + 2]) + abs(d.inputs.joint_target_angle))
     assert balance.scales(d, y) == pytest.approx((scale, known), rel=1e-13)
-    allowed = 3.0 * TOLERANCE * scale + balance.ROUND_OFF * known
+    allowed = 3.0 * TOLERANCE * scale + balance.ENERGY_ROUND_OFF * known
     assert balance.allowance(d, y) == pytest.approx(allowed, rel=1e-13)
     assert balance.round_off(d, y) == pytest.approx(1e-15 * known, rel=1e-13)
 

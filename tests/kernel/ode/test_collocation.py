@@ -233,12 +233,12 @@ def at_start(tolerance=1e-8, **tables):
 @pytest.mark.parametrize(
     ("gap", "gap_rate", "size"),
     [
-        (-0.5, 1.0, 0.5 * collocation.BEYOND),  # s, in which it leaves
+        (-0.5, 1.0, 0.5 * collocation.PAST_END),  # s, in which it leaves
         (-0.99, 1.0, 1.0),  # the contact began in this step, shortly before its end
         (-2.0, 1.0, 1.0),
         (-0.5, -1.0, 1.0),  # it goes in
-        (-0.9 * collocation.LEFT, 1.0, 1.0),  # it has all but left
-        (-1.1 * collocation.LEFT, 1.0, 1.1 * collocation.LEFT * collocation.BEYOND),
+        (-0.9 * collocation.FORCELESS, 1.0, 1.0),  # it has all but left
+        (-1.1 * collocation.FORCELESS, 1.0, 1.1 * collocation.FORCELESS * collocation.PAST_END),
         (0.1, 1.0, 1.0),
     ],
 )

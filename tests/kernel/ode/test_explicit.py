@@ -13,7 +13,7 @@ from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.ode import control, explicit, last_step, methods, sundman
 from chain_impact.kernel.ode.dense import interpolate
-from chain_impact.kernel.ode.explicit import BEYOND, LEFT, estimate, toward_end
+from chain_impact.kernel.ode.explicit import FORCELESS, PAST_END, estimate, toward_end
 from chain_impact.kernel.rows import geometry
 from tests.helpers.friction import pendulum
 from tests.helpers.plain import begun
@@ -293,13 +293,13 @@ def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_w
         roots = np.roots([0.5 * geometry.gap_acceleration(d, c), speed, gap])
         left.append(min(roots[roots > 0.0]))
     assert np.argmin(left) == first
-    assert longest == pytest.approx(BEYOND * min(left), rel=1e-9)
+    assert longest == pytest.approx(PAST_END * min(left), rel=1e-9)
     assert toward_end(d, 0.9 * min(left)) == longest
     assert toward_end(d, 0.8 * min(left)) == pytest.approx(0.5 * min(left), rel=1e-9)
     assert toward_end(d, 0.1 * min(left)) == 0.1 * min(left)
     # a contact that has almost left does not count
-    assert toward_end(d, 0.99 * min(left) / LEFT) == longest
-    assert toward_end(d, 1.01 * min(left) / LEFT) == 1.01 * min(left) / LEFT
+    assert toward_end(d, 0.99 * min(left) / FORCELESS) == longest
+    assert toward_end(d, 1.01 * min(left) / FORCELESS) == 1.01 * min(left) / FORCELESS
 
 
 def test_in_its_own_variable_a_step_passes_the_end_of_a_contact_that_is_near():
@@ -314,5 +314,5 @@ def test_in_its_own_variable_a_step_passes_the_end_of_a_contact_that_is_near():
     roots = np.roots([0.5 * sundman.root_curve(d, u, slope), slope, u])
     left = min(roots[roots > 0.0])
     assert abs(left - u / -slope) > 0.01 * left
-    assert longest == pytest.approx(BEYOND * left, rel=1e-9)
+    assert longest == pytest.approx(PAST_END * left, rel=1e-9)
     assert toward_end(d, 0.1 * left) == 0.1 * left

@@ -90,11 +90,11 @@ def test_a_projection_tells_its_largest_weighted_change_and_the_mismatch_before(
         z[gap_at(d, k)] += gaps[k]
         z[rate_at(d, k)] += rates[k]
     changes = np.concatenate([response(scene, d, y, touched, wanted) for wanted in (gaps, rates)])
-    apart, moved = extended.largest_mismatch(d, z) / extended.APART, y.copy()
+    apart, moved = extended.largest_mismatch(d, z) / extended.CLEARANCE_MISMATCH, y.copy()
     worst = extended.project_clearances(d, z, moved)
     assert worst == pytest.approx((max(abs(changes) * d.implicit.weight[: 2 * HALF]), apart), rel=1e-7)
     assert moved[: 2 * HALF] - y[: 2 * HALF] == pytest.approx(changes, rel=1e-7, abs=1e-14)
-    assert extended.APART == 0.03
+    assert extended.CLEARANCE_MISMATCH == 0.03
 
 
 def test_the_change_of_either_part_may_be_the_largest(step):

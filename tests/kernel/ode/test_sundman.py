@@ -135,7 +135,11 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
 
 def test_time_passes_as_p_says_and_as_itself_without_a_contact():
     d, c, y = contact()
-    for regularized, rate, least in ((c, 0.4, sundman.SLOW), (0, 0.4, sundman.SLOW), (NO_CONTACT, 1.0, 1.0)):
+    for regularized, rate, least in (
+        (c, 0.4, sundman.RESTING),
+        (0, 0.4, sundman.RESTING),
+        (NO_CONTACT, 1.0, 1.0),
+    ):
         d.step.regularized, y[U] = regularized, 0.5
         assert sundman.time_rate_of(d, 0.5) == sundman.time_rate_now(d, y) == pytest.approx(rate)
         y[U] = 1e-9
@@ -182,10 +186,10 @@ def place(d, c, gap):
 
 def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     d, c, _ = contact()
-    place(d, c, -SCALE * (0.5 * sundman.SLOW) ** 2)  # u = SLOW/2
-    own = c, pytest.approx(0.5 * sundman.SLOW, rel=1e-6)
+    place(d, c, -SCALE * (0.5 * sundman.RESTING) ** 2)  # u = RESTING/2
+    own = c, pytest.approx(0.5 * sundman.RESTING, rel=1e-6)
     for part, right in ((0.49, IN_TIME), (0.51, own)):
-        d.touch.impact_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.SLOW)
+        d.touch.impact_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING)
         assert sundman.lone_contact(d) == right
 
 

@@ -81,7 +81,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     """An impulse p moves the point by W/(1 + D W) p, some millionths of W p."""
     d, _, _, _, w = problem(base)
     amount = compliance.holding_impedance(d)
-    assert amount == pytest.approx(compliance.STIFF * d.model.mass.mean(), rel=1e-14)
+    assert amount == pytest.approx(compliance.HELD_STIFFNESS * d.model.mass.mean(), rel=1e-14)
     for k, c in enumerate(d.touch.active_index[:4]):
         touch(d, [c])
         d.rigid.impedance[0] = amount

@@ -9,7 +9,14 @@ import pytest
 
 from chain_impact.kernel.ode.radau import RADAU_STAGES, Q
 from chain_impact.kernel.tangent import duals, replay, trust
-from chain_impact.kernel.tangent.replay import ENOUGH, FALLS, MOST, ROUND_OFF, STALLED, UNLIMITED_CORRECTION
+from chain_impact.kernel.tangent.replay import (
+    CONVERGED_SLOPES,
+    FALLS,
+    MOST,
+    SLOPE_ROUND_OFF,
+    STALLED,
+    UNLIMITED_CORRECTION,
+)
 from tests.helpers.derivative_scenes import Case, table
 from tests.kernel.tangent.dual import Dual, followed, started
 
@@ -97,7 +104,11 @@ def iterated(monkeypatch, corrections):
     return converged, len(done) // 2
 
 
-END, FAST, LARGE = 1 + STALLED, ENOUGH * TOLERANCE, 1.1 * max(ROUND_OFF, ENOUGH * TOLERANCE)
+END, FAST, LARGE = (
+    1 + STALLED,
+    CONVERGED_SLOPES * TOLERANCE,
+    1.1 * max(SLOPE_ROUND_OFF, CONVERGED_SLOPES * TOLERANCE),
+)
 SLOW, PAUSE = 1.01 * FALLS, [1.0] * (STALLED - 1)
 WAVES = [0.9 * FALLS, *PAUSE, 0.8 * FALLS**2, *PAUSE, 0.0]
 
@@ -122,8 +133,8 @@ def test_an_iteration_ends_when_it_has_converged_or_its_corrections_fall_no_more
 
 @pytest.mark.parametrize("part", [0.9, 1.1])
 def test_round_off_is_no_failure(monkeypatch, part):
-    monkeypatch.setattr(replay, "ENOUGH", 0.0)
-    assert iterated(monkeypatch, [part * ROUND_OFF] * MOST) == (part < 1.0, END)
+    monkeypatch.setattr(replay, "CONVERGED_SLOPES", 0.0)
+    assert iterated(monkeypatch, [part * SLOPE_ROUND_OFF] * MOST) == (part < 1.0, END)
 
 
 def dual(*slopes):

@@ -45,7 +45,7 @@ def test_at_no_depth_a_power_is_finite(exponent, slope):
     assert found.slope.tolist() == (slope * np.array(DEPTH)).tolist()
 
 
-@pytest.mark.parametrize("size", [3.0, 10.0 * kinematics.LARGEST])
+@pytest.mark.parametrize("size", [3.0, 10.0 * kinematics.LARGEST_ANGLE])
 def test_points_of_a_circle(size):
     random = np.random.default_rng(2)
     angles, slopes = random.uniform(-size, size, 5), random.normal(size=(2, 5))

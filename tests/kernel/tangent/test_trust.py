@@ -147,7 +147,7 @@ def test_of_several_onsets_the_slowest_is_named(monkeypatch):
         t = instance([ONSET, END, ONSET, ONSET])
         approaching(monkeypatch, rates[0], 0.0, *rates[1:])
         trust.check_onsets(t)
-        assert told(t) == (trust.SIMULTANEOUS, TIME, 4 + slowest, slowest)
+        assert told(t) == (trust.AT_ONE_TIME, TIME, 4 + slowest, slowest)
     for event, reason in ((END, trust.TRUSTED), (ONSET, trust.NOT_SOLVED)):
         t = instance([event])
         t.trust.reason = reason

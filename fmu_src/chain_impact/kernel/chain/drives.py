@@ -7,9 +7,10 @@ events change (events/saturation.py): 0 while |F| is below the limit, 1 or −1 
 the negative limit.
 """
 
-# EXCESS: the largest excess of F over the limit of a drive that is round-off, over the limit. ROUND_OFF: the
-# largest error of a spring's force that is round-off, over k (|q| + |q_t|).
-EXCESS, ROUND_OFF = 1e-12, 1e-14
+# the largest excess of F over the limit of a drive that is round-off, over the limit
+DRIVE_EXCESS = 1e-12
+# the largest error of a spring's force that is round-off, over k (|q| + |q_t|)
+SPRING_ROUND_OFF = 1e-14
 
 
 def wanted_drive(motor, damping, rate, stiffness, stretch):
@@ -38,4 +39,4 @@ def mode_excess(wanted, limit, mode, stiffness, size):
     ``size`` is |q| + |q_t|.
     """
     margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
-    return margin + (EXCESS * limit + ROUND_OFF * stiffness * size)
+    return margin + (DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * size)

@@ -68,7 +68,7 @@ def corner_of_box(number, length, height):
 # The largest distance between a joint and a centre of mass, over the link's length, at which both count as
 # one point. The inertia about the joint, which is proportional to the square of this distance, is then only
 # round-off.
-NEAR = 1e-8
+SAME_POINT = 1e-8
 
 
 def loose_links(chain, free_base):
@@ -83,7 +83,7 @@ def loose_links(chain, free_base):
     """
     begin, count = -1, len(chain.length)
     for i in range(count):
-        near = NEAR * chain.length[i]
+        near = SAME_POINT * chain.length[i]
         if chain.inertia[i] > 0.0:
             begin = -1
             continue

@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.sites import accelerate_sites, clear_sites, place_sites, turn_sites
 from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
 from chain_impact.kernel.functions import inlined
-from chain_impact.kernel.mathematics.angles import LARGEST, cosine_and_sine, direction
+from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sine, direction
 
 
 def polar(radius, y, first, horizontal, vertical):
@@ -57,7 +57,7 @@ def in_reach(y, first, count):
     total = 0.0
     for i in range(count):
         total += abs(y[first + i])
-    return total < LARGEST
+    return total < LARGEST_ANGLE
 
 
 def locate_points(d, y):

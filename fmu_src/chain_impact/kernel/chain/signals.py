@@ -25,7 +25,8 @@ SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
 TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE = 0, 1, 2, 3
 SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY, CHANNEL = 4, 5, 6, 7
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
-DEGREE = RAMP_DEGREE + 2  # largest degree of the polynomials: a ramp of an acceleration is integrated twice
+# largest degree of the polynomials: a ramp of an acceleration is integrated twice
+SIGNAL_DEGREE = RAMP_DEGREE + 2
 # the largest slope and the largest curvature of ``smooth``
 STEEPEST, ROUNDEST = 1.875, 5.7735027
 
@@ -237,7 +238,7 @@ def begin_signal(d, j, time):
 def set_level(d, k, time, level):
     """Set knot k to a constant ``level`` from a ``time`` [s] on."""
     d.knot.time[k] = time
-    for p in range(1, DEGREE + 1):
+    for p in range(1, SIGNAL_DEGREE + 1):
         d.knot.powers[k, p] = 0.0
     d.knot.powers[k, 0] = level
 
@@ -283,7 +284,7 @@ def integrate(d, j, time):
     own, knot = d.signal, d.knot
     own.integrals[j] += 1
     for k in range(own.first[j], own.last[j] + 1):
-        for p in range(DEGREE, 0, -1):
+        for p in range(SIGNAL_DEGREE, 0, -1):
             knot.powers[k, p] = knot.powers[k, p - 1] / p
         knot.powers[k, 0] = 0.0
         if k > own.first[j]:
@@ -308,7 +309,7 @@ def signals_are_valid(d):
             if k > own.first[j] and not d.knot.time[k] >= d.knot.time[k - 1]:
                 return False
             total += d.knot.time[k]
-            for p in range(DEGREE + 1):
+            for p in range(SIGNAL_DEGREE + 1):
                 total += d.knot.powers[k, p]
         # the integral of a sine that does not swing is none
         still = own.form[j] == SINE and own.frequency[i] == 0.0 and own.frequency_rate[i] == 0.0

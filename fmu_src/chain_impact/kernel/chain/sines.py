@@ -25,13 +25,14 @@ from chain_impact.kernel.mathematics.angles import direction
 
 TAU = 2.0 * math.pi
 RISING = 5  # degree of the smooth ramp
-NEAR = 0.125  # largest |y| for the continued fraction; beyond it Φ is within 1/(2 NEAR) = 4 rad of Φ(s*)
+# largest |y| for the continued fraction; beyond it Φ is within 1/(2 NEAR_TURNING_POINT) = 4 rad of Φ(s*)
+NEAR_TURNING_POINT = 0.125
 # The largest depth from which the fraction is evaluated, without and with a rise, and its growth with |y|. A
 # smaller depth costs digits of E_2, and in a rise of E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
-LEAST = 1e-17  # error of the fraction, relative, at which it is deep enough
+FRACTION_ERROR = 1e-17  # error of the fraction, relative, at which it is deep enough
 # the largest turn [rad] in a rise that is integrated by quadrature, and in a panel of a quadrature
-SLOW, PANEL = 24.0, 6.0
+LARGEST_TURN, PANEL = 24.0, 6.0
 # Gauss and Legendre's nodes and weights on [0, 1]
 # fmt: off
 NODES = (0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
@@ -62,11 +63,11 @@ def integral(d, i, m, s, rise):
     """
     begin, g = TAU * d.signal.frequency[i], TAU * d.signal.frequency_rate[i]
     omega = begin + g * s
-    if rise > 0.0 and max(abs(begin), abs(begin + g * rise)) * rise <= SLOW:
+    if rise > 0.0 and max(abs(begin), abs(begin + g * rise)) * rise <= LARGEST_TURN:
         return by_quadrature(d, i, m, s, rise)
     cosine, sine = direction(phase(d, i, s))
     begins_up = begin > 0.0 or (begin == 0.0 and g > 0.0)
-    if not abs(g) <= NEAR * omega * omega:
+    if not abs(g) <= NEAR_TURNING_POINT * omega * omega:
         middle, u, v = at_standstill(d, i, begins_up)
         u, v = fresnel(middle, omega / g, g, u, v)
         return by_recurrence(m, (cosine, sine, u, v), (omega, g), s, rise)
@@ -85,7 +86,7 @@ def by_fraction(m, rates, s, rise):
     last = m + 1 + (RISING if rise > 0.0 else 0)
     depth, error = last, 1.0
     most = (DEPTH_OF_RISE if rise > 0.0 else DEPTH) + DEEPER * abs(y)
-    while error > LEAST and depth < most:
+    while error > FRACTION_ERROR and depth < most:
         depth += 1
         # an error of K_{n+1}/K_n causes one of n y, or less, times as much in K_n/K_{n−1}
         error *= depth * abs(y)
@@ -163,8 +164,8 @@ def fresnel(middle, since, g, u, v):
 def by_quadrature(d, i, m, s, rise):
     """Return I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from 0 to s in a rise, m ≤ 2."""
     begin = TAU * d.signal.frequency[i]
-    # in a rise Φ turns by SLOW at most
-    turn = min(SLOW, max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s))
+    # in a rise Φ turns by LARGEST_TURN at most
+    turn = min(LARGEST_TURN, max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s))
     panels = 1
     while panels * PANEL < turn:
         panels += 1

@@ -87,7 +87,7 @@ def locate_at(d, theta):
 
 # The largest deviation of φ from its chord that is round-off, over a link length; an interval with a smaller
 # deviation is not halved.
-RESOLUTION = 1e-15
+CROSSING_RESOLUTION = 1e-15
 # The largest |φ|, and the largest change of φ in an interval, with which a point skims a wall, over a link
 # length; points of a link that is held elsewhere do so. FINE: the largest part of a step that is then not
 # halved.
@@ -151,7 +151,7 @@ def check_candidate(d, c, a, b):
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
     # the condition `sag < …` would halve without end for a curvature that is not finite
-    if settled or not sag >= RESOLUTION * d.model.size or (b - a <= FINE and skims(d, c, width)):
+    if settled or not sag >= CROSSING_RESOLUTION * d.model.size or (b - a <= FINE and skims(d, c, width)):
         # At a loose tolerance the interpolant can put a point deep inside a wall although the point does not
         # move inward. A point in contact that moves inward has not left, wherever the interpolant of a stiff
         # step puts it.
@@ -169,7 +169,7 @@ def skims(d, c, width):
 def nearly_linear(d, c, part):
     """Return whether φ of candidate c is linear up to round-off over a ``part`` of the step."""
     width = part * d.step.size
-    return not d.search.curvature[c] * width * width / 8.0 >= RESOLUTION * d.model.size
+    return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.model.size
 
 
 def locate(d, a, b):

@@ -25,7 +25,7 @@ MARGIN = 0.05
 RELATCH_RATIO = 2.0
 # fraction of the latching speed RELATCH_RATIO v₀; if δ̇ exceeds it at an end of a step, the step is sampled
 # inside too
-NEARLY = 0.75
+NEARLY_FAST = 0.75
 
 
 # values of `search.known`: which data of the clearances are known at the end of the last step. NOTHING: none;
@@ -174,7 +174,7 @@ def is_quiet(d, c):
 def nearly_fast(d, c):
     """Return whether δ̇ of contact c is so large at an end of the step that v₀ may need a new value."""
     _, gap_rate = clearance(d, c)
-    return max(d.touch.speed[c], -gap_rate) > NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
+    return max(d.touch.speed[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.touch.impact_speed[c]
 
 
 def stays_positive(d, c, error):

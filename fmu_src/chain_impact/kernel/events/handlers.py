@@ -49,7 +49,7 @@ from chain_impact.kernel.status import count_evaluations
 # The largest time in which a point must be outside of the wall to count as having left, over the contact's
 # time scale. To wait longer would cost one more step, a tenth of the work of an impact at a tolerance of
 # 1e-4.
-LEFT = 0.01
+LEAVING_TIME = 0.01
 
 
 def end_if_left(d, c):
@@ -60,8 +60,8 @@ def end_if_left(d, c):
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
-    # −g/ġ ≤ LEFT δ*/v₀
-    if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEFT * touch.depth_scale[c] * gap_rate:
+    # −g/ġ ≤ LEAVING_TIME δ*/v₀
+    if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEAVING_TIME * touch.depth_scale[c] * gap_rate:
         end_contact(d, c, False)
 
 

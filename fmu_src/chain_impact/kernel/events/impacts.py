@@ -7,9 +7,9 @@ ones with ġ = 0, it reads
     u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
 
 with e = 0 for a held contact and for a point that arrives slower than ``contact.minimum_impact_speed``, so
-that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) = ½ p (1
-− e) u⁻ ≤ 0, so no impact adds energy. (If a point within NEAR of a wall moves away from the wall, u⁻ > 0, an
-impact could add energy; then the impact is computed with e = 0, which adds no energy.)
+that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) =
+½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (If a point within TOUCHES of a wall moves away from the wall,
+u⁻ > 0, an impact could add energy; then the impact is computed with e = 0, which adds no energy.)
 
 A contact that separates with a speed above zero ends. Forces F hold the other contacts, which are at rest, as
 long as the forces push:
@@ -66,10 +66,10 @@ from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
 # Fraction of the smallest rebound speed. Points slower than this fraction do not separate: bounces that each
 # have a fraction of the speed of the bounce before would accumulate in a finite time (Zeno behaviour).
 STICK = 1e-3
-NEAR = 1e-12  # the largest clearance of a point that takes part in an impact, over a link length
+TOUCHES = 1e-12  # the largest clearance of a point that takes part in an impact, over a link length
 # the largest error that is round-off: of an energy, over Σ p (|u⁻| + |u⁺|), or of a speed, over the largest
 # speed
-GAIN = 1e-9
+IMPACT_ROUND_OFF = 1e-9
 # The clearance given to a point that is released, over a link length. It is a hundred times round-off, so
 # that round-off does not make the point touch again.
 RELEASE_GAP = 1e-13
@@ -150,7 +150,7 @@ def follow_jump(d):
 
 
 def include_near_contacts(d):
-    """Add the points within NEAR of a rigid wall to the points of an impact.
+    """Add the points within TOUCHES of a rigid wall to the points of an impact.
 
     Without these points, a link wedged between two walls would hit the walls in turn, infinitely often in a
     finite time.
@@ -158,7 +158,7 @@ def include_near_contacts(d):
     touch = d.touch
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if d.law.impulsive[c] and not touch.active[c] and gap < NEAR * d.model.size:
+        if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * d.model.size:
             include(d, c)
             mark(d, c, NEIGHBOUR)
 
@@ -166,7 +166,7 @@ def include_near_contacts(d):
 def apply_impulses(d):
     """Apply the impulses of an impact to the velocities, and count the lost energy as dissipated."""
     lost, moved = find_impulses(d, 1.0)
-    if lost < -GAIN * moved or lacks_rebound(d):
+    if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
         # only a NEIGHBOUR that moves away from its wall, or a wedged point, can cause a gain of energy
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
@@ -210,7 +210,7 @@ def lacks_rebound(d):
     """Return whether no impulses can give every point the rebound speed that the restitution demands."""
     short, scale = False, fastest_of_all(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
+        short = short or d.rigid.reached[k] < d.rigid.target[k] - IMPACT_ROUND_OFF * scale
     return short
 
 

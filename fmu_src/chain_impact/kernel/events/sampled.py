@@ -67,7 +67,7 @@ SHORT = 1e-9  # [s] the shortest step that is refused because of a release
 AT_REST = 1e-12  # the largest tangential speed that counts as rest, over a link length per second
 # The largest excess of static friction that is round-off, over the limit of friction plus a link's weight
 # plus the force that accelerates a link by one link length per second squared.
-EXCESS = 1e-10
+FRICTION_EXCESS = 1e-10
 
 
 CONTACTS = (lambda d: d.touch.compliant_count, lambda d, k: d.touch.active_index[k])
@@ -279,7 +279,7 @@ def rest_speed(d):
 
 def excess(d, e):
     """Return the excess [N] of the friction of element e over its limit that is round-off."""
-    return EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
+    return FRICTION_EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
 
 
 def element_margin(d, e, theta):

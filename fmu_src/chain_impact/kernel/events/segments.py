@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.signals import CHANNEL, next_segment, segment_end
 from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import renew_modes
 from chain_impact.kernel.events.marks import drop_events
-from chain_impact.kernel.forces.inputs import LANDED, ensure_inputs, limit_to
+from chain_impact.kernel.forces.inputs import SAME_TIME, ensure_inputs, limit_to
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
@@ -23,10 +23,10 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
 # effect of the end of a segment: no driven input jumps; one jumps; the speed of a belt jumps
-CONTINUES, BENDS, JUMPS = 0, 1, 2
+NO_JUMP, BENDS, JUMPS = 0, 1, 2
 # The largest difference between the values before and after the end of a segment that is round-off. It is
 # relative to the sum of the values' sizes, their change in a second, and a natural scale of the input.
-SAME = 1e-9
+VALUE_ROUND_OFF = 1e-9
 
 
 def limit_to_segment(d, h):
@@ -45,7 +45,7 @@ def first_end(d):
 def end_at_segment(d):
     """End the last step where a segment ends, if the step goes beyond that time."""
     end = first_end(d)
-    if end < d.step.end - LANDED * abs(d.step.end):
+    if end < d.step.end - SAME_TIME * abs(d.step.end):
         drop_events(d)
         ensure_dense(d, SOLVER)
         truncate_step(d, fraction(d, end))
@@ -54,7 +54,7 @@ def end_at_segment(d):
 
 def has_ended(d, j):
     """Return whether the present segment of signal j ends at the end of the last step."""
-    return segment_end(d, j) - d.step.end <= LANDED * abs(d.step.end)
+    return segment_end(d, j) - d.step.end <= SAME_TIME * abs(d.step.end)
 
 
 def check_segments(d):
@@ -76,7 +76,7 @@ def check_segments(d):
 
 def same(before, after, scale):
     """Return whether two numbers are equal up to round-off, relative to their sizes and a ``scale``."""
-    return abs(after - before) <= SAME * (abs(before) + abs(after) + scale)
+    return abs(after - before) <= VALUE_ROUND_OFF * (abs(before) + abs(after) + scale)
 
 
 def begin_next(d, j):
@@ -91,30 +91,30 @@ def begin_segments(d):
     The energy by which a jump loads springs counts as supplied.
 
     Returns:
-        CONTINUES, BENDS or JUMPS: the largest value of all signals.
+        NO_JUMP, BENDS or JUMPS: the largest value of all signals.
     """
     last = -1
     for j in range(d.signals):
         if has_ended(d, j):
             last = j
-    change = CONTINUES
+    change = NO_JUMP
     for j in range(last + 1):
         if has_ended(d, j):
             delay = segment_end(d, j) - d.step.end
             shift_start(d, delay)
             change = max(change, begin_segment(d, j))
-            if change != CONTINUES and j == last:
+            if change != NO_JUMP and j == last:
                 commit_quadratures(d)
                 renew_modes(d, change == JUMPS)
                 reset_step(d, d.step.end, d.step.state_end)
-            if change != CONTINUES or d.channels > 0:
+            if change != NO_JUMP or d.channels > 0:
                 evaluate_start(d)
             shift_start(d, -delay)
     return change
 
 
 def begin_segment(d, j):
-    """Begin the next segment of signal j; return CONTINUES, BENDS or JUMPS."""
+    """Begin the next segment of signal j; return NO_JUMP, BENDS or JUMPS."""
     y = d.step.state_end
     locate_points(d, y)
     ensure_inputs(d, y)
@@ -128,10 +128,10 @@ def begin_segment(d, j):
     size = d.model.size
     if d.signal.input[j] != CHANNEL:
         # the energy of the chain serves as the scale for torques, forces and angles alike
-        return CONTINUES if same(before, after, abs(rate) + abs(rate_after) + d.model.energy) else BENDS
+        return NO_JUMP if same(before, after, abs(rate) + abs(rate_after) + d.model.energy) else BENDS
     if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
         return JUMPS
-    return CONTINUES if same(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS
+    return NO_JUMP if same(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS
 
 
 def shift_start(_d, _delay):

@@ -20,7 +20,7 @@ from chain_impact.kernel.rows.geometry import at_joint, lever
 
 # The relative increment of penetration and speed for the central differences of a user's law. It is about the
 # cube root of round-off: the errors of truncation and of round-off are then equal.
-DIFFERENCE = 1e-5
+INCREMENT = 1e-5
 # The largest rate |δ̇| at which a contact counts as turning from compression to restitution, over v₀
 # √tolerance. A rate of this size changes the impulse by a tenth of the tolerance.
 TURNED = 0.3
@@ -243,11 +243,11 @@ def user_slopes(d, c, depth, rate):
 
     Each value is at least 0.
     """
-    step = DIFFERENCE * depth
+    step = INCREMENT * depth
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
     stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
-    step = DIFFERENCE * (abs(rate) + d.touch.impact_speed[c])
+    step = INCREMENT * (abs(rate) + d.touch.impact_speed[c])
     low, _ = law_force(d, c, depth, rate - step)
     high, _ = law_force(d, c, depth, rate + step)
     return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))

@@ -45,11 +45,11 @@ UNEXPLAINED = 0.05
 TOUCH_OFF = 1e-9
 # The largest change of an acceleration that is round-off, over the largest position divided by the squared
 # step.
-SAME = 1e-14
+ACCELERATION_ROUND_OFF = 1e-14
 # `change_rate` of a motion that is a cubic, over 1/h; small, because its sixth derivative is 0
-SLOW_CHANGE = 0.5
+CUBIC_CHANGE = 0.5
 # the largest time from the end of a step to the end of the piece with which the step ends, over the time
-LANDED = 4e-15
+SAME_TIME = 4e-15
 
 
 def apply_inputs(d):
@@ -191,7 +191,7 @@ def polynomial(powers, order, i, x):
 
 def inputs_continue(d):
     """Return whether the next piece of the inputs continues the present piece where the last step ends."""
-    return d.given.changed == CONTINUES and d.step.end - d.step.time <= LANDED * abs(d.step.end)
+    return d.given.changed == CONTINUES and d.step.end - d.step.time <= SAME_TIME * abs(d.step.end)
 
 
 def limit_to_piece(d, h):
@@ -268,8 +268,8 @@ def follow_motion(d, time):
     if not moves and d.inputs.course.order == 0:
         return OK
     course.order, course.middle, course.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
-    course.until = time + LANDED / 4.0 * abs(time) if moves else math.inf
-    course.change_rate = SLOW_CHANGE / h if moves else 0.0
+    course.until = time + SAME_TIME / 4.0 * abs(time) if moves else math.inf
+    course.change_rate = CUBIC_CHANGE / h if moves else 0.0
     given.jumps = 0
     if d.given.changed != AT_ONCE:
         d.given.changed = AT_ONCE if jumps else CONTINUES
@@ -301,14 +301,14 @@ def set_cubic(d, j, time, h):
     v, v_end = 0.5 * h * v, 0.5 * h * v_end
     size = abs(s) + abs(s_end) + abs(v) + abs(v_end)
     third = 0.25 * (s - s_end + v + v_end)
-    if not abs(third) > SAME * size:
+    if not abs(third) > ACCELERATION_ROUND_OFF * size:
         third = 0.0
     given.course[3, j] = third
     given.course[2, j] = 0.25 * (v_end - v)
     given.course[1, j] = 0.5 * (s_end - s) - third
     given.course[0, j] = 0.5 * (s + s_end) - given.course[2, j]
     bend = (given.course[2, j] - 3.0 * third) * 8.0 - own.acceleration[j] * h * h
-    return abs(bend) <= SAME * size
+    return abs(bend) <= ACCELERATION_ROUND_OFF * size
 
 
 def note_given(d, j, now):

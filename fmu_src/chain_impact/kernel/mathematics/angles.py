@@ -13,7 +13,7 @@ from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits, double
 
 # [rad] the largest angle that ``cosine_and_sine`` accepts; the reduction of a larger angle loses digits
-LARGEST = 1e6
+LARGEST_ANGLE = 1e6
 TWO_OVER_PI = 0.6366197723675814
 # π/2 as a sum of two numbers. The first has 33 bits, so its product with any integer k < 2²⁰ is exact (after
 # Cody & Waite 1980).
@@ -57,7 +57,7 @@ DIGITS = _pieces()
 
 def direction(angle):
     """Return the cosine and sine of any angle."""
-    if abs(angle) < LARGEST:
+    if abs(angle) < LARGEST_ANGLE:
         return cosine_and_sine(angle)
     if not abs(angle) < math.inf:
         return math.nan, math.nan
@@ -77,7 +77,7 @@ def sine(angle):
 
 @inlined
 def cosine_and_sine(angle):
-    """Return the cosine and sine of an angle below LARGEST."""
+    """Return the cosine and sine of an angle below LARGEST_ANGLE."""
     # φ = k π/2 + r
     k = (angle * TWO_OVER_PI + ROUND) - ROUND
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2
@@ -100,7 +100,7 @@ def of_parts(turns, r):
 
 
 def far_reduction(angle):
-    """Return the quarter turns, from −2 to 2, and the rest of an angle from LARGEST on.
+    """Return the quarter turns, from −2 to 2, and the rest of an angle from LARGEST_ANGLE on.
 
     Bits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """

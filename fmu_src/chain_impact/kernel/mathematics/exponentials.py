@@ -23,7 +23,7 @@ COMMON = 650.0  # |x| up to which e^x has far more digits than a subnormal numbe
 FAR = 512
 UP, DOWN = 2.0**FAR, 2.0**-FAR
 FAR_HIGH, FAR_LOW = in_two(FAR * LN_2, PLACES)
-LARGEST, LEAST = 710.0, -746.0  # beyond them e^x is infinite, or 0
+OVERFLOW, UNDERFLOW = 710.0, -746.0  # beyond them e^x is infinite, or 0
 NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 has eleven digits of e^x − 1
 STEEP = 40.0  # x from which 1 is less than a hundredth of the last digit of e^x
 
@@ -62,9 +62,9 @@ def of_sum(high, low):
     """Return e^(high + low), for any number and a small second one."""
     if abs(high) < COMMON:
         return common(high, low)
-    if high > LARGEST:
+    if high > OVERFLOW:
         return math.inf
-    if high < LEAST:
+    if high < UNDERFLOW:
         return 0.0
     if high > 0.0:
         return common(high - FAR_HIGH, low - FAR_LOW) * UP

@@ -7,7 +7,7 @@ from chain_impact.kernel.mathematics.exponentials import COMMON, common, of_sum
 from chain_impact.kernel.mathematics.logarithms import any_parts, parts
 
 ALL_EVEN = 2.0**53  # from it on all doubles are even numbers
-HUGE = 2.0**64  # |y| from which x^y is 0, 1 or infinite
+HUGE_EXPONENT = 2.0**64  # |y| from which x^y is 0, 1 or infinite
 
 
 def power(x, y):
@@ -39,7 +39,7 @@ def of_size(x, y):
     """Return x^y for x ≥ 0 and y ≠ 0."""
     if x == 1.0:
         return 1.0
-    if x == 0.0 or math.isinf(x) or abs(y) >= HUGE:
+    if x == 0.0 or math.isinf(x) or abs(y) >= HUGE_EXPONENT:
         return math.inf if (x > 1.0) == (y > 0.0) else 0.0
     high, low = any_parts(x)
     high, low = product(y, high, low)

@@ -68,9 +68,9 @@ OF_A_STEP = 3.0
 # run that exceeds the limit ends with an error status.
 OF_A_WINDOW = 100.0
 WINDOW = 1.0  # [s] length of a window of time, equal to the window of the work limit
-GAIN = 0.1  # the energy that the errors of all steps together may add, over the available energy
-# The energy that a step may add after GAIN has been reached, over the available energy, so that round-off
-# does not stop a run. When these additions reach GAIN again, the run ends.
+ENERGY_GAIN = 0.1  # the energy that the errors of all steps together may add, over the available energy
+# The energy that a step may add after ENERGY_GAIN has been reached, over the available energy, so that
+# round-off does not stop a run. When these additions reach ENERGY_GAIN again, the run ends.
 SLIP = 1e-8
 # The loss of energy by errors of all steps that is allowed in LASTING seconds, over the tolerance as for
 # OF_A_STEP. In 3360 random scenes this limit shortens steps in 3 % of the runs, most of them with stiff
@@ -87,7 +87,7 @@ LONG_TURN = 1.0
 INTERPOLATED = 10.0
 # round-off of the energy balance in a step, over the energies, and over each force times the coordinates of
 # its point
-ROUND_OFF = 1e-15
+ENERGY_ROUND_OFF = 1e-15
 
 
 def start_balance(d, time):
@@ -187,7 +187,7 @@ def check_energy(d, theta):
             refuse(d, SPOILED)
             return present, there
         balance.allowed = max(balance.allowed, allowed)
-    if change > SLIP * there and present - balance.origin > GAIN * there:
+    if change > SLIP * there and present - balance.origin > ENERGY_GAIN * there:
         refuse(d, SPOILED)
         return present, there
     loss = -change / loss_allowed(d, there) if change < 0.0 else 0.0
@@ -218,7 +218,7 @@ def loss_allowed(d, there):
     balance, budget = d.balance, loss_budget(d, there)
     share = (d.step.end - d.step.start) / (LASTING + d.step.end - balance.since)
     left = budget - (balance.origin - balance.at_end)
-    return max(left, share * budget, ROUND_OFF * there)
+    return max(left, share * budget, ENERGY_ROUND_OFF * there)
 
 
 def loss_budget(d, there):
@@ -266,13 +266,13 @@ def dissipates_evenly(d, middle):
 def allowance(d, y):
     """Return the allowed change of the energy balance [J] in a step to state y, with the points located."""
     scale, known = scales(d, y)
-    return OF_A_STEP * d.solver.tolerance * scale + ROUND_OFF * known
+    return OF_A_STEP * d.solver.tolerance * scale + ENERGY_ROUND_OFF * known
 
 
 def round_off(d, y):
     """Return the part of the allowed change [J] that is round-off."""
     _, known = scales(d, y)
-    return ROUND_OFF * known
+    return ENERGY_ROUND_OFF * known
 
 
 def scales(d, y):
@@ -300,7 +300,7 @@ def scales(d, y):
 
 def check_balance(d):
     """Return ENERGY_NOT_KEPT if a window's or all steps changed the energy balance too much, else OK."""
-    balance, most = d.balance, GAIN * d.balance.available
+    balance, most = d.balance, ENERGY_GAIN * d.balance.available
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):
         return ENERGY_NOT_KEPT

@@ -68,7 +68,7 @@ from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.status import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
-SLOW = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
+SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
 # distance from a step to which its polynomial is extrapolated with degree 5, 4 and 3, over the step's length
 FORETOLD = (1.2, 2.0, 3.0)
 # The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution .7,
@@ -76,8 +76,8 @@ FORETOLD = (1.2, 2.0, 3.0)
 # solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 # size of a step over the predicted time to the end of a contact; the prediction has an error of some .01
-BEYOND = 1.04
-LEFT = 1e-3  # the last part of a step in which a contact that ends has practically no force left
+PAST_END = 1.04
+FORCELESS = 1e-3  # the last part of a step in which a contact that ends has practically no force left
 # the length of the first step after an event at a tolerance of 1, over the time constant of a fast motion
 DECAY_TIMES = 3.0
 WITH_START = (0.0, *NODES)
@@ -177,10 +177,10 @@ def toward_end(d, h):
     """Return a size ≤ h that does not go far beyond the end of a contact, where the force is not smooth."""
     for k in range(compliant(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # −g/ġ is the time to the end, because the force is almost zero; a contact that ends within LEFT of
-        # the step is ignored
-        if gap_rate > 0.0 and LEFT * h * gap_rate < -gap < h * gap_rate / BEYOND:
-            h = BEYOND * -gap / gap_rate
+        # −g/ġ is the time to the end, because the force is almost zero; a contact that ends within the part
+        # FORCELESS of the step is ignored
+        if gap_rate > 0.0 and FORCELESS * h * gap_rate < -gap < h * gap_rate / PAST_END:
+            h = PAST_END * -gap / gap_rate
     return h
 
 
@@ -272,8 +272,8 @@ def attempt(d, h):
 def cost_factor(own):
     """Return the factor ≤ 1, for the cost of the iterations, on the size that the error of a step allows."""
     share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
-    if own.contraction > SLOW:
-        share = min(share, math.sqrt(max(0.5, SLOW / own.contraction)))
+    if own.contraction > SLOW_CONVERGENCE:
+        share = min(share, math.sqrt(max(0.5, SLOW_CONVERGENCE / own.contraction)))
     return share
 
 

@@ -68,8 +68,8 @@ ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3,
 # the next try is a seventh as long, or an eighth in the implicit method; after RUNS_BACK and LATE it is half
 # as long, and after DIVERGED a third.
 SAME_AS_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
-# the least error of a step for the choice of the next size; a smaller error, such as 0, counts as LEAST
-LEAST = 1e-16
+# the least error of a step for the choice of the next size; a smaller error counts as LEAST_ERROR
+LEAST_ERROR = 1e-16
 # [rad] The rotation of the links in the first step of a flight, at a tolerance of 1: the largest for which
 # few of these steps are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
 TURN = 2.8
@@ -143,7 +143,7 @@ def factor(d):
     outcome, method = d.trial.outcome, d.step.method
     if outcome == INFINITE:
         return SHRINK
-    error = SAME_AS_ERROR[outcome] if outcome >= SPOILED else max(d.trial.error, LEAST)
+    error = SAME_AS_ERROR[outcome] if outcome >= SPOILED else max(d.trial.error, LEAST_ERROR)
     return max(SHRINK, SAFETY[method] * d.trial.cost_factor * power(error, EXPONENT[method]))
 
 

@@ -23,7 +23,7 @@ FAST = 20
 # The number of guesses after which a bracket of width 1 contains no further number, or is narrower than any
 # resolution.
 TRIES = FAST + 64
-RESOLUTION = 1e-15  # the accuracy with which the fraction θ of a step at a time is found
+FRACTION_RESOLUTION = 1e-15  # the accuracy with which the fraction θ of a step at a time is found
 
 
 def next_guess(low, high, guess, tries):
@@ -82,7 +82,7 @@ def regularized_fraction(d, elapsed):
             low = theta
         slope = step.size * time_rate(u)
         guess = next_guess(low, high, theta - error / slope if slope > 0.0 else high, tries)
-        if abs(guess - theta) <= RESOLUTION:
+        if abs(guess - theta) <= FRACTION_RESOLUTION:
             break
         theta = guess
     return theta

@@ -101,16 +101,16 @@ D: tuple[dict[int, float], ...] = (
 STAGES = len(A)
 LAST = STEP_STAGES  # index of the stage at the end of the step
 # The limits near the end of a contact. If a step that is longer by up to STRETCH passes the end of the
-# contact, the step gets BEYOND times the predicted time to the end, because the prediction has an error of
+# contact, the step gets PAST_END times the predicted time to the end, because the prediction has an error of
 # some hundredths. Otherwise the step covers at most half of this time, so that no tiny step remains.
-BEYOND, STRETCH = 1.04, 1.2
+PAST_END, STRETCH = 1.04, 1.2
 # The last part of a step in which a contact that ends has practically no force left: its penetration may be
 # round-off. The search for events finds this end. A step that ends there could be shorter than the resolution
 # of time.
-LEFT = 1e-6
-# NO_ERROR: an error whose square could underflow, as at rest, where held points have practically no speed.
-# HUGE: an error whose square could overflow.
-NO_ERROR, HUGE = 1e-100, 1e100
+FORCELESS = 1e-6
+# The errors, over the tolerance, below which and above which a square could underflow or overflow. At rest,
+# held points have practically no speed, and such small errors occur.
+SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # number of new right-hand sides in a step, without the one at the end of the step
 STEP_EVALUATIONS = LAST - 1
 DENSE_EVALUATIONS = STAGES - LAST  # number of right-hand sides for the dense output
@@ -217,10 +217,10 @@ def toward_ends(d, h):
 
 def up_to(h, left):
     """Return a step's size if the error control allows h, and a contact probably ends after ``left``."""
-    if left < LEFT * h:
+    if left < FORCELESS * h:
         return h
-    if BEYOND * left < STRETCH * h:
-        return BEYOND * left
+    if PAST_END * left < STRETCH * h:
+        return PAST_END * left
     return min(h, 0.5 * left)
 
 
@@ -243,9 +243,9 @@ def estimate(d, h):
     set_gap_errors(d, 0)
     set_gap_errors(d, 1)
     error_5, error_3 = scaled_errors(d)
-    if error_5 < NO_ERROR:
+    if error_5 < SQUARE_UNDERFLOWS:
         return error_5
-    if max(error_5, error_3) > HUGE:
+    if max(error_5, error_3) > SQUARE_OVERFLOWS:
         return math.inf
     # the error e₅²/√(e₅² + e₃²/100) is of order 8, because e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)

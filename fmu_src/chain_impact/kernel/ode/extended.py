@@ -245,7 +245,7 @@ def solve_complex(d, s, pair, x, y, size):
 # The largest difference in a step between the clearance that follows from the coordinates and the integrated
 # clearance, over the penetration. A larger limit gives the interpolant of the state an error of this size; a
 # smaller limit shortens steps in which links turn on a stiff wall.
-APART = 0.03
+CLEARANCE_MISMATCH = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
@@ -273,7 +273,7 @@ def project_clearances(d, z, y):
         coordinates and those in z before the change, relative to the allowed difference.
     """
     own, change, worst = d.implicit, d.work.change, 0.0
-    apart = largest_mismatch(d, z) / APART
+    apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
     for derivative in range(2):
         for k in range(compliant(d)):
             own.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]

@@ -85,7 +85,7 @@ LEFT_Q = tuple(
     for one in LEFT
 )
 ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
-ENOUGH = 0.1  # the error that the iteration may leave in the stages, over the tolerance
+LEFT_ERROR = 0.1  # the error that the iteration may leave in the stages, over the tolerance
 DIVERGES = 0.95  # the convergence rate θ above which the iteration is given up
 FARTHEST = 1e20  # the largest correction over the tolerance; beyond this the iteration has failed
 
@@ -183,12 +183,12 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
-            if ratio * own.correction <= ENOUGH:
+            if ratio * own.correction <= LEFT_ERROR:
                 return True
             # the iteration diverges, or will not converge in time
             if k > 2 and theta > DIVERGES:
                 return False
-            if k > 2 and power(theta, float(ITERATIONS - k)) / (1.0 - theta) * own.correction > ENOUGH:
+            if k > 2 and power(theta, float(ITERATIONS - k)) / (1.0 - theta) * own.correction > LEFT_ERROR:
                 return False
         return False
 

@@ -29,7 +29,7 @@ NO_CONTACT = -1  # value of step.regularized if the integration variable of the 
 BACK = -0.5
 # The largest u and δ̇/v₀ with which a point counts as resting on a wall, not hitting the wall. As p → 0, time
 # would stop in the variable s.
-SLOW = 0.1
+RESTING = 0.1
 
 
 def regularized_rate(d, y, rate):
@@ -82,8 +82,8 @@ def time_rate_of(d, u):
 
 
 def time_rate_now(d, y):
-    """Return dt/ds in state y, at least SLOW, to convert the size of a step to seconds."""
-    return max(SLOW, time_rate_of(d, y[sundman_u_at(d.links)]))
+    """Return dt/ds in state y, at least RESTING, to convert the size of a step to seconds."""
+    return max(RESTING, time_rate_of(d, y[sundman_u_at(d.links)]))
 
 
 def runs_back(d, y):
@@ -104,6 +104,6 @@ def lone_contact(d):
     gap, gap_rate = clearance(d, c)
     u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
     over = u == 0.0 and gap_rate >= 0.0
-    if over or u + abs(gap_rate) / d.touch.impact_speed[c] <= SLOW:
+    if over or u + abs(gap_rate) / d.touch.impact_speed[c] <= RESTING:
         return NO_CONTACT, 1.0
     return c, u

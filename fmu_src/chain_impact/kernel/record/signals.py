@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.signals import DEGREE
+from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
 from chain_impact.kernel.record.fields import AT_START, INTEGER, REAL, given, record, written_by
 
 
@@ -60,5 +60,5 @@ def knot_dtype(knots: int) -> np.dtype:
         # values of a signal of steps, in the unit of the input
         ("given_value", REAL, (knots,)),
         ("time", REAL, (knots,)),  # s, time of the knot
-        ("powers", REAL, (knots, DEGREE + 1)),  # coefficients of the powers of the time since the knot
+        ("powers", REAL, (knots, SIGNAL_DEGREE + 1)),  # coefficients of the powers of the time since the knot
     )

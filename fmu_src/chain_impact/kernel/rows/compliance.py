@@ -37,7 +37,7 @@ SWEEPS = 5
 # The impedance D of a held point, over the mean mass of a link. An iteration in constraints.py leaves 1/(D W)
 # of the residual, so two or three iterations suffice. A larger D would lose digits of the chain's inertia, a
 # smaller D needs more iterations.
-STIFF = 1e6
+HELD_STIFFNESS = 1e6
 
 
 def mean_mass(d):
@@ -47,7 +47,7 @@ def mean_mass(d):
 
 def holding_impedance(d):
     """Return an impedance [kg] so large that a point with it keeps only a millionth of its free motion."""
-    return STIFF * mean_mass(d)
+    return HELD_STIFFNESS * mean_mass(d)
 
 
 def held_mobility(d, mobility):

@@ -49,9 +49,9 @@ from chain_impact.kernel.rows.geometry import (
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
 # The limits on the growth of D near a toggle position, where 1/W is far larger than the mass of a link. If an
-# iteration leaves more than SLOW of the residual, D is multiplied by STIFFER, but D is at most STIFFEST times
-# that mass; with a larger D the residual would only be round-off.
-STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
+# iteration leaves more than SLOW_DECREASE of the residual, D is multiplied by STIFFER, but D is at most
+# STIFFEST times that mass; with a larger D the residual would only be round-off.
+STIFFEST, STIFFER, SLOW_DECREASE = 1e12, 1e3, 0.1
 # The impedance D of the first iteration for sticking elements without a rigid wall, over the mean mass of a
 # link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the whole
 # motion, times the large D of the other iterations, would remain in the forces against motions that can
@@ -60,7 +60,7 @@ GENTLE = 1e3
 # The least W for which a single constraint is solved directly, over 1/(mean mass of a link). A smaller W, as
 # near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
-ROUND_OFF = 1e-15  # the largest residual that is accepted, over the largest motion
+SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, over the largest motion
 # The residual of a constrained motion that may be round-off, over the largest motion. If NOISE is much
 # smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its energy.
 NOISE = 1e-13
@@ -134,7 +134,7 @@ def solve_equality(d, scale):
     worst = iterate(d, scale, impedance)
     if any_point_held(d):
         return worst
-    if worst > max(ROUND_OFF * scale, UNDERFLOWS):
+    if worst > max(SOLVED_RESIDUAL * scale, UNDERFLOWS):
         least = NEGLIGIBLE * d.solver.tolerance * d.solver.tolerance * scale
         leave_free(d, least * least / (least * least + worst * worst), NOISE * scale)
     return 0.0
@@ -143,16 +143,17 @@ def solve_equality(d, scale):
 def iterate(d, scale, impedance):
     """Iterate until the residual is round-off, or no ``impedance`` [kg] reduces it further.
 
-    The iteration always ends: each pass except the last leaves less than SLOW of the residual or makes D
-    grow, and D grows at most twice. Sticking elements without a rigid wall get at most SWEEPS iterations.
+    The iteration always ends: each pass except the last leaves less than SLOW_DECREASE of the residual or
+    makes D grow, and D grows at most twice. Sticking elements without a rigid wall get at most SWEEPS
+    iterations.
 
     Returns:
         The largest residual.
     """
-    own, rigid, round_off = d.rigid, any_point_held(d), ROUND_OFF * scale
+    own, rigid, round_off = d.rigid, any_point_held(d), SOLVED_RESIDUAL * scale
     before, worst, iterations = math.inf, find_residual(d), 0
     while worst > round_off or not iterated_enough(d, iterations):
-        slow = rigid and worst > round_off and not worst < SLOW * before
+        slow = rigid and worst > round_off and not worst < SLOW_DECREASE * before
         if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
             impedance *= STIFFER
             set_impedance(d, impedance)

@@ -30,7 +30,7 @@ import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.rows.compliance import SWEEPS, factorize_contacts, holding_impedance, solve_contacts
-from chain_impact.kernel.rows.constraints import ROUND_OFF, ROUNDS, SIGN_TOLERANCE, set_impedance
+from chain_impact.kernel.rows.constraints import ROUNDS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
 from chain_impact.kernel.rows.geometry import along, constraint, constraint_rows
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
@@ -139,7 +139,7 @@ def most_inside(d, scale):
         largest = max(largest, abs(own.impulse[k]))
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         inward = abs(clipped(d, k, own.wanted[k]) - own.impulse[k])
-        round_off = SIGN_TOLERANCE * largest + ROUND_OFF * scale * d.rigid.impedance[k]
+        round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.rigid.impedance[k]
         if not own.inside[k] and inward > max(round_off, most_of_all):
             row, most_of_all = k, inward
     return row

@@ -16,7 +16,7 @@ from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value
 
-DIFFERENCE = 1e-3  # the time over which a rate is found by differences, over the length of the last step
+TIME_DIFFERENCE = 1e-3  # the time over which a rate is found by differences, over the length of the last step
 # number of Newton iterations for a delay: each iteration squares the error of the differences
 NEWTON_ITERATIONS = 2
 
@@ -44,7 +44,7 @@ def along_motion(function):
         return function(t, c)
 
     def rate_at_end(t, c):
-        part, none = DIFFERENCE * lasted(t), carried(0.0, 0.0, t.step.end)
+        part, none = TIME_DIFFERENCE * lasted(t), carried(0.0, 0.0, t.step.end)
         later, before = after(t, c, none + part), after(t, c, none - part)
         return (value(later) - value(before)) / (2.0 * part) if part > 0.0 else 0.0
 

@@ -45,10 +45,10 @@ from chain_impact.kernel.tangent.trust import (
 OPEN = 100.0
 # The largest difference between the derivatives of two event times that count as one time, over the largest
 # derivative.
-APART = 1e-5
-# If an element sticks from the onset of its contact, and its limit of friction is at most FIRST times the
-# excess of |F_t| over the limit at which the end of sticking is located, the derivatives end there.
-FIRST = 1000.0
+SAME_TIME_SLOPE = 1e-5
+# If an element sticks from the onset of its contact, and its limit of friction is at most NEARLY_SLIPS times
+# the excess of |F_t| over the limit at which the end of sticking is located, the derivatives end there.
+NEARLY_SLIPS = 1000.0
 # The largest change of a position that a run may leave open, over the largest derivative: a fit to a position
 # at rest needs an accuracy of some percent.
 LEFT_OPEN = 1e-2
@@ -100,7 +100,7 @@ delay_of_margin = delay_along_motion(margin_after)
 def delay_of_sliding(t, e):
     """Return −φ′/φ̇ of φ = µ_s F_n − |F_t|: the delay [s] of the time at which element e begins to slide."""
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.size)
-    if t.element.undecided[e] == STOPPED and limit <= FIRST * value(excess(t, e)):
+    if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPS * value(excess(t, e)):
         end_at(t, FROM_REST, e)
     rate = margin_rate(t, e)
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
@@ -183,7 +183,7 @@ def gives_way(t, e, time):
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
         known = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
-        if abs(slope(margin, k)) > APART * known:
+        if abs(slope(margin, k)) > SAME_TIME_SLOPE * known:
             return False
     return True
 
@@ -201,7 +201,7 @@ def rests(t, after, time):
     most = value(largest(t, t.work.acceleration))
     for k in range(DIRECTIONS):
         known = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
-        if abs(slope(after, k)) > APART * (known + most * abs(slope(time, k))):
+        if abs(slope(after, k)) > SAME_TIME_SLOPE * (known + most * abs(slope(time, k))):
             return False
     return True
 

@@ -155,15 +155,15 @@ def copy_modes(d, t):
 
 # the largest last correction of the derivatives at which the iteration ends, relative to the derivatives and
 # over the tolerance
-ENOUGH = 0.01
+CONVERGED_SLOPES = 0.01
 # The rule to detect an iteration of derivatives that does not converge. The least correction must fall by the
 # factor FALLS within STALLED iterations; it may rise in between, as the direction of the correction changes.
-# A correction that does not fall is round-off up to the relative value ROUND_OFF, else a failure.
-FALLS, STALLED, ROUND_OFF = 0.7, 10, 1e-6
+# A correction that does not fall is round-off up to the relative value SLOPE_ROUND_OFF, else a failure.
+FALLS, STALLED, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
 MOST = 100  # largest number of iterations: with θ = 0.8 the error falls to about 1e-10
 # The largest derivative of the state that is round-off, with respect to parameters that only change limits of
 # static friction, over the derivative of the speed that these limits could give in the step.
-LEAST = 1e-3
+LEAST_SLOPE = 1e-3
 UNLIMITED_CORRECTION = 1e300  # stands for the relative correction if the derivatives are zero
 
 
@@ -208,13 +208,13 @@ def iterate_slopes(d, t, h, size):
         correct_stages(t, h, size)
         take_stages(d, t, size)
         correction = last_correction(d, t, size)
-        if correction <= ENOUGH * d.solver.tolerance:
+        if correction <= CONVERGED_SLOPES * d.solver.tolerance:
             return True
         stalled += 1
         if correction < FALLS * least:
             least, stalled = correction, 0
         if stalled == STALLED:
-            return correction <= ROUND_OFF
+            return correction <= SLOPE_ROUND_OFF
     return False
 
 
@@ -234,7 +234,7 @@ def last_correction(d, t, size):
     """Return the largest ratio, over all directions, of the derivatives' last correction to their size."""
     own, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
-        largest, whole, total = 0.0, LEAST * speed_by_friction(d, t, k), 0.0
+        largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
         for j in range(size):
             whole = max(whole, weight[j] * abs(slope(own.start[j] + own.stages[LAST, j], k)))
             for i in range(RADAU_STAGES):

@@ -15,8 +15,9 @@ from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
-DIFFERENCE = 1e-3  # relative increment of an argument of a user's law, for derivatives by differences
-ITERATIONS = 3  # number of iterations for the forces of constraints
+# relative increment of an argument of a user's law, for derivatives by differences
+ARGUMENT_DIFFERENCE = 1e-3
+FORCE_ITERATIONS = 3  # number of iterations for the forces of constraints
 
 
 def exp(x):
@@ -135,7 +136,7 @@ def iterated_enough(_t, iterations):
     Each iteration reduces the derivatives of a residual to a millionth. The derivatives of a residual with
     the value zero may be large.
     """
-    return iterations >= ITERATIONS
+    return iterations >= FORCE_ITERATIONS
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
@@ -149,13 +150,13 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
         value(exponent),
         value(restitution),
     )
-    total = carried(user_law.force(*at), slope_along(0, DIFFERENCE * at[0], at), depth)
-    total += carried(0.0, slope_along(1, DIFFERENCE * (abs(at[1]) + at[2]), at), rate)
-    total += carried(0.0, slope_along(2, DIFFERENCE * at[2], at), speed)
-    total += carried(0.0, slope_along(3, DIFFERENCE * at[3], at), mass)
-    total += carried(0.0, slope_along(4, DIFFERENCE * at[4], at), stiffness)
-    total += carried(0.0, slope_along(5, DIFFERENCE * at[5], at), exponent)
-    return total + carried(0.0, slope_along(6, DIFFERENCE * at[6], at), restitution)
+    total = carried(user_law.force(*at), slope_along(0, ARGUMENT_DIFFERENCE * at[0], at), depth)
+    total += carried(0.0, slope_along(1, ARGUMENT_DIFFERENCE * (abs(at[1]) + at[2]), at), rate)
+    total += carried(0.0, slope_along(2, ARGUMENT_DIFFERENCE * at[2], at), speed)
+    total += carried(0.0, slope_along(3, ARGUMENT_DIFFERENCE * at[3], at), mass)
+    total += carried(0.0, slope_along(4, ARGUMENT_DIFFERENCE * at[4], at), stiffness)
+    total += carried(0.0, slope_along(5, ARGUMENT_DIFFERENCE * at[5], at), exponent)
+    return total + carried(0.0, slope_along(6, ARGUMENT_DIFFERENCE * at[6], at), restitution)
 
 
 def slope_along(argument, h, at):

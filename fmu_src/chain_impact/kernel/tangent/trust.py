@@ -15,13 +15,13 @@ from chain_impact.kernel.forces.friction import joint_of
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import value, varies
 
-TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
+TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
 NO_IMPACT = -1  # the value of ``c`` in ``mark_untrusted`` if the reason is no impact and no element
 JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint
 # the rates ±NEAR_REST v₀ at which two forces of a law are compared, and the relative difference that counts
 # as a jump
-NEAR_REST, JUMPS = 1e-9, 1e-6
+NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
 
 def check_onsets(t):
@@ -47,7 +47,7 @@ def check_onsets(t):
     elif not t.law.impulsive[first] and least <= value(t.law.minimum_impact_speed[first]):
         mark_untrusted(t, AT_FLOOR, first, value(t.step.end))
     elif onsets > 1:
-        mark_untrusted(t, SIMULTANEOUS, first, value(t.step.end))
+        mark_untrusted(t, AT_ONE_TIME, first, value(t.step.end))
 
 
 def cannot_be_less(friction):
@@ -84,7 +84,7 @@ def jumps_at_rest(t, c, depth):
     rate = NEAR_REST * t.touch.impact_speed[c]
     rising, _ = uncut_force(t, c, depth, rate, False)
     falling, _ = uncut_force(t, c, depth, -rate, False)
-    return abs(value(rising) - value(falling)) > JUMPS * max(abs(value(rising)), abs(value(falling)))
+    return abs(value(rising) - value(falling)) > RELATIVE_JUMP * max(abs(value(rising)), abs(value(falling)))
 
 
 def mark_untrusted(t, reason, c, time):
