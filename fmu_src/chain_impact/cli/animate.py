@@ -48,7 +48,7 @@ def add(verbs: Verbs) -> None:
         "--output",
         metavar="FILE",
         type=ending(*FORMATS),
-        help="what to write: a page for the browser (html), or a film (gif, mp4); default: NAME.html",
+        help="write a page for the browser (html), or a film (gif, mp4); default: NAME.html",
     )
     walls = verb.add_argument("--scene", metavar="SCENE", help="for a CSV file: the scene with the walls")
     complete_scenes(walls)
@@ -63,7 +63,7 @@ def add(verbs: Verbs) -> None:
         type=float,
         default=IMPACT_TIME,
         metavar="SECONDS",
-        help=f"how long an impact takes on the screen, 0 for no slow motion; default: {IMPACT_TIME:g}",
+        help=f"duration of an impact on the screen, 0 for no slow motion; default: {IMPACT_TIME:g}",
     )
     verb.add_argument(
         "--size",

@@ -62,7 +62,7 @@ def add(verbs: Verbs) -> None:
     build.add_argument(
         "--simulate",
         action="store_true",
-        help="run the FMU, and write a table (csv) and a picture beside it",
+        help="run the FMU, and write a table (csv) and a picture to the same folder",
     )
     build.set_defaults(run=run)
 

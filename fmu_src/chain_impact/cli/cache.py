@@ -14,7 +14,7 @@ from chain_impact.compilation import cache, places, ready
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
     kept = add_verb(verbs, "cache", "list the compiled kernels and their folders, or remove them", "--clear")
-    kept.add_argument("--clear", action="store_true", help="remove all that is in the cache")
+    kept.add_argument("--clear", action="store_true", help="remove all kernels from the cache")
     kept.set_defaults(run=run, only_prints=True)
 
 

@@ -35,7 +35,7 @@ def add(verbs: Verbs) -> None:
     add_scene(compare, "scene")
     add_set(compare)
     add_inputs(compare)
-    what = "compare these laws only, as hertz,flores; default: all"
+    what = "compare only these laws, such as hertz,flores; default: all"
     complete(add_repeated(compare, "--laws", "NAMES", what), laws, listed=True)
     add_plot(compare, "first impact and energy")
     add_csv(compare, "the table")

@@ -24,7 +24,7 @@ ONCE = {
     ),
     "--tip": (
         "FRAME",
-        "site, body or link where the last link ends; default: the one farthest from its joint",
+        "site, body or link where the last link ends; default: the frame farthest from the last joint",
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }

@@ -39,7 +39,7 @@ def add(verbs: Verbs) -> None:
         "--output",
         metavar="FILE",
         type=ending(".html"),
-        help=f"file of the page (html), which is then not opened; default: {DEFAULT}",
+        help=f"write the page (html) to this file, and do not open it; default: {DEFAULT}",
     )
     verb.set_defaults(run=run)
 

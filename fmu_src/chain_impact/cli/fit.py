@@ -33,8 +33,8 @@ from chain_impact.simulation.record_scene import with_settings
 STOP_TIME = "simulation.stop_time"
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
-    ("--free-each", "NAMES", "fit these for each data set on its own, as initial.vx"),
-    ("--set-each", "NAME=VALUES", "a value that is known for each data set, as initial.y=0.8,0.6"),
+    ("--free-each", "NAMES", "fit these parameters separately for each data set, such as initial.vx"),
+    ("--set-each", "NAME=VALUES", "a known value for each data set, such as initial.y=0.8,0.6"),
     (
         "--sigma",
         "COLUMN=SIGMA",
@@ -75,9 +75,9 @@ def add(verbs: Verbs) -> None:
         "--interpolation",
         choices=INTERPOLATIONS,
         default=INTERPOLATIONS[0],
-        help="how inputs in the data act between two rows: follow, each value until the next row, but "
-        "motions of a base or a wall as a spline; hold, as an FMU that is stepped from row to row has "
-        "them; linear, on straight lines; default: %(default)s",
+        help="inputs between two rows of data: follow keeps each value, but joins the motion of a base or "
+        "a wall by a spline; hold does as an FMU with a step for each row; linear joins values by straight "
+        "lines; default: %(default)s",
     )
     fit.add_argument(
         "--rank-laws", "--laws", dest="laws", action="store_true", help="fit every contact law, and rank them"

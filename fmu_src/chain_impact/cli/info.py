@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
     )
     add_scene(info, "scene or FMU")
     info.add_argument(
-        "--list", choices=tuple(LISTS), help="list the models or the contact laws, and no scene"
+        "--list", choices=tuple(LISTS), help="list the models or the contact laws in place of a scene"
     )
     info.set_defaults(run=run, only_prints=True)
 

@@ -77,7 +77,7 @@ def add_set(command: argparse.ArgumentParser) -> None:
         dest="set",
         metavar="SECONDS",
         type="simulation.stop_time={}".format,
-        help="end of the simulation, as --set simulation.stop_time=SECONDS",
+        help="end of the simulation, the same as --set simulation.stop_time=SECONDS",
     )
 
 
@@ -88,12 +88,12 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
         action=Once,
         metavar="FILE",
         type=ending(".csv", ".parquet"),
-        help="drive inputs by a table with the column time [s] and one for each input (csv, parquet)",
+        help="set inputs from a table with a column time [s] and a column for each input (csv, parquet)",
     )
     command.add_argument(
         "--interpolation",
         choices=interpolations,
-        help="the course of inputs between the rows; default: spline where base or walls move, else hold",
+        help="how inputs change between rows; default: spline for a base or walls that move, else hold",
     )
 
 

@@ -80,8 +80,8 @@ def add(verbs: Verbs) -> None:
         action=Once,
         metavar="WHAT",
         help="order parameters and inputs by the effect of 1 %% more on peak_force, max_penetration, "
-        "joint_force, impact[2].peak_force (counted as listed) or an output at the end, and draw the "
-        "effects; --sensitivity names fewer of them",
+        "joint_force, impact[2].peak_force (impact 2 of the list) or an output at the end, and draw the "
+        "effects; --sensitivity limits the list",
     )
     complete(ranked, rankable)
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
@@ -94,7 +94,7 @@ def add(verbs: Verbs) -> None:
     )
     complete(named, outputs, listed=True)
     verb.add_argument(
-        "--around", action=Once, metavar="N", type=int, help="draw the curves around impact N, as listed"
+        "--around", action=Once, metavar="N", type=int, help="draw the curves around impact N of the list"
     )
     add_csv(verb, "the outputs over time")
     named = add_repeated(

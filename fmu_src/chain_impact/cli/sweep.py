@@ -42,7 +42,7 @@ def add(verbs: Verbs) -> None:
         default=[],
         metavar="NAME=VALUES",
         help="vary a parameter: 0.1,0.5 or 0.1:0.9:9 (nine values) or 1e6:1e9:4:log, with --samples also "
-        "0.1:0.9 or 1e6:1e9:log; can be repeated, then all combinations are run",
+        "0.1:0.9 or 1e6:1e9:log; can be repeated, to run all combinations",
     )
     complete(varied, parameters, valued=True)
     sweep.add_argument("--samples", type=int, metavar="N", help="run N samples in place of all combinations")
@@ -50,14 +50,14 @@ def add(verbs: Verbs) -> None:
         "--sampling",
         choices=["lhs", "sobol"],
         default="lhs",
-        help="how samples are drawn: lhs, a Latin hypercube, or sobol; default: lhs",
+        help="kind of samples: lhs, a Latin hypercube, or sobol, a Sobol' sequence; default: lhs",
     )
     sweep.add_argument(
         "--seed", type=int, default=0, metavar="N", help="seed of the random samples; default: 0"
     )
     add_set(sweep)
     add_inputs(sweep)
-    what = "add an output to the table, as it is at the end of a run"
+    what = "add the value of an output at the end of each run"
     complete(add_repeated(sweep, "--columns", "NAME", what, alias="--output"), outputs)
     sweep.add_argument(
         "--scheduler",
@@ -65,15 +65,15 @@ def add(verbs: Verbs) -> None:
         help="run on the workers of a dask.distributed cluster, for example tcp://127.0.0.1:8786",
     )
     sweep.add_argument(
-        "--threads", type=int, metavar="N", help="threads to use; default: as many as this machine has cores"
+        "--threads", type=int, metavar="N", help="number of threads; default: the number of cores"
     )
     sweep.add_argument(
         "-o",
         dest="table",
         metavar="FILE",
         required=True,
-        help="write the table (csv, parquet), or a folder, as runs/, to which rows are streamed as Parquet; "
-        "after an interruption the same command goes on",
+        help="write the table (csv, parquet), or Parquet files to a folder, such as runs/; "
+        "after an interruption the same command continues",
     )
     add_plot(sweep, "the main results over the parameters that vary")
     sweep.set_defaults(run=run)
@@ -113,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
             )
     except KeyboardInterrupt:
         if (table if is_folder(options.table) else partial_path(table)).exists():
-            complain(f"the finished runs are kept in {table}; the same command goes on")
+            complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
     if options.plot:

@@ -29,7 +29,7 @@ def add(verbs: Verbs) -> None:
         metavar="SECONDS",
         type=float,
         default=TIMEOUT,
-        help="how long the binary of the FMU may run, in a process of its own; default: %(default)g",
+        help="longest time of the binary of the FMU, in a separate process; default: %(default)g",
     )
     validate.set_defaults(run=run)
 
