@@ -1,0 +1,217 @@
+"""The equations of a single step and its dense output, in ball arithmetic (Arb).
+
+The equations are derived independently: Lagrange's, with an assembled mass matrix, and with the centre of
+mass in place of a free base, x_k = x_C + Σ_j a_kj (cos θ_j, sin θ_j). The kernel's record gives the numbers
+of the scene, the state at the start of the step, the dense output, and the values that a contact has latched
+at its onset. The solution belongs to the phase of the step: a force that is cut off, or that damps on
+approach only, is continued smoothly across its kink, sliding keeps its direction, and in the variable of a
+contact its δ is δ* u². In this variable the verdicts on the other candidates hold up to the end of the
+contact, u = 0, until which time increases.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from balls import Matrix, Row
+from flint import arb, arb_poly, arb_series, ctx
+
+from chain_impact.kernel.events.marks import END, ONSET
+from chain_impact.kernel.ode.dense import POWERS
+
+
+class Step:
+    """The last step of a record: its dense output, and equations for q, q̇, and u in a contact's variable.
+
+    Attributes:
+        size, kept: h [s of the step's variable], and the part of h that the step keeps.
+        polynomials: the coefficients of each variable in powers of x = s/h, with the base in place of x_C.
+        marked: the candidates whose contact begins or ends at the end of the step.
+    """
+
+    def __init__(self, d: Any) -> None:
+        """Copy the needed data from the record."""
+        step, touch, model, own = d["step"], d["touch"], d["model"], d["inputs"]
+        self.links, self.pinned = int(d["links"]), bool(model["pinned"])
+        self.size, self.kept = float(step["size"]), float(step["kept"])
+        self.regularized, self.lever = int(step["regularized"]), float(model["size"])
+        free = range(2 * self.pinned, self.links + 2)
+        variables = [*free, *(self.links + 2 + j for j in free)]
+        variables += [2 * self.links + 6] if self.regularized >= 0 else []
+        self.free = len(free)
+        self.first = self.free - self.links  # index of the first angle
+        self.polynomials = [_powers(step["state"][j], step["dense"][:, j]) for j in variables]
+        place = d["moved"]["position"] if model["base_moves"] else step["state"]
+        self.base = [arb(float(value)) for value in place[:2]]
+        self.marked = [c for c, event in enumerate(touch["event"]) if event in (ONSET, END)]
+        self.gravity, self.tip = model["gravity"].tolist(), own["tip_force"].tolist()
+        self._bodies(model)
+        names = ("torque", "stiffness", "target_angle", "damping", "target_velocity")
+        self.joints = [[float(own[f"joint_{name}"][i]) for name in names] for i in range(self.links)]
+        for i, mode in enumerate(d["drive"]["mode"]):
+            if mode or (i == 0 and not self.pinned):
+                self.joints[i] = [float(mode * model["joint_torque_limit"][i]) if mode else 0.0, 0, 0, 0, 0]
+        self.candidates = d["candidate"][["point", "stop", "normal_x", "normal_y"]].tolist()
+        self.offsets = [arb(float(o)) + float(d["contact"]["radius"]) for o in d["candidate"]["offset"]]
+        self.active = touch["active_index"][: touch["active_count"]].tolist()
+        rubbing = d["element"]["index"][: d["friction"]["count"]].tolist()
+        # unit force against the direction of sliding
+        slides = {e: -float(d["element"]["mode"][e]) for e in rubbing}
+        for i, joint in enumerate(self.joints):
+            joint[0] = arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * model["joint_friction"][i]
+        self.drags = {c: arb(slides.get(c, 0.0)) * float(d["law"]["friction"][c]) for c in self.active}
+        self.forces = {}  # K, n, d, p of F = K δⁿ + d δᵖ δ̇
+        for c in self.active:
+            law, beyond = d["law"][c], bool(touch["beyond_kink"][c])
+            if not beyond or law["approach_only"]:
+                damping = 0.0 if beyond else touch["damping"][c]
+                numbers = law["stiffness"], law["exponent"], damping, law["rate_exponent"]
+                self.forces[c] = [arb(float(number)) for number in numbers]
+        unit = np.ones(len(variables))
+        if self.active:
+            unit[: 2 * self.free] = 1.0 / touch["depth_scale"][self.active].min()
+        unit[self.free : 2 * self.free] *= self.size * self.kept
+        self.unit = 2.0 ** np.round(np.log2(unit))  # units of errors: 1 over the scales of the variables
+        self.scale = arb(float(touch["depth_scale"][self.regularized])) if self.regularized >= 0 else arb(1)
+
+    def _bodies(self, model: Any) -> None:
+        """Set the mass, a_kj, and A_ij of the mass matrix A_ij cos(θ_i − θ_j)."""
+        names = ("length", "mass", "center_of_mass", "inertia")
+        length, mass, middle, inertia = ([arb(x) for x in model[name].tolist()] for name in names)
+        links = range(self.links)
+        beyond = [sum(mass[i + 1 :], arb(0)) for i in links]
+        moment = [mass[i] * middle[i] + length[i] * beyond[i] for i in links]
+        self.mass = mass[0] + beyond[0]
+        self.balance = [arb(0) if self.pinned else one / self.mass for one in moment]
+        self.arms = [[length[j] * (j < k) - self.balance[j] for j in links] for k in (*links, self.links)]
+        self.arms.append(moment if self.pinned else [arb(0)] * self.links)  # arms on which gravity acts
+        self.masses = [[moment[max(i, j)] * length[min(i, j)] for j in links] for i in links]
+        for i in links:
+            self.masses[i][i] = inertia[i] + mass[i] * middle[i] ** 2 + length[i] ** 2 * beyond[i]
+            for j in links:
+                self.masses[i][j] -= self.balance[i] * self.balance[j] * self.mass
+
+    def course(self, at: arb, order: int) -> tuple[Row, Row]:
+        """Return the variables along P and their rates: Taylor series about x, or about all x of a ball."""
+        ctx.cap = order + 1
+        z = [_series(row, at) for row in self.polynomials]
+        slopes = [[k * a for k, a in enumerate(row)][1:] for row in self.polynomials]
+        rate = [_series(row, at) / arb(self.size) for row in slopes]
+        n = self.free
+        for j, share in enumerate(self.balance if self.first else []):
+            i, angle = self.first + j, z[self.first + j]
+            sin, cos = share * angle.sin(), share * angle.cos()
+            z[0], z[1] = z[0] + cos, z[1] + sin
+            rate[0], rate[1] = rate[0] - sin * rate[i], rate[1] + cos * rate[i]
+            turn, spin = z[n + i] * rate[i], rate[n + i]
+            z[n], z[n + 1] = z[n] - sin * z[n + i], z[n + 1] + cos * z[n + i]
+            rate[n] -= cos * turn + sin * spin
+            rate[n + 1] += cos * spin - sin * turn
+        return z, rate
+
+    def inertia(self, values: Row) -> list[Row]:
+        """Return D: the mass matrix, and 1 for the other variables."""
+        found = [[arb(int(i == j)) for j in range(len(values))] for i in range(len(values))]
+        for k in range(self.first):
+            found[self.free + k][self.free + k] = self.mass
+        first = self.free + self.first
+        for i in range(self.links):
+            for j in range(self.links):
+                turned = (values[self.first + i] - values[self.first + j]).cos() if i != j else 1
+                found[first + i][first + j] = self.masses[i][j] * turned
+        return found
+
+    def residual(self, z: Row, rate: Row, asked: Any) -> tuple[Row, dict[int, tuple[Any, Any]]]:
+        """Return D (z′ − f(z)) for a rate z′ in the step's variable, and g and ġ of some candidates."""
+        n, links, zero = self.free, range(self.links), arb_series([0])
+        theta, omega, alpha = z[self.first : n], z[n + self.first : 2 * n], rate[n + self.first : 2 * n]
+        pace = z[-1] / (1 + z[-1] * z[-1]) if self.regularized >= 0 else arb_series([1])
+        units = [(angle.cos(), angle.sin()) for angle in theta]
+        gaps = {c: self._gap(c, z, units) for c in asked}
+        loads, moments = [(self.links, *map(arb, self.tip))], [zero] * (self.links + 1)
+        for i, (torque, stiffness, rest, damping, target) in enumerate(self.joints):
+            turned, turning = theta[i] - (theta[i - 1] if i else 0), omega[i] - (omega[i - 1] if i else 0)
+            moments[i] = torque - stiffness * (turned - rest) - damping * (turning - target)
+        for c in self.forces:
+            (point, stop, nx, ny), force = self.candidates[c], self._force(c, z, gaps[c])
+            if stop:
+                moments[point - 1] += stop * self.lever * force
+            else:
+                drag = self.drags[c]
+                loads.append((point, (nx + drag * ny) * force, (ny - drag * nx) * force))
+        rows = [rate[j] - pace * z[n + j] for j in range(n)]
+        for k in range(self.first):
+            force = sum((load[1 + k] for load in loads), self.mass * self.gravity[k])
+            rows.append(self.mass * rate[n + k] - pace * force)
+        loads += [(-1, *map(arb, self.gravity))]
+        for i, (cos, sin) in enumerate(units):
+            push = moments[i] - moments[i + 1]
+            for point, fx, fy in loads:
+                push += self.arms[point][i] * (fy * cos - fx * sin)
+            row = self.masses[i][i] * alpha[i] - pace * push
+            for j in links:
+                if j != i:
+                    cosine, sine = (theta[i] - theta[j]).cos(), (theta[i] - theta[j]).sin()
+                    row += self.masses[i][j] * (cosine * alpha[j] + sine * pace * omega[j] * omega[j])
+            rows.append(row)
+        if self.regularized >= 0:
+            rows.append(rate[-1] + gaps[self.regularized][1] / (2 * self.scale * (1 + z[-1] * z[-1])))
+        return rows, gaps
+
+    def _gap(self, c: int, z: Row, units: Row) -> tuple[Any, Any]:
+        """Return the clearance of a candidate and its rate."""
+        point, stop, nx, ny = self.candidates[c]
+        first, n, gap, rate = self.first, self.free, -self.offsets[c], arb(0)
+        if stop:
+            for sign, j in ((1, point - 1), (-1, point - 2))[:point]:
+                gap += sign * stop * self.lever * z[first + j]
+                rate += sign * stop * self.lever * z[n + first + j]
+            return gap, rate
+        x, y = z[:2] if first else self.base
+        gap += nx * x + ny * y
+        rate += nx * z[n] + ny * z[n + 1] if first else 0
+        for arm, (cos, sin), spin in zip(self.arms[point], units, z[n + first :], strict=False):
+            gap += arm * (nx * cos + ny * sin)
+            rate += arm * (ny * cos - nx * sin) * spin
+        return gap, rate
+
+    def rate(self, z: np.ndarray) -> np.ndarray:
+        """Return f(z) in floats."""
+        ctx.cap = 1
+        series = [arb_series([arb(float(value))]) for value in z]
+        rest, _ = self.residual(series, [arb_series([0])] * len(z), self.active)
+        inertia = Matrix.of(self.inertia([value[0] for value in series])).middle
+        return np.linalg.solve(inertia, [-float(row[0].mid()) for row in rest])
+
+    def phi(self, c: int, z: Row, gap: tuple[Any, Any]) -> tuple[Any, Any]:
+        """Return φ, which falls through zero at an event, and a rate with its sign: that of g, δ, or u."""
+        if c not in self.active:
+            return gap
+        return z[-1] if c == self.regularized else -gap[0], -gap[1]
+
+    def _force(self, c: int, z: Row, gap: tuple[Any, Any]) -> Any:
+        """Return the force of a contact, from √δ, which in its own variable is u √δ*."""
+        stiffness, exponent, damping, rate_exponent = self.forces[c]
+        root = z[-1] * self.scale.sqrt() if c == self.regularized else (-gap[0]).sqrt()
+        return stiffness * _power(root, 2 * exponent) - damping * _power(root, 2 * rate_exponent) * gap[1]
+
+
+def _power(base: Any, exponent: arb) -> Any:
+    """Return a power with an exponent ≥ 0; one that is not whole needs a base > 0."""
+    whole = int(float(exponent))
+    return base**whole if exponent == whole else (base.log() * exponent).exp()
+
+
+def _powers(start: float, dense: np.ndarray) -> Row:
+    """Return the coefficients of a component of the dense output in powers of x."""
+    total = arb_poly([arb(float(start))])
+    for (p, q), f in zip(POWERS, dense, strict=True):
+        total += arb_poly([arb(float(f))]) * arb_poly([0, 1]) ** p * arb_poly([1, -1]) ** q
+    return [total[k] for k in range(8)]
+
+
+def _series(coefficients: Row, at: arb) -> Any:
+    """Return the Taylor series of a polynomial about x, or about all x of a ball."""
+    shifted = arb_poly(coefficients)(arb_poly([at, 1]))
+    return arb_series([shifted[k] for k in range(min(8, ctx.cap))], ctx.cap)
