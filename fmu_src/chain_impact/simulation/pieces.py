@@ -51,7 +51,6 @@ _NODES = np.cos(_ANGLES)
 # matrix: values at the nodes → coefficients of the Chebyshev series
 _SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
 _SERIES[0] /= 2.0
-_EXPONENTS = np.arange(DEGREE + 1)
 # matrix: coefficients of the Chebyshev series → coefficients of powers of x
 _POWERS = np.eye(DEGREE + 1)
 for _m in range(2, DEGREE + 1):
@@ -84,7 +83,7 @@ class Piece:
     def at(self, times: np.ndarray) -> np.ndarray:
         """Return the values at some times [s], shape (T, M)."""
         x = (2.0 * times - self.start - self.end) / (self.end - self.start)
-        return np.asarray(x[:, np.newaxis] ** _EXPONENTS @ self.powers)
+        return np.asarray(np.vander(x, DEGREE + 1, increasing=True) @ self.powers)
 
 
 @dataclass(frozen=True)
@@ -385,9 +384,8 @@ class Follower:
         if rough.any():
             self._refused += rough
             return None
-        order = DEGREE
-        while order > 0 and (np.abs(series[order]) <= DROPPED * (allowed + round_off)).all():
-            order -= 1
+        counts = (np.abs(series[1 : DEGREE + 1]) > DROPPED * (allowed + round_off)).any(axis=1)
+        order = int(np.flatnonzero(counts)[-1]) + 1 if counts.any() else 0
         powers = np.zeros((DEGREE + 1, values.shape[1]))
         powers[: order + 1] = _POWERS[: order + 1, : order + 1] @ series[: order + 1]
         piece = Piece(start, end, powers)
