@@ -188,8 +188,9 @@ def keep_static_forces(d):
 def static_power(d):
     """Return the power [W] that the forces of sticking elements dissipate, whose speeds are errors of a step.
 
-    An explicit step moves by these speeds, so the power is dissipated. The stages of an implicit step leave
-    the power out, because the last iteration makes the speeds smaller than those of the evaluated stages.
+    A step moves by these speeds, and a projection moves the elements back (ode/last_step.py). The stages of
+    an implicit step leave the power out, because their last correction changes the speeds: the work along
+    the corrected motion is found instead (ode/friction_work.py).
     """
     own, dissipated = d.friction, 0.0
     for i in range(own.stuck_count):
@@ -197,6 +198,23 @@ def static_power(d):
         dissipated -= d.element.force[e] * tangential_rate(d, e)
     own.power += dissipated
     return dissipated
+
+
+def work_of_friction(d, held):
+    """Return the work [J] of dry friction along the distances of elements from their anchors.
+
+    Only differences of this work have a meaning, because a sliding element has left its anchor.
+
+    Args:
+        d: the instance, with the points located.
+        held: whether to count the sticking elements only.
+    """
+    work = 0.0
+    for i in range(d.friction.count):
+        e = d.element.index[i]
+        if d.element.mode[e] == STICKS or not held:
+            work += d.element.force[e] * (tangential_position(d, e) - d.element.anchor[e])
+    return work
 
 
 def keep_anchors(d):

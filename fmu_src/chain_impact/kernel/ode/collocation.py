@@ -53,6 +53,7 @@ from chain_impact.kernel.ode.extended import (
     solve_complex,
     solve_real,
 )
+from chain_impact.kernel.ode.friction_work import settle_friction
 from chain_impact.kernel.ode.radau import (
     AT_END,
     AT_START,
@@ -257,6 +258,8 @@ def attempt(d, h):
     count_evaluations(d, RADAU_STAGES * own.iterations)
     count_other_work(d, FACTORIZATIONS + SOLUTIONS * own.iterations + ESTIMATE)
     if solved:
+        if d.friction.count > 0:
+            settle_friction(d, h)
         set_result(d, h)
         error = estimate(d, h, size)
         if compliant(d) > 0:

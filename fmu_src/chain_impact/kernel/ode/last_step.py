@@ -17,7 +17,7 @@ from chain_impact.kernel.chain.kinematics import (
 from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.equations import located_rate, state_rate
-from chain_impact.kernel.forces.friction import keep_anchors
+from chain_impact.kernel.forces.friction import keep_anchors, work_of_friction
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, clear_faded, rescale
@@ -33,6 +33,7 @@ from chain_impact.kernel.ode.dense import (
 )
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
+from chain_impact.kernel.rows.geometry import any_sticking
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the step's dense output
@@ -66,7 +67,7 @@ def reset_times(d, time):
 def accept(d):
     """Make the tried step the last step."""
     if any_constraint(d):
-        project_state(d, d.trial.state)
+        project_trial(d)
         keep_anchors(d)
     clear_faded(d, d.trial.state)
     step, y = d.step, d.trial.state
@@ -86,6 +87,19 @@ def accept(d):
     else:
         # the error control of this method has located the points at the end if contacts are active
         find_rate(d, d.touch.active_count > 0)
+
+
+def project_trial(d):
+    """Project the end of the tried step onto the constraints.
+
+    The projection moves sticking elements back to their anchors, and others with them: dry friction does work
+    along this way.
+    """
+    y, sticking = d.trial.state, any_sticking(d)
+    before = work_of_friction(d, False) if sticking else 0.0
+    project_state(d, y)
+    if sticking:
+        y[dissipated_at(d.links)] -= work_of_friction(d, False) - before
 
 
 def dissipate(d, energy):
