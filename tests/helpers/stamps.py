@@ -83,8 +83,8 @@ class Stamps:
             if frame.f_code.co_name in AT_END:
                 end: np.ndarray = self.d.step.state_end
                 return end
-            y = frame.f_locals.get("y")
-            if isinstance(y, np.ndarray) and y.shape == (state_size(self.d.links),):
+            y, of_vectors = frame.f_locals.get("y"), isinstance(frame.f_locals.get("x"), np.ndarray)
+            if isinstance(y, np.ndarray) and y.shape == (state_size(self.d.links),) and not of_vectors:
                 return y
         return None
 

@@ -56,6 +56,13 @@ def test_random_scenes_read_only_what_belongs_to_their_states(kind):
         run(scene.with_values({"solver.work_limit": 1e3}), min(0.1, scene.simulation.stop_time))
 
 
+def test_components_as_long_as_a_state_are_no_state():
+    """This scene has as many loads as its state has entries."""
+    d = run(random_scenes.scene(random_scenes.SLANTED + 662), 1e-9, rows=2)
+    assert d.statistics.status == OK
+    assert d.loads == len(d.step.state)
+
+
 def test_a_read_of_another_state_is_found():
     d = run(load_scene("double_pendulum_wall"), 0.01)
     y = d.step.state_end.copy()

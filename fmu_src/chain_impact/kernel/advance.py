@@ -114,7 +114,7 @@ def advance(d, time, log_capacity, work):
 
 
 def log_is_full(d, capacity):
-    """Return whether ``capacity`` contacts wait for collection, or the log of mode changes has no room."""
+    """Return whether ``capacity`` ended contacts are not collected yet, or the log of modes is full."""
     if d.finished.count - d.finished.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
@@ -193,7 +193,7 @@ def advance_one_step(d):
 
 
 def set_output_time(d, time):
-    """Make a ``time`` [s] in the last step the communication point."""
+    """Set the communication point to a ``time`` [s] in the last step."""
     set_own_output_time(d, time)
     begin_call(d)
 
@@ -230,7 +230,7 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Latch again the values of active contacts that depend on their laws, which may have changed."""
+    """Compute the latched values of active contacts again, because contact laws may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 
@@ -267,7 +267,7 @@ def check_solved(d, status):
 
 
 def find_step(d):
-    """Try ever smaller steps until a step is accepted, up to its first event; return a status."""
+    """Try smaller and smaller steps until one is accepted, and end it at the first event; return a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
     if d.signals > 0:
@@ -291,7 +291,7 @@ def find_step(d):
 
 
 def try_step(d, h):
-    """Try a step of size h; if the step is accepted, it becomes the last step, up to its first event."""
+    """Try a step of size h. An accepted step becomes the last step, and ends at the first event."""
     clear_stage_notes(d)
     attempt(d, h)
     if not control.accepted(d):

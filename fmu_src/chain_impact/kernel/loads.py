@@ -34,7 +34,9 @@ from chain_impact.kernel.status import counted_work, uncount_work
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
 # where the forces may rise and fall often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
-NEAR_PEAK = 0.95  # the least fraction of a squared peak that a parabola through three samples finds
+# The least fraction of a squared peak that a parabola through three samples finds. With a larger value some
+# peaks would be missed.
+NEAR_PEAK = 0.95
 
 
 def start_loads(d, time):

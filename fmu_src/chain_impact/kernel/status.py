@@ -89,7 +89,7 @@ def set_status(d, status):
 
 
 def refuse_candidate(d, c, status):
-    """Record that candidate c is the reason for ``status``, and return this status."""
+    """Store candidate c as the reason for ``status``, and return this status."""
     d.fault.place = 1 + c
     return status
 

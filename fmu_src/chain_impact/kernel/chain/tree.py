@@ -30,7 +30,7 @@ from chain_impact.kernel.functions import inlined
 
 @inlined
 def arm(d, link, i, outward):
-    """Describe link i as seen from its joint nearer to the middle.
+    """Return data of link i about the joint that is nearer to the middle of the chain.
 
     ``outward``: whether this is the proximal joint.
 

@@ -205,7 +205,7 @@ largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetratio
 
 
 def clear_log(d):
-    """Forget all contacts at the start of a run."""
+    """Clear the log of contacts at the start of a run."""
     latest = d.latest
     d.finished.count, d.finished.collected, latest.listed = 0, 0, 0
     for row in range(len(latest.time)):

@@ -160,7 +160,7 @@ def check_candidate(d, c, a, b):
 
 
 def skims(d, c, width):
-    """Return whether candidate c skims its wall in an interval of ``width`` in the step's variable."""
+    """Return whether candidate c moves almost along the wall in an interval of this ``width``."""
     search = d.search
     moved = width * max(abs(search.clear_start_rate[c]), abs(search.clear_end_rate[c]))
     return max(abs(search.clear_start[c]), abs(search.clear_end[c]), moved) < SKIMS * d.model.size
@@ -173,7 +173,7 @@ def nearly_linear(d, c, part):
 
 
 def locate(d, a, b):
-    """Find the earliest event in (a, b], in which no suspect is to SPLIT, and mark its candidates."""
+    """Find the earliest event in (a, b], and mark the candidates; no suspect may be SPLIT there."""
     first, found = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]

@@ -23,8 +23,8 @@ MARGIN = 0.05
 # onset of an impact, gravity adds only a thousandth to δ̇; with the ratio 2 the usual laws have at most 1 +
 # 2λ times their elastic force.
 RELATCH_RATIO = 2.0
-# fraction of the latching speed RELATCH_RATIO v₀; if δ̇ exceeds it at an end of a step, the step is sampled
-# inside too
+# The fraction of the speed RELATCH_RATIO v₀. If δ̇ exceeds this fraction at an end of a step, the search also
+# samples the inside of the step.
 NEARLY_FAST = 0.75
 
 
@@ -97,14 +97,14 @@ def excludes_events(d):
 
 
 def suspect_all(d):
-    """Let the search follow all candidates."""
+    """Let the search examine all candidates."""
     d.search.suspect_count = d.candidates
     for c in range(d.candidates):
         d.search.suspect[c] = c
 
 
 def suspect_some(d, apart, error):
-    """Let the search follow the candidates for which the test of the step's ends does not exclude an event.
+    """Let the search examine the candidates for which the test at the step's ends does not exclude events.
 
     Args:
         d: the instance, with φ, φ′ and φ″ at both ends.
@@ -167,7 +167,7 @@ def remains_far(d):
 
 
 def is_quiet(d, c):
-    """Return whether contact c has not crossed its kink in the last step, and v₀ needs no new value."""
+    """Return whether the force of contact c has no kink in the last step, and v₀ needs no new value."""
     return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
 

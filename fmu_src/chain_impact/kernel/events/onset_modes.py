@@ -18,7 +18,7 @@ SOON = 1e-6
 
 
 def begins(d, e):
-    """Return whether element e belongs to a contact that begins now."""
+    """Return whether element e is the friction of a contact that begins now."""
     return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
 
 

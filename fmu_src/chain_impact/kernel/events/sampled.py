@@ -149,7 +149,7 @@ def mark_kinks(d, c, theta):
 
 
 def own_side(d, c):
-    """Return the height of contact c over its kink: positive on the side that the step assumes."""
+    """Return the kink function of contact c, positive on the side that the step assumes."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
@@ -268,7 +268,7 @@ def mark_changes(d, element, theta):
 
 
 def resolution_of(d, e):
-    """Return the size of round-off in the function of element e, whose zero ends the mode: m/s or N."""
+    """Return the round-off [m/s or N] of the function of element e that is zero at the end of the mode."""
     return excess(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
@@ -283,7 +283,7 @@ def excess(d, e):
 
 
 def element_margin(d, e, theta):
-    """Return how far the mode of element e is from its end at the fraction θ of the last step: m/s or N."""
+    """Return the margin [m/s or N] of element e before the mode ends, at the fraction θ of the last step."""
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
         return d.element.mode[e] * tangential_rate(d, e) + resolution_of(d, e)
@@ -294,7 +294,7 @@ def element_margin(d, e, theta):
 
 
 def has_come_near(d):
-    """Return whether the elements whose modes end in the repeated step are nearer to these ends than before.
+    """Return whether the margins of the modes that end in the repeated step have decreased enough.
 
     The interpolant of a long implicit step has errors, and may show the end of a mode that a shorter step
     does not have. The distance must be less than half, or steps with such false ends would follow each other
@@ -339,7 +339,7 @@ def drive_margin(d, _c, theta):
 
 
 def may_pass_limit(d, c):
-    """Suspect all drives with limits in a step in which inputs turn by much, if these act in one of them."""
+    """Return whether to search all drives with limits: fast inputs act in one of these drives."""
     if d.signals > 0 and d.inputs.course.order == 0:
         turn = (d.step.end - d.step.start) * rate_of_drives(d)
         return is_past_limit(d, c) or (d.model.limited != 0 and turn > SWEPT)

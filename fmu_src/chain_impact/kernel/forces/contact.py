@@ -139,7 +139,7 @@ def relatch(d, c, factor):
 
 
 def include(d, c):
-    """Make candidate c, whose point takes part in another point's impact, active without an onset."""
+    """Make candidate c active without an onset, as the point takes part in another point's impact."""
     d.touch.active[c] = 1
 
 
@@ -154,7 +154,7 @@ def set_rates(d, c, speed, force_rate):
 
 
 def expect_peaks(d):
-    """Search the next step for peaks of all forces: after a change of modes a falling force may rise."""
+    """Let the next step be searched for peaks of all forces: after a change of modes a force may rise."""
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0
 
@@ -173,7 +173,7 @@ def set_joint_top(d, c, top, joint):
 
 
 def cross_kink(d, c):
-    """Switch candidate c, which is at its kink, to the force of the kink's other side."""
+    """Switch candidate c, at the kink of the force, to the force on the other side of the kink."""
     touch = d.touch
     if cut_off(d, c):
         touch.force_rate[c] = 1.0  # 1: the force rises
@@ -200,7 +200,7 @@ def set_kink_sides(d):
 
 
 def list_touching(d):
-    """Pack the active contacts; contacts with a force law come first."""
+    """List the active contacts in ``touch.active_index``; contacts with a force law come first."""
     touch = d.touch
     touch.active_count = 0
     touch.listings += 1

@@ -108,7 +108,7 @@ def unit_of_damping(d, c, mass_power):
 
 
 def turning_margin(d, c):
-    """Return the |δ̇| [m/s] up to which the wrong side's force, at δ̇ = 0, has an error within the tolerance.
+    """Return the largest |δ̇| [m/s] for which the force of the wrong side has an error within the tolerance.
 
     If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)² times the share of the
     damping. For a point at rest the sign of δ̇ changes all the time, with speeds within the tolerance.

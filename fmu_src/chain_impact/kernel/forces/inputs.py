@@ -46,7 +46,7 @@ TOUCH_OFF = 1e-9
 # The largest change of an acceleration that is round-off, over the largest position divided by the squared
 # step.
 ACCELERATION_ROUND_OFF = 1e-14
-# `change_rate` of a motion that is a cubic, over 1/h; small, because its sixth derivative is 0
+# `change_rate` of a cubic motion, over 1/h; small, because the sixth derivative of a cubic is 0
 CUBIC_CHANGE = 0.5
 # the largest time from the end of a step to the end of the piece with which the step ends, over the time
 SAME_TIME = 4e-15

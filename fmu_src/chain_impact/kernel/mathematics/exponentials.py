@@ -19,7 +19,7 @@ STEP_HIGH, STEP_LOW = in_two(LN_2 // SIZE, PLACES)
 STEPS_PER_ONE = (SIZE << FIXED) / LN_2
 ROUND_BITS = bits(ROUND)
 COMMON = 650.0  # |x| up to which e^x has far more digits than a subnormal number, and is finite
-# half of the range: e^x is e^(x ∓ 512 ln 2) times 2^±512, which is rounded once
+# Half of the range of exponents: e^x is computed as e^(x ∓ 512 ln 2) times 2^±512, with one rounding.
 FAR = 512
 UP, DOWN = 2.0**FAR, 2.0**-FAR
 FAR_HIGH, FAR_LOW = in_two(FAR * LN_2, PLACES)

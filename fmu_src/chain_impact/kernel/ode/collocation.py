@@ -76,7 +76,8 @@ FORETOLD = (1.2, 2.0, 3.0)
 # complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
 # solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-# size of a step over the predicted time to the end of a contact; the prediction has an error of some .01
+# The size of a step over the predicted time to the end of a contact. The prediction has an error of some
+# hundredths, so a smaller value would leave a tiny step before the end.
 PAST_END = 1.04
 FORCELESS = 1e-3  # the last part of a step in which a contact that ends has practically no force left
 # the length of the first step after an event at a tolerance of 1, over the time constant of a fast motion

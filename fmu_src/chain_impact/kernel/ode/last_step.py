@@ -141,7 +141,7 @@ def truncate_step(d, theta):
 
 
 def set_own_output_time(d, time):
-    """Make a ``time`` [s] in the last step the communication point."""
+    """Set the communication point to a ``time`` [s] in the last step."""
     d.step.time = time
     ensure_dense(d, OUTPUTS)
 

@@ -56,7 +56,7 @@ def share_within_limits(d):
 
 
 def largest_start(d):
-    """Return the largest acceleration [m/s²] of any row without the forces; round-off is relative to it."""
+    """Return the largest acceleration [m/s²] of any row without the forces, the scale of round-off."""
     scale = 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         scale = max(scale, abs(d.rigid.start[k]))
@@ -93,7 +93,7 @@ def most(d, k):
 
 
 def clipped(d, k, force):
-    """Return the force [N] of row k within its limits that is nearest to ``force``."""
+    """Return the force [N] nearest to ``force`` within the limits of row k."""
     return min(most(d, k), max(least(d, k), force))
 
 
@@ -163,7 +163,7 @@ def solve_inside(d):
 
 
 def find_left(d):
-    """Find the motion that remains with the present forces; the next iteration begins with it."""
+    """Find the motion that remains with the present forces, at which the next iteration begins."""
     own = d.share
     solve_contacts(d, FREE, own.impulse, own.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):

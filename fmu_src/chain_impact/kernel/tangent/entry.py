@@ -54,7 +54,7 @@ def observe_trial_of_tangent(_d, t):
 
 
 def forget_slopes(dual_numbers):
-    """Set to NaN all derivatives in the array ``dual_numbers``."""
+    """Set all derivatives in the array ``dual_numbers`` to NaN."""
     for j in range(len(dual_numbers)):
         if j % (1 + DIRECTIONS) > 0:
             dual_numbers[j] = math.nan

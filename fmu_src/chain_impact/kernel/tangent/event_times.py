@@ -68,7 +68,7 @@ def delay_along_motion(after):
 
 
 def set_end(t):
-    """Set points and forces to those at the end of the last step again."""
+    """Evaluate points and forces at the end of the last step again."""
     locate_points(t, t.step.state_end)
     located_rate(t, t.step.state_end, t.work.rate)
     ensure_points(t)

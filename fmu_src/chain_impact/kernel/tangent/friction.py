@@ -88,7 +88,7 @@ def stops_slowly(t, e):
 
 
 def slow_acceleration(t, e):
-    """Return an acceleration [m/s²] of element e that may be an error, besides that by its friction."""
+    """Return the size of acceleration [m/s²] of element e that may be an error, without friction."""
     return math.sqrt(value(t.solver.tolerance)) * t.element.limit[e] / mean_mass(t)
 
 
@@ -114,7 +114,7 @@ def delay_of_sliding(t, e):
 
 
 def negligible(t, speed):
-    """Return whether it is negligible if a ``speed`` [m/s] is stopped or lasts; if so, add its share.
+    """Return whether the choice between stopping a ``speed`` [m/s] and keeping it is negligible.
 
     The speed would last for the time in which a chain settles.
     """
@@ -179,7 +179,7 @@ def check_changes(t, time):
 
 
 def gives_way(t, e, time):
-    """Return whether the margin of element e, which is zero now, is also zero after a ``time`` [s]."""
+    """Return whether the margin of element e, now zero, is still zero a ``time`` [s] later."""
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
         known = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
@@ -189,7 +189,7 @@ def gives_way(t, e, time):
 
 
 def any_halts(t):
-    """Return whether the sliding of any element ends at the end of the last step."""
+    """Return whether an element stops sliding at the end of the last step."""
     for i in range(t.friction.count):
         if t.element.event[t.element.index[i]] == SLIDING_ENDS:
             return True
@@ -306,7 +306,7 @@ def check_coefficients(t):
 
 
 def is_open(t, e):
-    """Return whether the force that holds or would hold element e at rest nearly equals its limit."""
+    """Return whether the force that would hold element e at rest nearly equals the limit of friction."""
     limit, errors = value(t.element.limit[e]), OPEN * value(t.solver.tolerance)
     if limit <= value(excess(t, e)):
         return False

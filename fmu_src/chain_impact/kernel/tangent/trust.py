@@ -100,12 +100,12 @@ def mark_untrusted(t, reason, c, time):
 
 
 def trust(t):
-    """Trust the derivatives from now on."""
+    """Mark the derivatives as valid from now on."""
     t.trust.reason = TRUSTED
 
 
 def begin_trust(t):
-    """Trust the derivatives from the start of a run on, with no change left open."""
+    """Mark the derivatives as valid at the start of a run, without undecided changes."""
     t.trust.share, t.trust.split = 0.0, 0
     trust(t)
 
