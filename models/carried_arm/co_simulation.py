@@ -39,15 +39,26 @@ def main():
 
 def draw(path, time, columns):
     """Draw the position of the carriage, and its impulse on the arm."""
+    import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8, 4.5), layout="constrained")
-    place, impulse = figure.subplots(2, 1, sharex=True)
-    place.plot(time, columns["base.x"])
-    place.set_ylabel("place of the carriage [m]")
-    impulse.plot(time, columns["joint[1].impulse.x"])
-    impulse.set(xlabel="time [s]", ylabel="impulse on the arm [N·s]")
-    figure.savefig(path, dpi=160)
+    from chain_impact.pictures.style import BLUE, DPI, STYLE, VERMILLION, headline
+
+    peak = columns["joint[1].peak_force"].max()
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8, 4.8), layout="constrained")
+        headline(
+            figure,
+            f"The carriage bears {peak:.0f} N at most when the arm hits the wall",
+            f"two FMUs, carriage and arm  ·  communication step {time[1]:g} s",
+        )
+        place, impulse = figure.subplots(2, 1, sharex=True)
+        place.plot(time, 1000 * columns["base.x"], color=BLUE)
+        place.set_ylabel("place of the\ncarriage [mm]")
+        impulse.plot(time, columns["joint[1].impulse.x"], color=VERMILLION)
+        impulse.set(xlabel="time [s]", ylabel="impulse on\nthe arm [N·s]")
+        figure.align_ylabels()
+        figure.savefig(path, dpi=DPI)
 
 
 if __name__ == "__main__":

@@ -40,21 +40,32 @@ def main():
 
 def draw(path, time, columns):
     """Draw the positions of cart and pole, and the force; a band shows the push."""
+    import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8, 5.2), layout="constrained")
-    place, tilt, force = figure.subplots(3, 1, sharex=True)
-    place.plot(time, columns["slider.position"])
-    place.axhline(0.4, color="grey", linewidth=1.0)
-    place.set_ylabel("place [m]")
-    tilt.plot(time, [math.degrees(angle) - 90.0 for angle in columns["link[1].angle"]])
-    tilt.set_ylabel("pole from upright [deg]")
-    force.plot(time, columns["slider.force"])
-    force.set(xlabel="time [s]", ylabel="force [N]")
+    from chain_impact.pictures.style import BLUE, DPI, GREEN, INK, ORANGE, STYLE, VERMILLION, headline
+
+    tilts = [math.degrees(angle) - 90.0 for angle in columns["link[1].angle"]]
     pushed = [t for t, push in zip(time, columns["tip.force.x"], strict=True) if push]
-    for panel in (place, tilt, force):
-        panel.axvspan(pushed[0], pushed[-1], color="gold", linewidth=0.0)
-    figure.savefig(path, dpi=160)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8, 5.4), layout="constrained")
+        headline(
+            figure,
+            f"The pole leans by {max(map(abs, tilts)):.0f}° at most, and stands at the end",
+            "two FMUs, cart and controller  ·  line: the stop  ·  band: a push on the pole",
+        )
+        place, tilt, force = figure.subplots(3, 1, sharex=True)
+        place.axhline(0.4, color=INK, linewidth=1.0)
+        place.plot(time, columns["slider.position"], color=BLUE)
+        place.set_ylabel("place of\nthe cart [m]")
+        tilt.plot(time, tilts, color=GREEN)
+        tilt.set_ylabel("pole from\nupright [deg]")
+        force.plot(time, columns["slider.force"], color=VERMILLION)
+        force.set(xlabel="time [s]", ylabel="force [N]")
+        for panel in (place, tilt, force):
+            panel.axvspan(pushed[0], pushed[-1], color=ORANGE, alpha=0.35, linewidth=0.0)
+        figure.align_ylabels()
+        figure.savefig(path, dpi=DPI)
 
 
 if __name__ == "__main__":

@@ -38,6 +38,13 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
 
 
 @pytest.mark.full("takes long")
+def test_phases_too_short_to_be_seen_are_not_in_the_legend():
+    """A corner of the block slides for some microseconds before it sticks."""
+    page, *_ = drawn(recorded("rocking_block"))
+    strip = next(axes for axes in page.axes if axes.get_label() == "friction")
+    assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks"]
+
+
 def test_of_many_places_those_that_rub_for_longest_are_shown(recording):
     many = simulate(pendulum(), 0.5)
     rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, ROWS + 4)]

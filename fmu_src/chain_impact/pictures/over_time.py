@@ -43,6 +43,7 @@ PARTS = {"friction": BROWN}
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 TOLD = 5  # the largest number of points with individual colours, so that the legend has room
 NUMBERED = 60  # the largest number of impacts that get numbers
+SHORT = 0.002  # the longest phase of dry friction that cannot be seen, over the time
 SEEN = 0.01  # the least duration of a contact that gets a band, over the shown time
 DOT = 4.0  # [points] the size of the mark of an impact
 
@@ -105,11 +106,13 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     axes.set_ylim(-0.6, len(shown) - 0.4)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
-    handles = [
-        Patch(color=VERMILLION, label="sticks"),
-        Line2D([], [], color=GREY, linewidth=2.0, label="slides"),
-    ]
-    legend_above(axes, handles)
+    handles: dict[bool, Any] = {
+        True: Patch(color=VERMILLION, label="sticks"),
+        False: Line2D([], [], color=GREY, linewidth=2.0, label="slides"),
+    }
+    long = phase_lengths(recording) > SHORT * (recording.time[-1] - recording.time[0])
+    seen = {*(phases["mode"] == STICKS)[long].tolist()}  # contacts slide for an instant before they stick
+    legend_above(axes, [handle for mode, handle in handles.items() if mode in seen or not seen])
     shade_rests(axes, shown_time(recording))
 
 
