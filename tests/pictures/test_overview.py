@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 
 from chain_impact.pictures import plot
+from chain_impact.pictures.dark import luminance
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import fit_legends, legend_above
 from chain_impact.pictures.pages import SIZE
@@ -292,6 +293,8 @@ def test_axes_of_a_dark_style_have_texts_and_a_total_that_can_be_seen():
     assert {to_hex(text.get_color()) for text in axes.get_legend().get_texts()} == {"#ffffff"}
     total = next(line for line in axes.lines if line.get_label() == "total")
     assert to_hex(total.get_color()) == "#ffffff"
+    assert all(luminance(line.get_color()) > 0.29 for line in axes.lines)
+    assert all(luminance(handle.get_color()) > 0.29 for handle in axes.get_legend().legend_handles)
     (rest,) = axes.patches
     assert max(rest.get_facecolor()[:3]) < 0.2  # shaded, not white
 

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.dark import suit_ground
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.over_time import mark_impacts
@@ -89,6 +90,8 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
     if len(given) != count:
         raise ValueError(f"ax: there are {len(given)} axes for {plural(count, 'unit')} of curves")
     draw_all(given, recording, curves)
+    for axes in given:
+        suit_ground(axes)
 
 
 def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from chain_impact.pictures.dark import suit_ground, suit_legend
 from chain_impact.pictures.labels import Ink, listed
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.message import write_head
@@ -140,10 +141,13 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
             time = shown_time(recording)
             one.set_xlim(time.start, max(time.end, time.start + 1e-9))
             one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
+            suit_ground(one)
     for page in {one.get_figure(root=True) for one in given}:
         own = {name: one for name, one in zip(shown, given, strict=True) if one.get_figure(root=True) is page}
         page.draw_without_rendering()
         fit_legends(page, [*own.values()])
+        if "motion" in own:
+            suit_legend(own["motion"])
         ink = Ink(page)
         for name, write in NUMBERS.items():
             if name in own:
