@@ -1,4 +1,4 @@
-"""chain-impact: the impact dynamics of planar robotic chains, as an FMU.
+"""chain-impact: the impact dynamics of planar robotic chains, in Python, on the command line and as FMUs.
 
 A public name is imported from its module at its first use, because importing all modules takes long.
 """

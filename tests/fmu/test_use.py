@@ -1,5 +1,7 @@
 """The use of the FMU in a process with an importer and without this package, and its refusals there."""
 
+import zlib
+
 import numpy as np
 import pytest
 from fmpy import read_model_description
@@ -313,6 +315,19 @@ def test_damaged_and_foreign_states_are_refused(fmu, other):
         assert "the bytes are no state, or damaged" in text
     text = refused(other, lambda i: i.fmu.setFMUstate(i.fmu.deSerializeFMUstate(data)))
     assert "the state is that of another FMU" in text
+
+
+@importing("rod_drop")
+def test_a_state_of_other_sizes_is_refused_although_its_checksum_is_right(fmu):
+    one = Instance(fmu).start()
+    data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
+    for word in range(11):  # the sizes at the start of the record
+        changed = bytearray(data)
+        changed[96 + 8 * word] += 1
+        changed[16:24] = zlib.crc32(changed[24:]).to_bytes(8, "little")
+        state = bytes(changed)
+        text = refused(fmu, lambda i, state=state: i.fmu.setFMUstate(i.fmu.deSerializeFMUstate(state)))
+        assert "the state is damaged" in text
 
 
 @importing("rod_drop")

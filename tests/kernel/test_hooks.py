@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from chain_impact.compilation.affine import COUNTS
 from chain_impact.kernel import hooks
 from chain_impact.kernel.tangent import entry
 from chain_impact.kernel.tangent.duals import DIRECTIONS
@@ -14,7 +15,7 @@ from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tan
 from chain_impact.scene.scene import load_scene
 from tests.helpers.plain import record_of
 
-SIZES = {"links": 4, "candidates": 20, "elements": 24, "loads": 8, "channels": 4, "signals": 2, "knots": 6}
+SIZES = {name: 2 + k for k, name in enumerate(COUNTS)}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # calls of each hook for every instance of dual numbers: the kernel's functions, in their order
 DONE = {
@@ -82,7 +83,7 @@ def test_one_that_does_not_fit_is_not_sound(monkeypatch):
     monkeypatch.setattr(entry, "within_bounds", lambda t: t is not d)
     assert HOOKS[hooks.indices_valid](d)
     for field in SIZES:
-        setattr(tangents[1], field, 5)
+        setattr(tangents[1], field, 99)
         assert not HOOKS[hooks.indices_valid](d)
         setattr(tangents[1], field, getattr(d, field))
     monkeypatch.setattr(entry, "within_bounds", lambda t: t is not tangents[0])

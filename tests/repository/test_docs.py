@@ -78,7 +78,7 @@ def test_version_and_number_of_laws_are_right():
         project = tomllib.load(file)["project"]
     lines = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
     assert {f"{name}: {project[key]}" for name, key in CITED.items()} <= {*lines}
-    for page in ("README.md", "docs/index.md", "CITATION.cff"):
+    for page in ("README.md", "docs/index.md", "docs/paper.md", "CITATION.cff"):
         counts = re.findall(r"\b(\d+) (?:contact )?laws\b", (ROOT / page).read_text(encoding="utf-8"))
         assert counts == [str(len(CONTACT_LAWS))]
 

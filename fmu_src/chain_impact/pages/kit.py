@@ -3,7 +3,7 @@
 The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
 data therefore contain templates of variables, the rows of the table of variables. The page makes the
 variables from these templates, as ``variables/listing.py`` does. The index of a word in the record is a list
-of seven numbers: a + bN + cC + dF + eL + fK + g·index (compilation/affine.py).
+of the numbers that compilation/affine.py gives.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
-from chain_impact.variables.places import WORD, layout_of, word_index
+from chain_impact.variables.places import PEAKS, STOP_PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
 WITH_STOPS = SimpleNamespace(stops=True, links=())
@@ -66,14 +66,6 @@ PLACES: dict[str, Place] = {
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }
 """The words of a record that are not parameters and depend on the scene."""
-
-PEAKS = {
-    "peak_force": "force",
-    "max_penetration": "penetration",
-    "stop.peak_moment": "moment",
-    "stop.max_penetration": "rotation",
-}
-"""Name of a largest quantity of the run, as in a sweep → its path in ``peaks`` of the record."""
 
 
 def kit(scene: Scene) -> dict[str, Any]:
@@ -234,7 +226,7 @@ def _layout() -> dict[str, Any]:
             "room": [*_affine(lambda record: record["finished"]["point"].shape[0]), 0],
             "fields": {name: words(("finished", name, 0)) for name in LOG_DTYPE.names or ()},
         },
-        "peaks": {name: words(("peaks", part)) for name, part in PEAKS.items()},
+        "peaks": {name: words(place) for name, place in (PEAKS | STOP_PEAKS).items()},
         "changes": words(("changes", "count")),
         "inputsChanged": words(("given", "changed")),
         "active": words(("touch", "active_count")),

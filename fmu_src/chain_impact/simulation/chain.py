@@ -261,7 +261,7 @@ class Chain:
     def reset(self) -> None:
         """Return to the start of the scene, with all values from the scene."""
         self._reals[:] = self._start
-        self._impacts, self._instance.changes = [], []
+        self._impacts, self._instance.changes, self._warned = [], [], False
         self._stepped, self._initialized, self._observed = False, True, False
 
     def __reduce__(self) -> tuple[Callable[[Scene, bytes], Chain], tuple[Scene, bytes]]:

@@ -253,10 +253,8 @@ class Instance:
     def _ended(self) -> np.ndarray:
         """The numbers from 0 of the contacts that have ended since the last collection.
 
-        In a full log the oldest of these contacts are lost.
-
-        Contacts that have not ended come after the ended contacts, and overwrite the oldest entries of a full
-        log.
+        In a full log the oldest of these contacts are lost, also because contacts that have not ended are
+        stored after them.
         """
         at, number = self._log_at, self._integers.item
         ended = number(at.ended)

@@ -15,6 +15,14 @@ from chain_impact.variables.shape import Shape
 from chain_impact.variables.variable import Variable
 
 WORD = 8  # [byte] size of every scalar in the record
+PEAKS: dict[str, Place] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
+"""The largest values of all contacts at walls [N], [m]: column → place in the record."""
+STOP_PEAKS: dict[str, Place] = {
+    "stop.peak_moment": ("peaks", "moment"),
+    "stop.max_penetration": ("peaks", "rotation"),
+}
+"""The largest values of all contacts at stops of joints [N·m], [rad], in a scene with stops: column →
+place."""
 # layouts are kept, because computing a layout takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 

@@ -122,13 +122,9 @@ def clear_other_forces(d):
 
 
 def begin_friction(d, c):
-    """Set a first mode of a contact that begins at located points.
-
-    Events/friction_modes.py chooses the final one.
-    """
+    """Set a first mode of a contact that begins at located points; the module friction_modes decides it."""
     speed = tangential_rate(d, c)
-    # The state may be projected before the choice of the mode; the anchor keeps a sticking element where it
-    # is.
+    # the state may be projected before the mode is decided: the anchor keeps a sticking element in place
     set_anchor(d, c)
     set_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
 

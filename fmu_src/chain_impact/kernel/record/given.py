@@ -19,7 +19,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 @given(AT_START)
 @written_by("initialize.py")
 def model_dtype(links: int) -> np.dtype:
-    """Return the layout of the chain and its box; variables/model.py sets the values that are not derived."""
+    """Return the layout of the chain and its box; variables/filling.py sets all values but derived ones."""
     return record(
         ("gravity", REAL, (2,)),  # m/s²
         ("length", REAL, (links,)),  # m
@@ -76,7 +76,7 @@ def model_dtype(links: int) -> np.dtype:
 def contact_dtype() -> np.dtype:
     """Return the layout of the contact data that all walls share; the rest of the law is in `given`.
 
-    variables/model.py sets the values that are not derived.
+    variables/filling.py sets the values that are not derived.
     """
     return record(
         ("exponent", REAL),
@@ -96,7 +96,7 @@ def stops_dtype() -> np.dtype:
 
     Given stiffness and restitution of stops are in `given`.
 
-    variables/model.py sets the values that are not derived.
+    variables/filling.py sets the values that are not derived.
     """
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: the law of the walls
@@ -113,7 +113,7 @@ def stops_dtype() -> np.dtype:
 def slider_dtype() -> np.dtype:
     """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py.
 
-    variables/model.py sets the values that are not derived.
+    variables/filling.py sets the values that are not derived.
     """
     return record(
         ("angle", REAL),  # rad, direction of the line from +x
@@ -135,7 +135,7 @@ def slider_dtype() -> np.dtype:
 @given(AT_START)
 @written_by()
 def initial_dtype(links: int) -> np.dtype:
-    """Return the layout of the initial values, which variables/model.py sets."""
+    """Return the layout of the initial values, which variables/filling.py sets."""
     return record(
         ("position", REAL, (2,)),  # m
         ("velocity", REAL, (2,)),  # m/s
@@ -148,7 +148,7 @@ def initial_dtype(links: int) -> np.dtype:
 @given(AT_START)
 @written_by()
 def solver_dtype() -> np.dtype:
-    """Return the layout of the settings of the solver, which variables/model.py sets."""
+    """Return the layout of the settings of the solver, which variables/filling.py sets."""
     return record(
         ("method", INTEGER),  # index into SOLVER_METHODS of kernel/ode/control.py, from 1
         ("tolerance", REAL),
@@ -229,7 +229,7 @@ def inputs_dtype(links: int) -> np.dtype:
 def motion_dtype(channels: int) -> np.dtype:
     """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py.
 
-    variables/model.py sets the values that the kernel does not write.
+    variables/filling.py sets the values that the kernel does not write.
     """
     return record(
         # 1: the motion follows the values at communication points; 0: the scene gives polynomials
@@ -282,7 +282,7 @@ def moved_dtype(channels: int) -> np.dtype:
 def candidate_dtype(candidates: int) -> np.dtype:
     """Return the layout of the candidates: first pairs of a point and a wall, then stops in joints.
 
-    variables/model.py sets the values that are not derived.
+    variables/filling.py sets the values that are not derived.
     """
     return table(
         candidates,
@@ -306,15 +306,12 @@ def candidate_dtype(candidates: int) -> np.dtype:
 def site_dtype(sites: int) -> np.dtype:
     """Return the layout of the sites, points fixed to links beside the joints, in the order of the links.
 
-    variables/model.py sets the values that are not derived.
+    variables/filling.py sets the values that are not derived.
     """
     return record(
         ("link", INTEGER, (sites,)),  # index of the link, from 0
-        (
-            "corner",
-            INTEGER,
-            (sites,),
-        ),  # 1 to 4: the site is a corner of a box, which determines its position; 0: not a corner
+        # 1 to 4: the site is a corner of a box, which determines its position; 0: not a corner
+        ("corner", INTEGER, (sites,)),
         ("x", REAL, (sites,)),  # m, along the link from the proximal joint
         ("y", REAL, (sites,)),  # m, to the left of the link's line
         ("given_radius", REAL, (sites,)),  # m; DERIVED: the radius of `contact`
@@ -329,7 +326,7 @@ def site_dtype(sites: int) -> np.dtype:
 def shift_dtype(candidates: int) -> np.dtype:
     """Return the layout of the motion of each candidate's wall, in a scene with moving walls.
 
-    variables/model.py sets the values that are not derived.
+    variables/filling.py sets the values that are not derived.
     """
     return table(
         candidates,
@@ -372,7 +369,7 @@ def law_dtype(candidates: int) -> np.dtype:
 def walls_dtype(candidates: int) -> np.dtype:
     """Return the layout of the walls at any angle, at most C, and of the materials of all walls.
 
-    variables/model.py sets these values; an importer may set stiffness and restitution at any time.
+    variables/filling.py sets these values; an importer may set stiffness and restitution at any time.
     """
     return record(
         ("x", REAL, (candidates,)),  # m, x of a point on each wall

@@ -78,7 +78,7 @@ def all_valid(d):
         t = block(d, b)
         fits = fits and t.links == d.links and t.candidates == d.candidates
         fits = fits and t.elements == d.elements and t.loads == d.loads and t.channels == d.channels
-        fits = fits and t.signals == d.signals and t.knots == d.knots
+        fits = fits and t.sites == d.sites and t.signals == d.signals and t.knots == d.knots
         fits = fits and within_bounds(t)
     return 1 if fits else 0
 

@@ -13,7 +13,7 @@ const NORMALS = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] }
 /** Return the numbers from 0 to length − 1. */
 const range = (length) => Array.from({ length }, (_, k) => k);
 
-/** Return the place of a word in a record of these sizes: a + bN + cC + dF + eL + fK + gP + h·index. */
+/** Return the place of a word in a record of these sizes: a constant, and a slope for each size and for the index. */
 function placeOf([constant, ...slopes], sizes, index = 0) {
   return [...sizes, index].reduce((sum, size, k) => sum + slopes[k] * size, constant);
 }
@@ -311,11 +311,12 @@ export function describe(kit, file, command) {
     drawn: drawnOf(kit, parts, columns),
     rigidWithFriction: kit.rigidWithFriction,
     statuses: kit.statuses,
-    places: [ // the words for the reasons of a refusal: each candidate, and then each link
+    places: [ // the words for the reasons of a refusal: each candidate, each link, and the base at each wall
       ...parts.pairs.map(([point, wall]) => `${pointText(new Map(pointNames), point)} at the wall ${wallNames[wall]}`),
       ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
       ...parts.sliderStops.map((stop) => `the slider at its ${stop}`),
       ...file.chain.links.map((_, k) => `link[${k + 1}]`),
+      ...parts.pairs.map(([, wall]) => `the base at the wall ${wallNames[wall]}`),
     ],
   };
 }

@@ -23,17 +23,9 @@ from chain_impact.simulation.instance import kernel_for, sizes_of
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.model import Model, model_of
-from chain_impact.variables.places import word_index
+from chain_impact.variables.places import PEAKS, STOP_PEAKS, word_index
 from chain_impact.variables.variable import Variable
 
-PEAKS: dict[str, Place] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
-"""The largest values of all contacts at walls [N], [m]: column → place in the instance record."""
-STOP_PEAKS: dict[str, Place] = {
-    "stop.peak_moment": ("peaks", "moment"),
-    "stop.max_penetration": ("peaks", "rotation"),
-}
-"""The largest values of all contacts at stops of joints [N·m], [rad], in a scene with stops: column →
-place."""
 JOINT_FORCE = "joint_force"
 """The column with the largest force in any joint [N], in a scene with loads."""
 ENDED = "time"  # the column with the time [s] at which a run ended

@@ -39,7 +39,7 @@ static int is_sound(const Instance *one, State *state) {
     return state->phase >= 0 && state->phase < PHASES && (state->phase != EVENT || one->event_mode) &&
            (state->flags & ~(INITIALIZED | SET_UP)) == 0 &&
            (!started || state->flags == (INITIALIZED | SET_UP)) && isfinite(state->time) && !isnan(state->stop_time) &&
-           memcmp(record, one->record, 5 * sizeof *record) == 0 && /* equal numbers of links, candidates and so on */
+           memcmp(record, one->record, SIZES * sizeof *record) == 0 &&
            sound(record) == 1;
 }
 

@@ -3,9 +3,7 @@
    change the checksum. */
 #include "instance.h"
 
-/* The number of sizes at the start of a record: the numbers of links, candidates, elements, loads, channels, sites,
-   signals and knots, two flags, and the number of tangent instances. MOST is far more than any chain has. */
-enum { SIZES = 11 };
+/* The largest sizes at the start of a record, far more than any chain has. */
 static const int64_t MOST[SIZES] = {1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1, 1, 1 << 16};
 
 /* Return whether `count` items of a size lie inside the file, after its head, and are aligned for reading. */
