@@ -30,7 +30,8 @@ RUN = """async ({ module, file, kit, values, stop, step }) => {
   });
   const impacts = run.impacts.map((impact) =>
     Object.fromEntries(Object.entries(impact).map(([name, value]) => [name, String(value)])));
-  return { ...run, impacts, time: text([run.time]), columns: text(run.columns), names: scene.columns };
+  return { ...run, impacts, time: text([run.time]), columns: text(run.columns), names: scene.columns,
+    places: scene.places };
 }"""
 
 
