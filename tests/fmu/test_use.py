@@ -1,7 +1,5 @@
 """The use of the FMU in a process with an importer and without this package, and its refusals there."""
 
-import zlib
-
 import numpy as np
 import pytest
 from fmpy import read_model_description
@@ -319,6 +317,8 @@ def test_damaged_and_foreign_states_are_refused(fmu, other):
 
 @importing("rod_drop")
 def test_a_state_of_other_sizes_is_refused_although_its_checksum_is_right(fmu):
+    import zlib  # in the clean process a function has its own imports only
+
     one = Instance(fmu).start()
     data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
     for word in range(11):  # the sizes at the start of the record
