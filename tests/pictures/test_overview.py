@@ -216,8 +216,6 @@ def test_a_page_without_a_height_is_as_high_as_its_contents_need():
     width, height = result.plot(size=(6.0, None), panels=panels).get_size_inches()
     assert width == 6.0
     assert 2.0 < height < SIZE[1]
-    low = result.plot(size=(3.3, None)).get_size_inches()[1]
-    assert SIZE[1] <= low < 8.0
 
 
 def test_fonts_follow_the_settings_of_matplotlib():
