@@ -287,7 +287,10 @@ def test_a_legend_in_two_rows_is_read_row_by_row():
 def test_axes_of_a_dark_style_have_texts_and_a_total_that_can_be_seen():
     with matplotlib.style.context("dark_background"):
         axes = Figure().add_subplot()
+        (own,) = axes.plot([0.0, 1.0], [0.0, 1.0], color="navy")
         recorded("rod_drop").plot(kind="energy", ax=axes)
+    assert own.get_color() == "navy"
+    own.remove()
     assert {to_hex(text.get_color()) for text in axes.get_legend().get_texts()} == {"#ffffff"}
     total = next(line for line in axes.lines if line.get_label() == "total")
     assert to_hex(total.get_color()) == "#ffffff"

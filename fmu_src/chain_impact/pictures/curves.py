@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.dark import suit_ground
+from chain_impact.pictures.dark import lighter_on_dark
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.over_time import mark_impacts
@@ -89,9 +90,10 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
     count = len(curves.panels)
     if len(given) != count:
         raise ValueError(f"ax: there are {len(given)} axes for {plural(count, 'unit')} of curves")
-    draw_all(given, recording, curves)
-    for axes in given:
-        suit_ground(axes)
+    with ExitStack() as stack:
+        for axes in given:
+            stack.enter_context(lighter_on_dark(axes))
+        draw_all(given, recording, curves)
 
 
 def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import colorsys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -35,16 +37,19 @@ def lighter(colour: Any) -> tuple[float, float, float, float]:
     return r, g, b, a
 
 
-def suit_ground(axes: Axes) -> None:
-    """Give curves, marks and bars lighter colours if their axes, and so their legend, have a dark ground."""
+@contextmanager
+def lighter_on_dark(axes: Axes) -> Iterator[None]:
+    """Lighten the colours of all that is drawn in this context, if the ground of the axes is dark."""
+    there = set(axes.findobj())
+    yield
     if luminance(axes.get_facecolor()) >= DARK:
         return
-    for artist in axes.findobj():
+    for artist in set(axes.findobj()) - there:
         if isinstance(artist, Line2D):
             artist.set_color(lighter(artist.get_color()))
         elif isinstance(artist, Collection):
             artist.set_edgecolor([lighter(one) for one in np.asarray(artist.get_edgecolor())])
-        elif isinstance(artist, Patch) and artist is not axes.patch:
+        elif isinstance(artist, Patch):
             artist.set_facecolor(lighter(artist.get_facecolor()))
 
 

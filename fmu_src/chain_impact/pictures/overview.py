@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from chain_impact.pictures.dark import suit_ground, suit_legend
+from chain_impact.pictures.dark import lighter_on_dark, suit_legend
 from chain_impact.pictures.labels import Ink, listed
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.message import write_head
@@ -136,12 +136,14 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     if len(shown) != len(given):
         raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
     for name, one in zip(shown, given, strict=True):
-        PANELS[name](one, recording)
-        if name != "motion":
-            time = shown_time(recording)
-            one.set_xlim(time.start, max(time.end, time.start + 1e-9))
-            one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
-            suit_ground(one)
+        if name == "motion":
+            PANELS[name](one, recording)
+            continue
+        with lighter_on_dark(one):
+            PANELS[name](one, recording)
+        time = shown_time(recording)
+        one.set_xlim(time.start, max(time.end, time.start + 1e-9))
+        one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
     for page in {one.get_figure(root=True) for one in given}:
         own = {name: one for name, one in zip(shown, given, strict=True) if one.get_figure(root=True) is page}
         page.draw_without_rendering()
