@@ -160,7 +160,7 @@ CONVERGED_SLOPES = 0.01
 # factor FALLS within STALLED iterations; it may rise in between, as the direction of the correction changes.
 # A correction that does not fall is round-off up to the relative value SLOPE_ROUND_OFF, else a failure.
 FALLS, STALLED, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
-MOST = 100  # largest number of iterations: with θ = 0.8 the error falls to about 1e-10
+MOST = 400  # largest number of iterations: with θ = 0.95 the error falls to about 1e-9
 # The largest derivative of the state that is round-off, with respect to parameters that only change limits of
 # static friction, over the derivative of the speed that these limits could give in the step.
 LEAST_SLOPE = 1e-3
