@@ -8,7 +8,7 @@ import pytest
 from chain_impact import simulate
 from tests.helpers.resting_chains import FOUND, NAN, OPEN, PARAMETERS, WRONG, check, shares_left_open, thrown
 
-FEW, MANY = 12, 52
+FEW, MANY = 4, 60
 MOST_OPEN = 1e-2  # relative to the largest derivative: allowed open part of a run
 
 
