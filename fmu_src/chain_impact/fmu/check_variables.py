@@ -76,7 +76,7 @@ class Variable:
             return math.nan
 
     def bound(self, name: str) -> float:
-        """Return the attribute ``min`` or ``max``; infinity if the variable does not have it."""
+        """Return the attribute ``min`` or ``max``; −∞ or ∞ if the variable does not have it."""
         text = self.attributes.get(name)
         if text is None or self.type in (*TEXTS, "Boolean"):
             return math.inf if name == "max" else -math.inf

@@ -88,7 +88,7 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
 
 
 def _add_variables_2(root: Element, model: Model) -> None:
-    """Add the variables, and the outputs that depend on inputs, for FMI 2.0; positions count from 1."""
+    """Add variables, and each output with its direct inputs, for FMI 2.0; positions count from 1."""
     variables, nodes = model.variables, SubElement(root, "ModelVariables")
     indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
     for reference, (variable, value) in enumerate(zip(variables, values_of(model), strict=True)):
@@ -104,7 +104,7 @@ def _add_variables_2(root: Element, model: Model) -> None:
 
 
 def _add_variables_3(root: Element, model: Model) -> None:
-    """Add the variables, the time, the arrays, and the outputs that depend on inputs, for FMI 3.0."""
+    """Add variables, time, arrays, and each output with the inputs that act on it directly, for FMI 3.0."""
     variables, arrays, values = model.variables, array_variables(model), values_of(model)
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
     references = {variable.place: reference for reference, variable in enumerate(variables)}

@@ -119,7 +119,7 @@ EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
 def begin_windows(d, time):
-    """Begin the first windows of events and work at the start of a run, at ``time`` [s]."""
+    """Begin the first time windows for the limits on events and work at ``time`` [s], the start of a run."""
     d.limits.event_start, d.limits.work_start = time, time
 
 

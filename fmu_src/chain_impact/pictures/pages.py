@@ -85,10 +85,11 @@ def drawn(
 
 
 def page_size(size: Size) -> tuple[float, float | None]:
-    """Return the width and the height of a page [inches].
+    """Return the width and the height of a page [inches]; the height may be None.
 
     Raises:
-        ValueError: when the size is not two numbers, or one of them is below LEAST or above LARGEST.
+        ValueError: when the size is not a pair, or a side is not a number from LEAST to LARGEST; only the
+            height may be None.
     """
     try:
         width, height = (None if side is None else float(side) for side in size)

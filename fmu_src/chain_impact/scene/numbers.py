@@ -66,9 +66,10 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, An
 
 
 def _with_number(scene: AnyScene, path: Place, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
-    """Return the scene with one number changed.
+    """Return the scene with one number or choice changed.
 
-    Returns None if the path does not exist, or the number is outside its limits.
+    Returns None if ``with_values`` must read the whole scene: if the path does not exist, the value is not
+    allowed, the present value is derived, or other values must be checked, too.
     """
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):

@@ -232,6 +232,6 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def told_apart(axes: Axes) -> list[Any]:
-    """Return the entries of the legend: the laws with a colour, and the band."""
+    """Return the entries of the legend: the laws with a colour, and the band of the other laws, if any."""
     lines = [line for line in axes.lines if line.get_color() != GREY]
     return [*lines, *(one for one in axes.collections if str(one.get_label())[:1] != "_")]

@@ -12,8 +12,8 @@ motion a of the joint and on the rotation β of the link next to the joint on th
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
 
 with A, e and p a symmetric 3×3 articulated inertia. Link i adds its own inertia and its damper, and is
-eliminated, Δ_i = α. With L, m c and x⊥ as in chain/tree.py, and primes for the part of the chain outside of
-link i, whose β is α:
+eliminated, Δ_i = α. With τ a moment on the link, L, m c and x⊥ as in chain/tree.py, and primes for the part
+of the chain outside of link i, whose β is α:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -29,8 +29,9 @@ damper of the middle joint belongs to the outward arm. Its β is the α of the l
 e, p and t of the outward arm add to h, H and s of this link. A light link at an end is eliminated before
 heavier links, because the sum with a heavier link would lose digits of the light one.
 
-No pivots are needed for complex κ and D of implicit steps (ode/extended.py): the argument of every shift is
-below 61°, so all quadratic forms lie in a sector of less than 122°, and no pivot vanishes.
+In an implicit step κ and D may be complex, because they contain the shift s of ode/extended.py. Even then no
+pivoting is needed: the argument of every s is below 61°, so all quadratic forms lie in a sector of less than
+122°, and no pivot vanishes.
 """
 
 from chain_impact.kernel.chain.sites import has_link_moments, site_arm, site_place
@@ -117,7 +118,8 @@ def factorize(d, links, space, row, coupled):
             last = inner + 1 == middle
             resistance = 0.0 if last else impedance.joint[inner + 1]
             if last and coupled:
-                # e·a α = e·(a' − α L⊥) α, with L the link vector as seen from the middle joint
+                # e belongs to the motion a of the middle joint, but `eliminate` takes an e for a' of the
+                # link's outer joint: e·a α = e·(a' − α L⊥) α. L is seen from the middle joint: L = −links.
                 q += p + cross(2.0 * links.x[inner], 2.0 * links.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = eliminate(

@@ -15,9 +15,10 @@ appears: L is the vector along a link from the link's joint nearer to the middle
 to the centre of mass, x⊥ = ẑ × x. A' and b' belong to the link's outer joint, A and b to the joint nearer to
 the middle.
 
-The centre of mass may lie beside the line of the link, because L and m c are independent in the equations. A
-site (chain/sites.py) with the arm r and an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥ to H of its link. A
-force at the site acts as a force at the proximal joint and a moment τ on the link.
+The centre of mass may lie beside the line of the link, because L and m c are independent in the equations.
+With h and H as in ``hinge``, a site (chain/sites.py) with an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥
+to H of its link; r is the arm of the site from the joint nearer to the middle. A force at the site acts as a
+force at the proximal joint and a moment τ on the link.
 
 Source: the recursion after Ahmadizadeh, Shafei, Fooladi, *A recursive algorithm for dynamics of multiple
 frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Machine Theory; the

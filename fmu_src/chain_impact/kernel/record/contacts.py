@@ -148,7 +148,8 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 @written_by("rows/limits.py")
 def share_dtype(links: int, elements: int) -> np.dtype:
     """Return the layout of the search for forces within the limits of friction, for the rows of `rigid`."""
-    rows = 2 * elements  # number of rows: no fewer than `rigid` has, and 0 without friction
+    # number of rows: with friction at least as many as `rigid` has, because elements ≥ candidates; else 0
+    rows = 2 * elements
     return record(
         ("change", REAL, (coordinate_count(links),)),  # change of the coordinates' rates, m/s² or rad/s²
         ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them

@@ -272,9 +272,9 @@ def moved_dtype(channels: int) -> np.dtype:
         ("anchored", INTEGER, (channels,)),
         ("mean", REAL, (channels,)),  # m/s, the mean velocity of a base without a given velocity
         # numbers with the value 0 that have derivatives with respect to given values (tangent/replay.py)
-        ("added", REAL, (channels,)),  # m, added to the position
-        ("added_rate", REAL, (channels,)),  # m/s, added to the velocity
-        ("added_push", REAL, (channels,)),  # m/s², added to the acceleration
+        ("added", REAL, (channels,)),  # m, added to `position`
+        ("added_rate", REAL, (channels,)),  # m/s, added to `velocity`
+        ("added_push", REAL, (channels,)),  # m/s², added to `acceleration`
     )
 
 

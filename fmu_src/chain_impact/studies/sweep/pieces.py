@@ -61,7 +61,7 @@ def hand_out(
     check: Callable[[], None] = lambda: None,
     patience: float = LISTEN,
 ) -> Generator[tuple[Span, Made]]:
-    """Yield the results of the runs in some spans, piece by piece as the executor finishes them.
+    """Yield each piece of some spans of runs, with its results, as the executor finishes it.
 
     Args:
         executor: executes the pieces in threads of this machine, or on workers of a cluster.
@@ -98,9 +98,10 @@ def hand_out(
 
 
 def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator[tuple[Span, Made]]:
-    """Yield the results of the runs in some spans; other Python threads can run meanwhile.
+    """Compute spans of runs in threads; yield each finished piece of a span with its results.
 
-    If the caller stops the iteration, all threads end in less than a second.
+    Other Python threads can run meanwhile. If the caller stops the iteration, all threads end in less than a
+    second.
 
     Raises:
         BuildError: when the kernel cannot be compiled.

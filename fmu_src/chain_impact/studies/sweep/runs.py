@@ -1,4 +1,4 @@
-"""The runs of a sweep, without the table and the picture."""
+"""The results of the runs of a sweep, one row each; table.py and plot.py show them."""
 
 from __future__ import annotations
 
