@@ -270,7 +270,7 @@ def wrong_energy(run: Result) -> list[str]:
 
 def wrong_motion(run: Result) -> list[str]:
     """Return faults of accelerations and penetrations, compared with the independent model."""
-    scene, found, model = run.scene, [], BodyModel(without_stops(run.scene))
+    scene, found, model = run.scene, [], BodyModel(of_rows(run.scene))
     inputs = {*inputs_of(scene)} & {*run.names}
     for row in range(len(run.time)):
         model.base |= {name: run[name][row] for name in inputs}
@@ -307,10 +307,10 @@ def wrong_motion(run: Result) -> list[str]:
     return found
 
 
-def without_stops(scene: Scene) -> Scene:
-    """Return the scene without stops in joints."""
+def of_rows(scene: Scene) -> Scene:
+    """Return the scene without stops in joints, and without signals, whose values the rows of a run give."""
     links = tuple(replace(link, joint_min=None, joint_max=None) for link in scene.chain.links)
-    return replace(scene, chain=replace(scene.chain, links=links))
+    return replace(scene, chain=replace(scene.chain, links=links), signals={})
 
 
 def state_of(run: Result, model: BodyModel, row: int) -> np.ndarray:

@@ -25,6 +25,7 @@ SHARED = {
     "candidate.offset",  # of a wall at rest, and of a moving wall
     "step.dense",
     "search.curvature",
+    "trial.state",
     "work.load",
     *(f"implicit.{name}" for name in ("z", "stages", "parts", "normal")),
 }

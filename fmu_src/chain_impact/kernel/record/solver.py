@@ -59,7 +59,7 @@ def step_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("ode/control.py", state="ode/collocation.py")
+@written_by("ode/control.py", state=("ode/collocation.py", "ode/last_step.py"))
 def trial_dtype(links: int) -> np.dtype:
     """Return the layout of the outcome of the tried step."""
     return record(
@@ -155,6 +155,7 @@ def elimination_dtype(links: int) -> np.dtype:
     moment="equations.py",
     thrust="equations.py",
     elimination="chain/tree.py",
+    change="ode/friction_work.py",
     reach="events/crossing.py",
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
@@ -218,7 +219,8 @@ def search_dtype(candidates: int) -> np.dtype:
     **dict.fromkeys(("shift", "pairs"), "ode/extended.py"),
     **dict.fromkeys(("iterations", "correction", "contraction"), "ode/radau.py"),
     **dict.fromkeys(("last", "listing", "thirds"), "ode/collocation.py"),
-    **dict.fromkeys(("z", "stages", "parts"), ("ode/collocation.py", "ode/radau.py")),
+    **dict.fromkeys(("z", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
+    parts=("ode/collocation.py", "ode/radau.py"),
     normal=("ode/collocation.py", "ode/extended.py"),
     weight="ode/collocation.py",
 )
