@@ -2,8 +2,9 @@
 
 import pytest
 
-from chain_impact import load_scene
+from chain_impact import SceneError, load_scene
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
+from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.model import Model
 from tests.helpers.refusal import refusal
 from tests.simulation.test_signals import ARM
@@ -55,6 +56,14 @@ def test_a_wall_that_nothing_can_touch_does_not_move():
     untouched = ARM.replace("points = [2]", "points = []")
     told = refused(("a", "wall.table.belt_speed", SINE), scene=untouched)
     assert "is no input of the scene; no point can touch a wall" in told
+
+
+def test_a_table_beside_a_signal_for_the_same_input_is_refused_with_both_names(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text("time,base.y\n0,0\n1,0.001\n", encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        with_inputs(load_scene("shaken_pendulum"), path)
+    assert all(name in str(caught.value) for name in ("table.csv", "base.y", "signal.shake"))
 
 
 def test_an_input_is_driven_by_one_signal():

@@ -106,13 +106,13 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     axes.set_ylim(-0.6, len(shown) - 0.4)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
-    handles: dict[bool, Any] = {
-        True: Patch(color=VERMILLION, label="sticks"),
-        False: Line2D([], [], color=GREY, linewidth=2.0, label="slides"),
-    }
+    held = phases["mode"] == STICKS
+    handles: list[Any] = [Patch(color=VERMILLION, label="sticks")] if held.any() else []
+    # contacts slide for an instant before they stick, which cannot be seen
     long = phase_lengths(recording) > SHORT * (recording.time[-1] - recording.time[0])
-    seen = {*(phases["mode"] == STICKS)[long].tolist()}  # contacts slide for an instant before they stick
-    legend_above(axes, [handle for mode, handle in handles.items() if mode in seen or not seen])
+    if (long & ~held).any() or not handles:
+        handles.append(Line2D([], [], color=GREY, linewidth=2.0, label="slides"))
+    legend_above(axes, handles)
     shade_rests(axes, shown_time(recording))
 
 

@@ -140,7 +140,12 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
     _, columns = samples_of(read_table(file), scene.simulation.stop_time)
     numbered = (f"inputs_{k}" for k in count(2))
     name = next(one for one in chain(("inputs",), numbered) if one not in scene.signals)
+    owners = {one: signal for signal, found in scene.signals.items() for one in found.input}
     for one in columns:
+        if one in owners:
+            raise SceneError(
+                f"{file}: column {one} must be left out: signal.{owners[one]} of {scene.name} drives {one}"
+            )
         if one not in inputs_of(scene):
             raise SceneError(f"{file}: column {one} is no input of {scene.name}; {how_asked(scene, one)}")
     table = {"input": list(columns), "form": "table", "file": str(file.absolute())}
