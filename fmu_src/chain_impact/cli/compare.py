@@ -18,7 +18,7 @@ from chain_impact.cli.options import (
     check_size,
     names_in,
     scene_of_options,
-    sized,
+    write_picture,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.screen import law_table, show
@@ -57,9 +57,6 @@ def run(options: argparse.Namespace) -> int:
     if options.csv:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
-    if options.plot:
-        with sized():
-            comparison.plot(options.plot, size=options.size)
-        say(f"picture  {options.plot}")
+    write_picture(options.plot, options.size, comparison.plot)
     show(law_table(comparison))
     return 0

@@ -20,7 +20,7 @@ from chain_impact.cli.options import (
     names_in,
     pairs,
     settings_of,
-    sized,
+    write_picture,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.scene.models import scene_path
@@ -116,10 +116,7 @@ def run(options: argparse.Namespace) -> int:
     if options.scene:
         found.save(options.scene, scene_path(options.source))
         say(f"scene    {options.scene}")
-    if options.plot:
-        with sized():
-            found.plot(options.plot, size=options.size)
-        say(f"picture  {options.plot}")
+    write_picture(options.plot, options.size, found.plot)
     say(repr(found))
     return 0
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
+from chain_impact.cli.progress import say
 from chain_impact.scene.models import model_names, scene_path
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.signals import with_inputs
@@ -24,8 +24,9 @@ else:
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
 INTERPOLATIONS = ("hold", "linear", "spline")
+Size = tuple[float, float | None]
+"""Width and height of a picture [inches]; a height of None is the height that the contents need."""
 PICTURES = (".png", ".svg", ".pdf")
-INCH = 25.4  # [mm]
 MILLIMETRES = (51, 1500)  # the least and the largest width and height of a picture [mm]
 
 
@@ -149,7 +150,7 @@ def add_plot(command: argparse.ArgumentParser, what: str) -> None:
     )
 
 
-def page_size(text: str) -> tuple[float, float | None]:
+def page_size(text: str) -> Size:
     """Return the width and the height of a picture [inches] from a text in millimetres.
 
     The height is None for a text without height.
@@ -164,7 +165,9 @@ def page_size(text: str) -> tuple[float, float | None]:
             f"{text} must be a width in millimetres, or WIDTHxHEIGHT, for example 120x150; each must be "
             f"{MILLIMETRES[0]} … {MILLIMETRES[1]}"
         )
-    return sides[0] / INCH, sides[1] / INCH if cross else None
+    from chain_impact.pictures import MM
+
+    return sides[0] / MM, sides[1] / MM if cross else None
 
 
 def check_size(options: argparse.Namespace) -> None:
@@ -173,20 +176,22 @@ def check_size(options: argparse.Namespace) -> None:
         raise UsageError("--size: it is the size of a picture: give --plot FILE too")
 
 
-@contextmanager
-def sized() -> Iterator[None]:
-    """Tell in millimetres that a picture has no room, as ``--size`` does.
+def write_picture(path: Path | None, size: Size | None, plot: Callable[..., object]) -> None:
+    """Draw a picture by ``plot(path, size=size)`` if there is a file for it, and say so.
 
     Raises:
-        UsageError: when a picture has no room.
+        UsageError: when the picture has no room; the message is in millimetres, as ``--size`` is.
     """
-    from chain_impact.pictures import NoRoomError
+    if not path:
+        return
+    from chain_impact.pictures import MM, NoRoomError
 
     try:
-        yield
+        plot(path, size=size)
     except NoRoomError as error:
-        told = "wider" if error.least is None else f"at least {math.ceil(INCH * error.least)} high"
+        told = "wider" if error.least is None else f"at least {math.ceil(MM * error.least)} high"
         raise UsageError(f"--size: the picture has no room for its panels: it must be {told}") from None
+    say(f"picture  {path}")
 
 
 def add_csv(command: argparse.ArgumentParser, what: str) -> None:

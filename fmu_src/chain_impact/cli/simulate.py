@@ -13,6 +13,7 @@ from chain_impact.cli.completers import complete, differentiable, is_fmu, output
 from chain_impact.cli.options import (
     Inputs,
     Once,
+    Size,
     UsageError,
     Verbs,
     add_csv,
@@ -29,7 +30,7 @@ from chain_impact.cli.options import (
     inputs_of,
     names_in,
     settings_of,
-    sized,
+    write_picture,
 )
 from chain_impact.cli.progress import complain, progress, say
 from chain_impact.cli.screen import sensitivity_tables, show, summary, tabulated
@@ -51,8 +52,6 @@ from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Size = tuple[float, float | None]
-"""Width and height of a picture [inches]; a height of None is the height that the contents need."""
 ROWS = 1000  # the least number of rows for a picture
 
 
@@ -231,20 +230,14 @@ def draw(
     from chain_impact.pictures import fill, fill_sensitivities, plot
 
     fill_page = fill_sensitivities if sensitivities else fill
-    if picture:
-        with sized():
-            plot(recording, picture, fill_page, size)
-        say(f"picture  {picture}")
+    write_picture(picture, size, lambda path, size: plot(recording, path, fill_page, size))
     if window:
         fill_page(window, recording)
 
 
 def draw_ranking(ranking: Ranking, picture: Path | None, size: Size | None, window: Figure | None) -> None:
     """Draw a ranking into a file and a window, if these are given."""
-    if picture:
-        with sized():
-            ranking.plot(picture, size=size)
-        say(f"picture  {picture}")
+    write_picture(picture, size, ranking.plot)
     if window:
         ranking.fill(window)
 
@@ -280,10 +273,7 @@ def draw_curves(
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
     try:
-        if picture:
-            with sized():
-                drawn(fill_page, picture, size, curves_size(curves))
-            say(f"picture  {picture}")
+        write_picture(picture, size, partial(drawn, fill_page, usual=curves_size(curves)))
         if window:
             fill_page(window)
     except ValueError as error:

@@ -22,7 +22,7 @@ from chain_impact.cli.options import (
     pairs,
     scene_of_options,
     settings_of,
-    sized,
+    write_picture,
 )
 from chain_impact.cli.progress import complain, progress, say
 
@@ -116,10 +116,7 @@ def run(options: argparse.Namespace) -> int:
             complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
-    if options.plot:
-        with sized():
-            found.plot(options.plot, size=options.size)
-        say(f"picture  {options.plot}")
+    write_picture(options.plot, options.size, found.plot)
     say(repr(found))
     return 0
 

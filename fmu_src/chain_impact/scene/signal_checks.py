@@ -9,7 +9,7 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal import Samples, Signal
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
-from chain_impact.scene.signals import family, how_asked, inputs_of, unit_of
+from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of, unit_of
 
 # the smallest speed that counts as motion, over the largest speed of a sine; a smaller speed is round-off
 AT_REST = 1e-12
@@ -22,8 +22,7 @@ def check_signals(scene: Contents) -> None:
         _check_inputs(scene, name, signal)
         _check_numbers(name, signal)
         for one in signal.input:
-            driven_alone = family(one) if is_motion(one) else (one,)
-            for driven in driven_alone:
+            for driven in driven_alone(one):
                 if driven in owners:
                     other = owners[driven]
                     by = f"signal.{other} drives {driven}" if other != name else "it stands there twice"
@@ -31,7 +30,7 @@ def check_signals(scene: Contents) -> None:
                         f"signal.{name}.input = {one!r} must be driven by one signal only: {by}",
                         ("signals", name, "input"),
                     )
-            owners |= dict.fromkeys(driven_alone, name)
+            owners |= dict.fromkeys(driven_alone(one), name)
             _check_motion(name, signal, one)
 
 

@@ -16,7 +16,7 @@ from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.names import AXES, input_asked, input_key, is_like, nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal import FORMS, Samples, Signal
-from chain_impact.scene.signal_values import knots_of
+from chain_impact.scene.signal_values import is_motion, knots_of
 from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]
@@ -104,6 +104,11 @@ def family(name: str) -> tuple[str, ...]:
     return (name,)
 
 
+def driven_alone(name: str) -> tuple[str, ...]:
+    """Return the inputs that a signal drives alone: one, or a motion with its integrals and derivatives."""
+    return family(name) if is_motion(name) else (name,)
+
+
 def unit_of(name: str) -> str:
     """Return the unit of an input."""
     return next(unit for template, unit in _UNITS.items() if is_like(name, template))
@@ -140,12 +145,17 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
     _, columns = samples_of(read_table(file), scene.simulation.stop_time)
     numbered = (f"inputs_{k}" for k in count(2))
     name = next(one for one in chain(("inputs",), numbered) if one not in scene.signals)
-    owners = {one: signal for signal, found in scene.signals.items() for one in found.input}
+    owners = {
+        driven: signal
+        for signal, found in scene.signals.items()
+        for one in found.input
+        for driven in driven_alone(one)
+    }
     for one in columns:
-        if one in owners:
-            raise SceneError(
-                f"{file}: column {one} must be left out: signal.{owners[one]} of {scene.name} drives {one}"
-            )
+        for driven in driven_alone(one):
+            if driven in owners:
+                by = f"signal.{owners[driven]} of {scene.name} drives {driven}"
+                raise SceneError(f"{file}: column {one} must be left out: {by}")
         if one not in inputs_of(scene):
             raise SceneError(f"{file}: column {one} is no input of {scene.name}; {how_asked(scene, one)}")
     table = {"input": list(columns), "form": "table", "file": str(file.absolute())}
