@@ -11,6 +11,7 @@ import numpy as np
 
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.text import plural
+from chain_impact.scene.checks import warn
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.scene.table_file import Source, is_table
@@ -73,6 +74,9 @@ def fit(
         interpolation: interpolation of inputs between the rows of the data, as in ``simulate``.
         progress: called with the finished fraction, 0 to 1, if given.
 
+    Warns:
+        SceneWarning: when data are so long that their time is probably not in seconds.
+
     Raises:
         SceneError: when an argument or a table cannot be used.
         OSError: when a file cannot be read.
@@ -97,7 +101,8 @@ def fit(
         if late
         else []
     )
-    remarks = [*_long(usual, whole), *beyond]
+    long = _long(usual, whole)
+    warn(scene.name, long)  # before the first run, because runs of long data take long
     _check_sigma(scene, sigma or {}, measured)
 
     def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
@@ -106,8 +111,8 @@ def fit(
         try:
             found = _fit(Problem(scenes, measured, parameters, interpolation), progress)
         except SceneError as error:
-            raise SceneError("; ".join([str(error), *remarks])) from None
-        return replace(found, notes=(*remarks, *found.notes))
+            raise SceneError("; ".join([str(error), *long, *beyond])) from None
+        return replace(found, notes=(*beyond, *found.notes))
 
     if laws:
         from chain_impact.studies.fit.laws import rank
@@ -203,15 +208,15 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -
     ]
 
 
-def _long(stop_time: float, data: Sequence[Measurements]) -> Iterator[str]:
-    """Yield a question about the unit of time, for data much longer than the scene's stop time [s]."""
-    for one in data:
-        last = float(np.nanmax(one.order, initial=0.0))
-        if last >= LONG * stop_time:
-            yield (
-                f"{one.source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, "
-                f"{stop_time:g} s: is its time in s, and not in ms?"
-            )
+def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
+    """Return questions about the unit of time, for data much longer than the scene's stop time [s]."""
+    lasting = [(one.source, float(np.nanmax(one.order, initial=0.0))) for one in data]
+    return [
+        f"{source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, {stop_time:g} s: "
+        "is its time in s, and not in ms?"
+        for source, last in lasting
+        if last >= LONG * stop_time
+    ]
 
 
 def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurements]) -> None:
