@@ -44,6 +44,7 @@ def test_masses_are_known_up_to_a_factor():
     assert "link[1].mass is not determined by these data: its standard error is infinite." in found.unknown[0]
     assert "It acts together with link[" in found.unknown[0]
     assert found.intervals["link[1].mass"] == (0.0, math.inf)
-    assert "0 … ∞" in repr(found)
+    line = next(line for line in repr(found).splitlines() if line.startswith("link[1].mass"))
+    assert line.endswith("not determined")
     held = fit(arm, columns, names[1:], sigma=sigma)
     assert held.unknown == ()

@@ -10,6 +10,7 @@ import numpy as np
 from chain_impact.pictures.style import number
 from chain_impact.recording.text import Table, plural
 from chain_impact.studies.fit.estimates import Estimates
+from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # the correlation of two parameters from which on the report mentions it
@@ -54,7 +55,6 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
     for one in fit.parameters:
         value, error = fit.values[one.label], fit.standard_errors[one.label]
         unit = "" if one.unit in ("", "1") or one.unit.startswith("N/m^") else f" {one.unit}"
-        low, high = fit.intervals[one.label]
         place = error / value if one.logarithmic else error
         rows.append(
             (
@@ -62,10 +62,20 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
                 number(one.start, 6),
                 f"{rounded(value, error)}{unit}",
                 size_of(one, value, place),
-                " … ".join(rounded(end, error).replace("inf", "∞") for end in (low, high)),
+                _interval(one, value, error, fit.intervals[one.label]),
             )
         )
     return rows
+
+
+def _interval(one: Parameter, value: float, error: float, ends: tuple[float, float]) -> str:
+    """Return words for the interval of a parameter, or for the fact that no value is excluded."""
+    low, high = ends
+    if (low, high) == (one.low, one.high) or (one.logarithmic and high > WIDEST * low):
+        return "not determined"
+    # on a logarithmic scale, the error of an end is as large a part of the end as of the value
+    errors = [error * end / value for end in ends] if one.logarithmic else [error, error]
+    return " … ".join(rounded(*end).replace("inf", "∞") for end in zip(ends, errors, strict=True))
 
 
 def rounded(value: float, error: float) -> str:

@@ -12,6 +12,8 @@ PROBABILITY = 0.95
 # numbers of degrees of freedom: below the first number nothing is known, above the second they count as
 # infinite
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
+# the degrees of freedom up to which an interval is infinite; Student's t would give 44,000 standard errors
+TOO_FEW = 0.25
 # the smallest singular value, over the largest one, that is not round-off of the derivatives
 SINGULAR = 1e-7
 
@@ -126,7 +128,7 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
     tail = 0.5 * (1.0 + PROBABILITY)
     student = special.stdtrit(np.clip(freedom, LEAST_FREEDOM, MANY_FREEDOM), tail)
     found = np.where(freedom < MANY_FREEDOM, student, special.ndtri(tail))
-    return np.where(freedom > 2.0 * LEAST_FREEDOM, found, math.inf)
+    return np.where(freedom > TOO_FEW, found, math.inf)
 
 
 def largest_usual(freedom: float) -> float:
