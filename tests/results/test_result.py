@@ -127,6 +127,23 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
     assert "no output" in refusal(lambda: simulate(default_scene(), output="wall*"))
 
 
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    {
+        "joint[1].torque": "it is an input that no signal drives",
+        "joint[*].torque": "it is an input that no signal drives",
+        "base.x": "it needs inputs.base_motion = true",
+        "joint[1].peak_force": "it needs outputs.loads = true",
+        "contact.stiffness": "it is a parameter",
+        "impact[1].time": "impacts are in result.impacts",
+    }.items(),
+)
+def test_a_name_that_is_no_output_is_told_what_it_is(name, hint):
+    arm = load_scene("pinned_arm").with_values({"outputs.impacts": 0})
+    assert hint in refusal(lambda: simulate(arm, output=[name]))
+    assert hint in refusal(lambda: simulate(arm, 0.01)[name])
+
+
 # --- what it says ----------------------------------------------------------------------------------------
 
 

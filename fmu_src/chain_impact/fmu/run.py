@@ -108,6 +108,7 @@ def record_fmu(
             parameters=named | followed,
             stops=stops,
             point_names=point_names,
+            inputs=tuple(name for name, one in variables.items() if one.causality == "input"),
         )
         return replace(found, stick_slip=phases_from(found.time, found.touches, names))
 

@@ -26,6 +26,7 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import matching
 from chain_impact.system import written_whole
+from chain_impact.variables.model import output_hint
 
 ROWS_AT_ONCE = 10_000  # the number of rows that are written at a time
 _NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
@@ -53,6 +54,7 @@ class Recording:
             none, or if it is unknown, as for an FMU.
         stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; the times of an FMU's phases are
             accurate to a communication step.
+        inputs: the names of the inputs that are not among the columns.
     """
 
     __eq__ = same
@@ -70,6 +72,7 @@ class Recording:
     point_names: Mapping[int, str] = field(default_factory=dict)
     stop_law: str = ""
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
+    inputs: tuple[str, ...] = ()
 
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
@@ -110,6 +113,10 @@ class Recording:
         known = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
         each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in known]
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
+
+    def output_hint(self, name: str) -> str | None:
+        """Return a hint for a name that is no column; None if none is known."""
+        return output_hint(name, self.inputs, self.parameters)
 
     def walls_at(self, time: float) -> dict[str, HalfPlane]:
         """Return the walls in their positions at a time [s]."""
@@ -317,7 +324,7 @@ class Recording:
         columns = {"time": self.time, **self.columns, **slopes}
         if output is not None:
             wanted = [output] if isinstance(output, str) else list(output)
-            found = (matching(self.name, one, columns, "no column", lambda _: None) for one in wanted)
+            found = (matching(self.name, one, columns, "no column", self.output_hint) for one in wanted)
             columns = {name: columns[name] for name in ("time", *chain.from_iterable(found))}
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)

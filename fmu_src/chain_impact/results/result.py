@@ -19,7 +19,7 @@ from chain_impact.results.pictured import Pictured
 from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
-from chain_impact.variables.model import Model, elsewhere
+from chain_impact.variables.model import Model
 
 if TYPE_CHECKING:
     import pandas
@@ -114,13 +114,17 @@ class Result(Pictured):
             return self.motion[name]
         if name in self.names:
             return self.stepwise[name]
-        like = matching(self.scene.name, name, self.names, "no output of this result", elsewhere)
+        like = matching(self.scene.name, name, self.names, "no output of this result", self.output_hint)
         return {one: self[one] for one in like}
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the outputs, in the order of the FMU."""
         return *self.motion, *self.stepwise
+
+    def output_hint(self, name: str) -> str | None:
+        """Return a hint for a name that is no output; None if none is known."""
+        return self.model.output_hint(name)
 
     @cached_property
     def columns(self) -> Mapping[str, np.ndarray]:

@@ -96,18 +96,24 @@ def matching(
         UnknownNameError: when no name matches.
     """
     known = isinstance(name, str)
-    found = [name] if known and name in names else []
-    if not found and known and fmu_name(name) in names:
-        found = [fmu_name(name)]
-    if not found and known and "*" in name:
-        first, *parts, last = map(re.escape, name.split("*"))
-        # Each part matches at the first position where it occurs, so that the time does not grow with the
-        # number of possible matches.
-        like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
-        found = [one for one in names if like.fullmatch(one)]
+    found = matches(name, names) if known else []
     if not found:
         raise UnknownNameError(source, name, names, what, hint(name) if known else None)
     return found
+
+
+def matches(name: str, names: Iterable[str]) -> list[str]:
+    """Return the names that equal ``name``, or match it if it has a ``*``; see ``matching``."""
+    for one in (name, fmu_name(name)):
+        if one in names:
+            return [one]
+    if "*" not in name:
+        return []
+    first, *parts, last = map(re.escape, name.split("*"))
+    # Each part matches at the first position where it occurs, so that the time does not grow with the number
+    # of possible matches.
+    like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
+    return [one for one in names if like.fullmatch(one)]
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:

@@ -6,7 +6,7 @@ The model has the candidates, and the variables of the FMU by name with their pl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -14,10 +14,12 @@ import numpy as np
 
 from chain_impact.compilation.compilers import GENERAL
 from chain_impact.scene.candidates import candidates
+from chain_impact.scene.limits import keys
 from chain_impact.scene.names import Place, input_asked, parameter_hint
-from chain_impact.scene.reading import matching
+from chain_impact.scene.reading import matches, matching
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_by
+from chain_impact.scene.tables import Outputs
 from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
 from chain_impact.variables.listing import absent_hint, all_outputs, derivatives, inputs, parameters
 from chain_impact.variables.places import (
@@ -215,7 +217,7 @@ class Model:
         if not wanted:
             return []
         there = self._own_outputs
-        return [there[name] for name in self._named(wanted, there, "no output")]
+        return [there[name] for name in self._named(wanted, there, "no output", self.output_hint)]
 
     @cached_property
     def output_places(self) -> OutputPlaces:
@@ -242,8 +244,22 @@ class Model:
         Raises:
             UnknownNameError: when no column has a name, or matches a pattern.
         """
-        found = self._named(wanted, self.columns, "no output", elsewhere)
+        found = self._named(wanted, self.columns, "no output", self.output_hint)
         return {name: self.columns[name] for name in found}
+
+    def output_hint(self, name: str) -> str | None:
+        """Return a hint for a name that is no output: how to get such an output; None if none is known."""
+        inputs = [variable.name for variable in self.inputs]
+        if hint := output_hint(name, inputs, self.parameter_paths):
+            return hint
+        if asked := input_asked(name):
+            return f"the scene does not have this input: it needs {asked}"
+        for key in keys(Outputs):
+            if getattr(self.scene.outputs, key.name) is False:
+                more = self.scene.with_values({f"outputs.{key.name}": True})
+                if matches(name, all_outputs(more)):
+                    return f"it needs outputs.{key.name} = true"
+        return None
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
         """Return the time series of ``Result.outputs``: name of the FMU's output → values, shape (T,)."""
@@ -290,8 +306,12 @@ def model_of(source: Scene | Model) -> Model:
     return source if isinstance(source, Model) else Model(source)
 
 
-def elsewhere(name: str) -> str | None:
-    """Return a hint: where to find values that are outputs of the FMU, but not time series of a result."""
+def output_hint(name: str, inputs: Collection[str], parameters: Collection[str]) -> str | None:
+    """Return a hint for a name that is no time series of a result: what it is; None if it is unknown."""
+    if matches(name, inputs):
+        return "it is an input that no signal drives: a signal or --inputs FILE makes it an output"
+    if matches(name, parameters):
+        return "it is a parameter, which stays constant"
     if name.startswith(("impact.", "impact[", "solver.")):
         return "impacts are in result.impacts, counts of the solver in result.statistics"
     return None

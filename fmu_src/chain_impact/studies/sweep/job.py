@@ -100,7 +100,7 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
     known = model.outputs_by_name
     for name in outputs:
         if not (isinstance(name, str) and name in known):
-            raise UnknownNameError(model.scene.name, name, known, "no output")
+            raise UnknownNameError(model.scene.name, name, known, "no output", model.output_hint(str(name)))
     if STATUS not in known:
         raise SceneError(f"{model.scene.name}: outputs.solver = false must be true: each run has its status")
     variables = [variation.variable for variation in variations]
