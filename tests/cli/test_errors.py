@@ -107,7 +107,7 @@ def test_an_extra_that_is_missing(refused, monkeypatch):
     def record(*_, **__):
         raise MissingExtraError("pandas cannot be imported: pip install 'chain-impact[pandas]'")
 
-    monkeypatch.setattr("chain_impact.cli.simulate.record", record)
+    monkeypatch.setattr("chain_impact.cli.source.Source.record", record)
     refused(2, r"pip install 'chain-impact\[pandas\]'$", "simulate")
 
 
@@ -115,12 +115,12 @@ def test_a_package_that_is_damaged(refused, monkeypatch):
     def record(*_, **__):
         raise ImportError("DLL load failed while importing lib: not a valid application", name="pyarrow.lib")
 
-    monkeypatch.setattr("chain_impact.cli.simulate.record", record)
+    monkeypatch.setattr("chain_impact.cli.source.Source.record", record)
     refused(2, "a package is damaged, install it anew: DLL load failed while importing lib", "simulate")
 
 
 def test_what_cannot_be_shown_is_refused_before_anything_runs(refused, monkeypatch):
-    monkeypatch.setattr("chain_impact.cli.simulate.record", None)
+    monkeypatch.setattr("chain_impact.cli.source.Source.record", None)
     for name in ("out.bmpx", "out", "png"):
         refused(2, rf"{name} must end in \.png, \.svg, \.pdf", "simulate", "--plot", name)
     with mpl.rc_context({"backend": "agg"}):

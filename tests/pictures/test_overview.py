@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.text import Text
 
-from chain_impact.pictures import plot
 from chain_impact.pictures.dark import luminance
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import fit_legends, legend_above
@@ -20,7 +19,7 @@ from chain_impact.pictures.pages import SIZE
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.models import model_names
-from tests.pictures.pictures import MODELS, boxes, crowd, drawn, recorded, swing
+from tests.pictures.pictures import MODELS, boxes, crowd, drawn, recorded, swing, write
 
 BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
 PICTURES = [*MODELS, "sixty impacts"]
@@ -36,7 +35,7 @@ def picture(name):
 @pytest.mark.parametrize("suffix", BEGINNINGS)
 def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
     path = tmp_path / f"swing{suffix}"
-    plot(swing(), path)
+    write(swing(), path)
     assert path.read_bytes().startswith(BEGINNINGS[suffix])
     assert list(tmp_path.iterdir()) == [path]
 
@@ -50,14 +49,14 @@ def test_a_picture_that_fails_leaves_the_old_one_alone(tmp_path, monkeypatch):
     path.write_text("old")
     monkeypatch.setattr(Figure, "savefig", savefig)
     with pytest.raises(MemoryError):
-        plot(swing(), path)
+        write(swing(), path)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 
 
 def test_settings_of_matplotlib_are_left_alone(tmp_path):
     before = dict(mpl.rcParams)
-    plot(swing(), tmp_path / "swing.png")
+    write(swing(), tmp_path / "swing.png")
     assert dict(mpl.rcParams) == before
 
 
@@ -119,7 +118,7 @@ def test_the_headline_has_the_message_and_the_conditions():
 def test_a_simulation_that_stopped_at_once_has_a_picture(tmp_path, rows):
     recording = swing(rows=2)
     columns = {name: column[:rows] for name, column in recording.columns.items()}
-    plot(Recording("Stopped", recording.time[:rows], columns), tmp_path / "stopped.png")
+    write(Recording("Stopped", recording.time[:rows], columns), tmp_path / "stopped.png")
     assert (tmp_path / "stopped.png").stat().st_size > 0
 
 

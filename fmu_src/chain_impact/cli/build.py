@@ -8,7 +8,8 @@ from pathlib import Path
 from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import UsageError, Verbs, add_scene, add_verb
 from chain_impact.cli.progress import progress, say
-from chain_impact.cli.simulate import report
+from chain_impact.cli.simulate import Canvas, report
+from chain_impact.cli.source import Source
 from chain_impact.scene.scene import load_scene
 from chain_impact.system import HOST, PLATFORMS
 
@@ -85,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
     for line in KINDS[target, options.fmi]:
         say(f"{'':9}{line}")
     if options.simulate:
-        report(str(fmu), csv=fmu.with_suffix(".csv"), picture=fmu.with_suffix(".png"))
+        report(Source(str(fmu)), Canvas(fmu.with_suffix(".png")), csv=fmu.with_suffix(".csv"))
     return 0
 
 

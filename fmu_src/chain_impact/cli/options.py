@@ -17,6 +17,8 @@ from chain_impact.scene.signals import with_inputs
 from chain_impact.simulation.record_scene import with_settings
 
 if TYPE_CHECKING:
+    from chain_impact.pictures import Size
+
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
     Verbs = object  # the class has type parameters for type checkers only
@@ -24,8 +26,6 @@ else:
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
 INTERPOLATIONS = ("hold", "linear", "spline")
-Size = tuple[float, float | None]
-"""Width and height of a picture [inches]; a height of None is the height that the contents need."""
 PICTURES = (".png", ".svg", ".pdf")
 MILLIMETRES = (51, 1500)  # the least and the largest width and height of a picture [mm]
 

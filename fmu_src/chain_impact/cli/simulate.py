@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
-from dataclasses import fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.completers import complete, differentiable, is_fmu, outputs, rankable
+from chain_impact.cli.completers import complete, differentiable, outputs, rankable
 from chain_impact.cli.options import (
-    Inputs,
     Once,
-    Size,
     UsageError,
     Verbs,
     add_csv,
@@ -25,34 +23,79 @@ from chain_impact.cli.options import (
     add_verb,
     check_outputs,
     check_size,
-    driven,
     ending,
     inputs_of,
     names_in,
-    settings_of,
     write_picture,
 )
-from chain_impact.cli.progress import complain, progress, say
+from chain_impact.cli.progress import say
 from chain_impact.cli.screen import sensitivity_tables, show, summary, tabulated
-from chain_impact.fmu.importer import read_fmu
-from chain_impact.fmu.run import record_fmu
+from chain_impact.cli.source import Source
 from chain_impact.recording.curves import Curves, curves_of
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.tables import SUFFIXES
 from chain_impact.recording.text import plural
-from chain_impact.results.ranking import Ranking
 from chain_impact.results.result import Result
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.scene import load_scene
-from chain_impact.scene.tables import Solver
-from chain_impact.simulation.record_scene import RunError, record_scene, value_of, with_settings
-from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.accuracy import TIGHTER, Differences, differences
+from chain_impact.simulation.record_scene import RunError
+from chain_impact.studies.accuracy import Differences
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ROWS = 1000  # the least number of rows for a picture
+    from chain_impact.pictures import Size
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """A file, an empty window, or both, for one picture; ``size`` is the size of the page in the file."""
+
+    path: Path | None = None
+    size: Size | None = None
+    window: Figure | None = None
+
+    def __bool__(self) -> bool:
+        """Return whether there is a file or a window."""
+        return bool(self.path or self.window)
+
+    def draw(self, plot: Callable[..., object], fill: Callable[[Figure], object]) -> None:
+        """Draw by ``plot(path, size=size)`` into the file, and by ``fill(page)`` into the window."""
+        write_picture(self.path, self.size, plot)
+        if self.window:
+            fill(self.window)
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The subject of the picture, and of the tables below the summary; by default it is the motion.
+
+    Attributes:
+        sensitivities: parameters, for derivatives with respect to them; with ``rank``, the ranked parameters.
+        rank: the quantity of a ranking.
+        curves: outputs over time.
+        around: the number of the impact around which the curves are drawn, from 1.
+    """
+
+    sensitivities: Sequence[str] = ()
+    rank: str | None = None
+    curves: Sequence[str] = ()
+    around: int | None = None
+
+    def check(self, *, is_drawn: bool) -> None:
+        """Refuse curves without a picture, and curves together with another picture."""
+        if self.curves and not is_drawn:
+            raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
+        if self.curves and (self.rank or self.sensitivities):
+            raise UsageError(
+                "--curves: a picture has curves or derivatives; leave out --rank and --sensitivity"
+            )
+        if self.around is not None and not self.curves:
+            raise UsageError(
+                f"--around {self.around}: only curves are drawn around an impact; give --curves NAMES too"
+            )
+
+
+MOTION = Subject()
 
 
 def add(verbs: Verbs) -> None:
@@ -125,20 +168,13 @@ def run(options: argparse.Namespace) -> int:
     check_size(options)
     window = open_window() if options.show else None
     report(
-        options.source,
-        options.set,
+        Source(options.source, options.set, inputs_of(options)),
+        Canvas(options.plot, options.size, window),
+        Subject(names_in(*options.sensitivity), options.rank, names_in(*options.curves), options.around),
         csv=options.csv,
-        picture=options.plot,
-        size=options.size,
-        impacts=options.impacts,
         columns=names_in(*options.columns),
-        sensitivities=names_in(*options.sensitivity),
-        rank=options.rank,
-        curves=names_in(*options.curves),
-        around=options.around,
-        window=window,
+        impacts=options.impacts,
         check=options.check,
-        inputs=inputs_of(options),
     )
     if window:
         from matplotlib import pyplot
@@ -161,35 +197,29 @@ def open_window() -> Figure:
 
 
 def report(
-    source: str,
-    settings: Sequence[str] = (),
+    source: Source,
+    canvas: Canvas,
+    subject: Subject = MOTION,
     *,
     csv: Path | None = None,
-    picture: Path | None = None,
-    size: Size | None = None,
-    impacts: Path | None = None,
     columns: Sequence[str] = (),
-    sensitivities: Sequence[str] = (),
-    rank: str | None = None,
-    curves: Sequence[str] = (),
-    around: int | None = None,
-    window: Figure | None = None,
+    impacts: Path | None = None,
     check: bool = False,
-    inputs: Inputs | None = None,
 ) -> None:
     """Simulate, write the requested files, and print a summary, also for the time before a fault.
 
-    The table has ``columns``; by default all columns. The picture is drawn into a file, into an empty window,
-    or both.
+    The table has ``columns``; by default all columns. ``check`` compares the run with a second run at a tenth
+    of the tolerance.
     """
-    check_outputs(csv, picture, impacts, inputs=[source, *([inputs[0]] if inputs else [])])
+    check_outputs(csv, canvas.path, impacts, inputs=source.files)
     if columns and not csv:
         raise UsageError("--columns (--output): they are columns of a table: give --csv FILE too")
-    check_curves(curves, around, drawn=bool(picture or window), others=bool(rank or sensitivities))
-    tighter = [*settings, tighter_setting(source, settings)] if check else []
-    fault, ranking = None, ranking_of(source, settings, rank, sensitivities, inputs) if rank else None
+    subject.check(is_drawn=bool(canvas))
+    tighter = source.tighter() if check else None
+    sensitivities = subject.sensitivities
+    fault, ranking = None, source.ranking(subject.rank, sensitivities) if subject.rank else None
     try:
-        recording = record(source, settings, () if rank else sensitivities, inputs)
+        recording = source.record(() if ranking else sensitivities)
     except RunError as error:
         if error.recording is None:
             raise
@@ -201,15 +231,15 @@ def report(
         recording.save_impacts(impacts)
         say(f"impacts  {impacts}")
     if ranking:
-        draw_ranking(ranking, picture, size, window)
-    elif curves:
-        draw_curves(recording, curves_in(recording, source, curves, around), picture, size, window)
-    elif picture or window:
-        shown = recording if sensitivities or fault else with_rows(recording, source, settings, inputs)
-        draw(shown, picture, size, window, sensitivities)
+        canvas.draw(ranking.plot, ranking.fill)
+    elif subject.curves:
+        draw_curves(canvas, recording, curves_in(recording, source, subject))
+    elif canvas:
+        shown = recording if sensitivities or fault else source.with_rows(recording)
+        draw(canvas, shown, has_derivatives=bool(sensitivities))
     show(summary(recording))
-    if check:
-        say(f"check    {difference_text(differences(recording, record(source, tighter, inputs=inputs)))}")
+    if tighter:
+        say(f"check    {difference_text(tighter.differences(recording))}")
     if ranking:
         say("")
         show(tabulated(ranking.parts()))
@@ -219,117 +249,33 @@ def report(
         raise fault
 
 
-def draw(
-    recording: Recording,
-    picture: Path | None,
-    size: Size | None,
-    window: Figure | None,
-    sensitivities: Sequence[str],
-) -> None:
-    """Draw a recording into a file and a window: derivatives of outputs if named, else the motion."""
-    from chain_impact.pictures import fill, fill_sensitivities, plot
+def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
+    """Draw the derivatives of a recording, or its motion."""
+    from chain_impact.pictures import drawn, fill, fill_sensitivities
 
-    fill_page = fill_sensitivities if sensitivities else fill
-    write_picture(picture, size, lambda path, size: plot(recording, path, fill_page, size))
-    if window:
-        fill_page(window, recording)
+    fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
+    canvas.draw(partial(drawn, fill_page), fill_page)
 
 
-def draw_ranking(ranking: Ranking, picture: Path | None, size: Size | None, window: Figure | None) -> None:
-    """Draw a ranking into a file and a window, if these are given."""
-    write_picture(picture, size, ranking.plot)
-    if window:
-        ranking.fill(window)
-
-
-def check_curves(curves: Sequence[str], around: int | None, *, drawn: bool, others: bool) -> None:
-    """Refuse curves without a picture, and curves together with another picture."""
-    if curves and not drawn:
-        raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
-    if curves and others:
-        raise UsageError("--curves: a picture has curves or derivatives; leave out --rank and --sensitivity")
-    if around is not None and not curves:
-        raise UsageError(
-            f"--around {around}: only curves are drawn around an impact; give --curves NAMES too"
-        )
-
-
-def curves_in(recording: Recording, source: str, names: Sequence[str], around: int | None) -> Curves:
+def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
     """Return the curves of some outputs of a scene or an FMU."""
     try:
         if isinstance(recording, Result):
-            return recording.curves(names, around)
-        units = {one.name: one.unit or "" for one in read_fmu(Path(source)).modelVariables}
-        return curves_of(recording, names, units, around=around)
+            return recording.curves(subject.curves, subject.around)
+        return curves_of(recording, subject.curves, source.units(), around=subject.around)
     except ValueError as error:
         raise error if isinstance(error, SceneError) else UsageError(str(error)) from None
 
 
-def draw_curves(
-    recording: Recording, curves: Curves, picture: Path | None, size: Size | None, window: Figure | None
-) -> None:
-    """Draw curves into a file and a window, if these are given."""
+def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
+    """Draw curves, or refuse outputs that no picture can show."""
     from chain_impact.pictures import curves_size, drawn, fill_curves
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
     try:
-        write_picture(picture, size, partial(drawn, fill_page, usual=curves_size(curves)))
-        if window:
-            fill_page(window)
+        canvas.draw(partial(drawn, fill_page, usual=curves_size(curves)), fill_page)
     except ValueError as error:
         raise UsageError(str(error)) from None
-
-
-def ranking_of(
-    source: str, settings: Sequence[str], what: str, parameters: Sequence[str], inputs: Inputs | None
-) -> Ranking:
-    """Return the ranking of some parameters of a scene, by default of all, from a run with two rows."""
-    if is_fmu(source):
-        raise UsageError(f"--rank: {source} is an FMU; must be a scene")
-    scene = driven(source, settings, inputs)
-    rows = {"simulation.step_size": scene.simulation.stop_time}
-    with progress() as advance:
-        return record_scene(scene, rows, advance, parameters or ["*"]).ranking(what, parameters or "*")
-
-
-def record(
-    source: str,
-    settings: Sequence[str],
-    sensitivities: Sequence[str] = (),
-    inputs: Inputs | None = None,
-) -> Recording:
-    """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``, and with a table of inputs.
-
-    By default the ``sensitivities`` are those that the scene asks for.
-    """
-    if sensitivities and is_fmu(source):
-        raise UsageError(f"--sensitivity: {source} is an FMU; must be a scene")
-    with progress() as advance:
-        if is_fmu(source):
-            return record_fmu(Path(source), settings_of(settings), advance, inputs)
-        return record_scene(driven(source, settings, inputs), {}, advance, sensitivities or None)
-
-
-def tighter_setting(source: str, settings: Sequence[str]) -> str:
-    """Return the setting ``NAME=VALUE`` of the tolerance of the second run.
-
-    Raises:
-        UsageError: when the tolerance is too tight for a second run.
-    """
-    values, name = settings_of(settings), "solver.tolerance"
-    if is_fmu(source):
-        starts = {one.name: one.start for one in read_fmu(Path(source)).modelVariables}
-        if name not in starts:
-            raise UsageError(f"--check: {source} has no parameter {name}")
-        tolerance = float(value_of(values.get(name, starts[name])))
-    else:
-        tolerance = with_settings(load_scene(source), values).solver.tolerance
-    least = next(one.metadata["minimum"] for one in fields(Solver) if one.name == "tolerance")
-    if TIGHTER * tolerance < least:
-        raise UsageError(
-            f"--check: {name} = {tolerance:g} leaves no tighter one; must be at least {least / TIGHTER:g}"
-        )
-    return f"{name}={TIGHTER * tolerance!r}"
 
 
 def difference_text(found: Differences) -> str:
@@ -338,25 +284,3 @@ def difference_text(found: Differences) -> str:
     onsets = f"onsets by at most {found.onset:.1e} s ({plural(found.impacts, 'impact')}) and "
     parted = f"; from {found.end:.6f} s on, the two runs have other impacts" if found.parted else ""
     return f"a tenth of the tolerance moves {onsets if found.impacts else ''}{points}{parted}"
-
-
-def with_rows(
-    recording: Recording, source: str, settings: Sequence[str], inputs: Inputs | None = None
-) -> Recording:
-    """Return the recording with enough rows for a picture; if necessary, simulate a scene again.
-
-    The rows of an FMU cannot be changed; then a message says so.
-    """
-    rows = len(recording.time)
-    if rows >= ROWS:
-        return recording
-    if is_fmu(source):
-        complain(
-            f"the picture has {rows} poses only, one each communication step, and cannot show "
-            "the motion between them; --set simulation.step_size=… makes more"
-        )
-        return recording
-    scene = driven(source, settings, inputs)
-    step = scene.simulation.stop_time / ROWS
-    with progress() as advance:
-        return simulate(scene, output_step=step, progress=advance)

@@ -1,15 +1,12 @@
-"""Pictures of a recording.
-
-``overview.plot`` writes a file; other modules have functions for other pictures.
-"""
+"""Pictures of a recording: functions that fill pages, and ``drawn``, which writes a page to a file."""
 
 from chain_impact.pictures.bars import bars_size, fill_bars
 from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
 from chain_impact.pictures.impact import SIZE as IMPACT_SIZE, draw_loop, fill_impact
 from chain_impact.pictures.motion import draw_chain
-from chain_impact.pictures.overview import fill, fill_axes, plot
-from chain_impact.pictures.pages import MM, NoRoomError, check_alone, drawn
+from chain_impact.pictures.overview import fill, fill_axes
+from chain_impact.pictures.pages import MM, NoRoomError, Size, check_alone, drawn
 from chain_impact.pictures.room import draw_walls
 from chain_impact.pictures.style import styled
 
@@ -17,6 +14,7 @@ __all__ = [
     "IMPACT_SIZE",
     "MM",
     "NoRoomError",
+    "Size",
     "bars_size",
     "check_alone",
     "curves_size",
@@ -31,6 +29,5 @@ __all__ = [
     "fill_curves",
     "fill_impact",
     "fill_sensitivities",
-    "plot",
     "styled",
 ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ from chain_impact.pictures.over_time import (
     number_impacts,
     rubbing_places,
 )
-from chain_impact.pictures.pages import SIZE, drawn, settle
+from chain_impact.pictures.pages import settle
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import view_of
 from chain_impact.pictures.style import SEPARATOR, broken, is_narrow, styled, write_foot
@@ -193,16 +192,3 @@ def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[st
         for k, name in enumerate(timed):
             found[name] = page.add_subplot(rows[k], sharex=clock, label=name)
     return found
-
-
-def plot(
-    recording: Recording,
-    path: Path,
-    draw: Callable[[Figure, Recording], None] = fill,
-    size: Sequence[float | None] | None = None,
-) -> None:
-    """Draw the recording into a file; the suffix png, svg or pdf determines the kind.
-
-    ``size`` is as for ``drawn``.
-    """
-    drawn(lambda page: draw(page, recording), path, size, usual=SIZE)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from chain_impact.pages.inline import InlinePage
+    from chain_impact.pictures.pages import Size
 
 
 class Pictured(Recording):
@@ -45,7 +46,7 @@ class Pictured(Recording):
         path: str | os.PathLike[str] | None = None,
         *,
         kind: str | None = None,
-        size: Sequence[float | None] | None = None,
+        size: Size | None = None,
         panels: str | Sequence[str] = (),
         curves: str | Sequence[str] = (),
         around: int | None = None,
@@ -117,7 +118,7 @@ class Pictured(Recording):
         number: int,
         path: str | os.PathLike[str] | None = None,
         *,
-        size: Sequence[float | None] | None = None,
+        size: Size | None = None,
         ax: Any = None,
     ) -> Any:
         """Draw one impact: force, penetration and speed over time, and force over penetration.
@@ -161,7 +162,7 @@ class Pictured(Recording):
         path: str | os.PathLike[str] | None = None,
         outputs: Sequence[str] = (),
         *,
-        size: Sequence[float | None] | None = None,
+        size: Size | None = None,
     ) -> Figure | None:
         """Draw the changes of outputs, and of the speeds of impacts, if each parameter grows by 1 %.
 

@@ -21,6 +21,8 @@ from chain_impact.scene.reading import SceneError, matching
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from chain_impact.pictures.pages import Size
+
 LARGEST = {
     "peak_force": ("peak_force", False),
     "max_penetration": ("max_penetration", False),
@@ -134,9 +136,7 @@ class Ranking:
             yield f"{name} is left out: it changes the unit of the stiffness"
         yield from (f"limit    {limit}" for limit in self.limits)
 
-    def plot(
-        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float | None] | None = None
-    ) -> Figure | None:
+    def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
         """Draw the largest effects as bars, to the right if the quantity grows with the parameter.
 
         Args:

@@ -42,6 +42,8 @@ from chain_impact.system import written_whole
 if TYPE_CHECKING:
     import pandas
 
+    from chain_impact.pictures.pages import Size
+
 
 STIFFER = (10.0, 100.0)
 """The factors on the stiffness for which the comparison computes the reachable restitution of an impact that
@@ -83,7 +85,7 @@ class Comparison(LawRuns):
         self,
         path: str | os.PathLike[str] | None = None,
         *,
-        size: Sequence[float | None] | None = None,
+        size: Size | None = None,
         ax: Any = None,
     ) -> Any:
         """Draw the loops of all laws, force over penetration in the first impact, and the energy over time.

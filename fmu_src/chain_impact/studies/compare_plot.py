@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
-from chain_impact.pictures.pages import check_alone, drawn
+from chain_impact.pictures.pages import Size, check_alone, drawn
 from chain_impact.pictures.style import (
     GREY,
     PALETTE,
@@ -47,7 +47,7 @@ Looks = dict[str, dict[str, Any]]
 def plot_comparison(
     comparison: LawRuns,
     path: str | os.PathLike[str] | None = None,
-    size: Sequence[float | None] | None = None,
+    size: Size | None = None,
     ax: Any = None,
 ) -> Any:
     """Draw the picture; see ``Comparison.plot``."""

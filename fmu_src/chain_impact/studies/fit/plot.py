@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -19,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.pages import drawn
+from chain_impact.pictures.pages import Size, drawn
 from chain_impact.pictures.style import (
     GREY,
     INK,
@@ -65,7 +64,7 @@ class Column:
 
 
 def plot_fit(
-    fit: Estimates, path: str | os.PathLike[str] | None = None, size: Sequence[float | None] | None = None
+    fit: Estimates, path: str | os.PathLike[str] | None = None, size: Size | None = None
 ) -> Figure | None:
     """Draw the picture; see ``Fit.plot``."""
     count = min(len(fit.columns), MOST_PANELS)

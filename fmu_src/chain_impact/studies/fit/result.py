@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +15,8 @@ from chain_impact.studies.fit.report import report
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
+
+    from chain_impact.pictures.pages import Size
 
 
 @dataclass(frozen=True)
@@ -89,9 +90,7 @@ class Fit(Estimates):
         columns = ["parameter", "unit", "start", "value", "standard_error", "low", "high"]
         return require("pandas", "pandas").DataFrame(rows, columns=columns).set_index("parameter")
 
-    def plot(
-        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float | None] | None = None
-    ) -> Figure | None:
+    def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
         """Draw data, model, residuals and impacts.
 
         Args:

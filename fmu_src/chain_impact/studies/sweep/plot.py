@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
-from chain_impact.pictures.pages import drawn
+from chain_impact.pictures.pages import Size, drawn
 from chain_impact.pictures.style import give_ticks, headline, is_narrow, legend_at_foot, number, styled
 from chain_impact.recording.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
@@ -105,7 +105,7 @@ def check_picture(varied: int, samples: int | None, runs: int, source: str) -> N
 
 
 def plot_sweep(
-    found: Runs, path: str | os.PathLike[str] | None = None, size: Sequence[float | None] | None = None
+    found: Runs, path: str | os.PathLike[str] | None = None, size: Size | None = None
 ) -> Figure | None:
     """Draw a sweep, see ``Sweep.plot``.
 

@@ -7,7 +7,7 @@ import errno
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +25,8 @@ from chain_impact.system import written_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from chain_impact.pictures.pages import Size
 
 TABLES = (".csv", PARQUET)
 LISTED = 10  # number of runs that a notebook shows
@@ -95,9 +97,7 @@ class Sweep(Runs):
             raise SceneError(f"{path} must be a file whose name ends in {' or '.join(TABLES)}")
         write_table(table_path(path), self.chunks(self.names))
 
-    def plot(
-        self, path: str | os.PathLike[str] | None = None, *, size: Sequence[float | None] | None = None
-    ) -> Figure | None:
+    def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
         """Draw the main results over the varied parameters.
 
         Args:
