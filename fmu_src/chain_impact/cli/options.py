@@ -17,7 +17,7 @@ from chain_impact.scene.signals import with_inputs
 from chain_impact.simulation.record_scene import with_settings
 
 if TYPE_CHECKING:
-    from chain_impact.pictures import Size
+    from chain_impact.pictures.sizes import Size
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:

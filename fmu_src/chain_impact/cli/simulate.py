@@ -43,7 +43,7 @@ from chain_impact.studies.accuracy import Differences
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures import Size
+    from chain_impact.pictures.sizes import Size
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,15 @@ from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curv
 from chain_impact.pictures.impact import SIZE as IMPACT_SIZE, draw_loop, fill_impact
 from chain_impact.pictures.motion import draw_chain
 from chain_impact.pictures.overview import fill, fill_axes
-from chain_impact.pictures.pages import MM, NoRoomError, Size, check_alone, drawn
+from chain_impact.pictures.pages import NoRoomError, check_alone, drawn
 from chain_impact.pictures.room import draw_walls
+from chain_impact.pictures.sizes import MM
 from chain_impact.pictures.style import styled
 
 __all__ = [
     "IMPACT_SIZE",
     "MM",
     "NoRoomError",
-    "Size",
     "bars_size",
     "check_alone",
     "curves_size",

@@ -6,7 +6,7 @@ import math
 import os
 import warnings
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 from itertools import combinations
@@ -20,12 +20,10 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.legends import fit_legends
+from chain_impact.pictures.sizes import LEAST, Size, page_size
 from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, Page, save, styled
 
-# [inch] the default width and height of a page, and the least and the largest width and height; larger pages
-# are sizes in other units, and would fill the memory with pixels
-SIZE, LEAST, LARGEST = (FULL, 5.4), 2.0, 60.0
-MM = 25.4  # millimetres in an inch
+SIZE = (FULL, 5.4)  # [inch] the default width and height of a page
 LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
 USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label on a page without a given height
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the page, or overlap
@@ -36,8 +34,6 @@ HIGHER = 40
 LONGER = 1.1  # the length of a label, over the length of its axis, above which it is broken into two lines
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty page."""
-Size = Sequence[float | None]
-"""Width and height of a page [inches]; a height of None is the height that the contents need."""
 
 
 class NoRoomError(ValueError):
@@ -74,33 +70,16 @@ def drawn(
     inches, filled = usual, fill
     if size is not None:
         width, height = page_size(size)
-        inches = width, needed_height(fill, width, usual) if height is None else height
-        filled = partial(fill_or_refuse, fill)
+        if height is None:
+            inches = width, needed_height(fill, width, usual)
+        else:
+            inches, filled = (width, height), partial(fill_or_refuse, fill)
     if path is not None:
         save(Path(path), filled, inches)
         return None
     page = Page(figsize=inches)
     filled(page)
     return page
-
-
-def page_size(size: Size) -> tuple[float, float | None]:
-    """Return the width and the height of a page [inches]; the height may be None.
-
-    Raises:
-        ValueError: when the size is not a pair, or a side is not a number from LEAST to LARGEST; only the
-            height may be None.
-    """
-    try:
-        width, height = (None if side is None else float(side) for side in size)
-    except (TypeError, ValueError):
-        width = height = math.nan
-    width = math.nan if width is None else width
-    if not (LEAST <= width <= LARGEST and (height is None or LEAST <= height <= LARGEST)):
-        told = f"width and height in inches, each at least {LEAST:g} and at most {LARGEST:g}"
-        hint = f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < width < math.inf else ""
-        raise ValueError(f"size = {size!r} must be {told}{hint}")
-    return width, height
 
 
 def check_alone(path: object, size: object) -> None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from chain_impact.pages.inline import InlinePage
-    from chain_impact.pictures.pages import Size
+    from chain_impact.pictures.sizes import Size
 
 
 class Pictured(Recording):

@@ -21,7 +21,7 @@ from chain_impact.scene.reading import SceneError, matching
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.pages import Size
+    from chain_impact.pictures.sizes import Size
 
 LARGEST = {
     "peak_force": ("peak_force", False),

@@ -18,7 +18,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
-from chain_impact.pictures.pages import Size, check_alone, drawn
+from chain_impact.pictures.pages import check_alone, drawn
+from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
     PALETTE,

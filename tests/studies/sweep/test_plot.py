@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill, usual_size
+from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill, results_of, usual_size
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers.stops import knee
 
@@ -27,8 +27,9 @@ KINDS = {
 
 
 def drawn(found):
-    page = Figure(figsize=usual_size(found), layout="constrained")
-    fill(page, found)
+    results = results_of(found)
+    page = Figure(figsize=usual_size(found, results), layout="constrained")
+    fill(page, found, results)
     page.draw_without_rendering()
     return page
 

@@ -18,7 +18,8 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.pages import Size, drawn
+from chain_impact.pictures.pages import drawn
+from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
     INK,

@@ -21,7 +21,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
-from chain_impact.pictures.pages import Size, drawn
+from chain_impact.pictures.pages import drawn
+from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import give_ticks, headline, is_narrow, legend_at_foot, number, styled
 from chain_impact.recording.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
@@ -115,16 +116,18 @@ def plot_sweep(
         OSError: when the file cannot be written.
     """
     check_picture(len(found.varied), found.design.samples, len(found), found.scene.name)
-    return drawn(partial(fill, found=found), path, size, usual_size(found))
+    results = results_of(found)
+    return drawn(partial(fill, found=found, results=results), path, size, usual_size(found, results))
 
 
 @styled()
-def fill(page: Figure, found: Runs) -> None:
+def fill(page: Figure, found: Runs, results: Results) -> None:
     """Draw all panels on an empty page."""
-    quantities, kind = _drawn(found), kind_of(found.design)
+    quantities, kind = results.drawn, kind_of(found.design)
     varying = varying_in(found.design)
-    parts = [conditions(found, varying), constants(found, quantities)]
-    headline(page, title(found, "" if kind == MAPS else " (×)"), "; ".join(filter(None, parts)))
+    parts = [conditions(found, varying), constants(found, results.same)]
+    mark = "" if kind == MAPS else " (×)"
+    headline(page, title(found, results, mark), "; ".join(filter(None, parts)))
     # parameters that are numbers come before choices
     first, *rest = sorted(varying, key=lambda one: bool(one.choices))
     if kind == DOTS:
@@ -144,19 +147,19 @@ def kind_of(design: Design) -> str:
     return CURVES if len(choices) == 1 and len(choices[0].values) <= len(COLOURS) else MAPS
 
 
-def usual_size(found: Runs) -> tuple[float, float]:
+def usual_size(found: Runs, results: Results) -> tuple[float, float]:
     """Return the default size of the page [inches]."""
-    count, kind = len(_drawn(found)), kind_of(found.design)
+    count, kind = len(results.drawn), kind_of(found.design)
     if kind == DOTS:
         return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(found.design)[0].values)
     across = _across(count, kind)
     return 10.8 if kind == MAPS else 10.0, 0.6 + 2.7 * math.ceil(count / across)
 
 
-def title(found: Runs, mark: str) -> str:
+def title(found: Runs, results: Results, mark: str) -> str:
     """Return the headline: a summary of the results of the runs."""
     parts, failed = [f"{found.scene.name}: {plural(len(found), 'run')}"], int(found.failed.sum())
-    for quantity in _main(found):
+    for quantity in results.every:
         values = quantity.of(found)
         values = values[~np.isnan(values)]
         if quantity.told and values.any():
@@ -179,27 +182,35 @@ def varying_in(design: Design) -> list[Variation]:
     return found or list(design.variations[:1])
 
 
-def _main(found: Runs) -> list[Quantity]:
-    """Return the main results of a scene: at walls and at stops, if the scene has these."""
+@dataclass(frozen=True)
+class Results:
+    """The quantities of a sweep: the main results, then the additional outputs.
+
+    Attributes:
+        every: all quantities.
+        drawn: the quantities that differ between the runs; each has a panel. All if none differs.
+    """
+
+    every: list[Quantity]
+    drawn: list[Quantity]
+
+    @property
+    def same(self) -> list[Quantity]:
+        """The quantities without a panel."""
+        return [one for one in self.every if one not in self.drawn]
+
+
+def results_of(found: Runs) -> Results:
+    """Return the quantities of a sweep; those at walls and at stops only if the scene has these."""
     absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
-    return [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
-
-
-def _quantities(found: Runs) -> list[Quantity]:
-    """Return the main results, then the additional outputs."""
-    units, main = Model(found.scene).units, _main(found)
-    known = {quantity.column for quantity in main}
+    main = [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
+    units, known = Model(found.scene).units, {quantity.column for quantity in main}
     asked = [name for name in found.outputs if name not in known]
-    extra = [
-        Quantity(name, f"{name} at the end" + (f" [{units[name]}]" if units[name] else "")) for name in asked
+    every = main + [
+        Quantity(name, f"{name} at the end" + (f" [{units[name]}]" if units[name] else ""))
+        for name in asked[:MOST_ASKED]
     ]
-    return [*main, *extra[:MOST_ASKED]]
-
-
-def _drawn(found: Runs) -> list[Quantity]:
-    """Return the quantities with a panel: those that differ between the runs; all if none differs."""
-    every = _quantities(found)
-    return [one for one in every if _differs(one.of(found))] or every
+    return Results(every, [one for one in every if _differs(one.of(found))] or every)
 
 
 def _differs(values: np.ndarray) -> bool:
@@ -208,14 +219,13 @@ def _differs(values: np.ndarray) -> bool:
     return not finite.size or bool(np.ptp(finite) > ROUND_OFF * np.abs(finite).max())
 
 
-def constants(found: Runs, drawn: Sequence[Quantity]) -> str:
+def constants(found: Runs, same: Sequence[Quantity]) -> str:
     """Return words for the quantities without a panel: "the same in all runs: impacts 14"."""
     parts = []
-    for one in _quantities(found):
-        if one not in drawn:
-            name, _, unit = one.label.partition(" [")
-            value = number(float(np.nanmax(one.of(found))))
-            parts.append(f"{name} {value} {unit.rstrip(']')}".rstrip())
+    for one in same:
+        name, _, unit = one.label.partition(" [")
+        value = number(float(np.nanmax(one.of(found))))
+        parts.append(f"{name} {value} {unit.rstrip(']')}".rstrip())
     return f"the same in all runs: {', '.join(parts)}" if parts else ""
 
 

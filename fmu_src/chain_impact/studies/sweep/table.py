@@ -26,7 +26,7 @@ from chain_impact.system import written_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.pages import Size
+    from chain_impact.pictures.sizes import Size
 
 TABLES = (".csv", PARQUET)
 LISTED = 10  # number of runs that a notebook shows
