@@ -354,6 +354,12 @@ def test_a_step_that_does_not_land_on_an_onset_is_refused(gap, rate, other):
     assert not lands(landed(gaps, rate))
 
 
+@pytest.mark.parametrize(("gap", "accepts"), [(2e-16, True), (-2e-16, True), (1e-14, False)])
+def test_a_clearance_that_is_round_off_is_no_distance_from_an_onset(gap, accepts):
+    """A point at 1e-7 m/s moves by only 4e-15 m in this step: the clearance 2e-16 m is 5 % of the way."""
+    assert lands(landed([gap, gap], rate=-1e-7, size=4e-8)) == accepts
+
+
 def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cannot_be_shorter():
     assert onset_fraction(landed([0.1, 0.1], kind=KINK)) == -1.0
     assert onset_fraction(landed([0.1, 0.1], size=1e-13)) == -1.0

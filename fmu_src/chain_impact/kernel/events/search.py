@@ -39,7 +39,7 @@ from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
 # The largest depth of a point at its onset, over a link length. Onsets are located up to round-off, about
 # 1e-15. A deeper onset is an error of the step: at K = 1e12 N/m^1.5 it would add 1e-11 J.
@@ -51,6 +51,9 @@ EARLY = 1e-3
 # The largest distance from an onset to the end of a step that was repeated to end at the onset, over the
 # step's size.
 LANDED = 1e-2
+# The largest clearance at an onset that is round-off, over a link length and the coordinates of the point. In
+# a short step a slow point moves by little more, so this clearance may be a large part of the step.
+ROUND_OFF = 1e-15
 # The shortest step that is refused, over the time. It is ten times the resolution of time, because the next
 # try may be a tenth as long.
 RESOLVED = 4e-15
@@ -198,6 +201,8 @@ def onset_lateness(d, y):
         if d.touch.event[c] == ONSET:
             gap, gap_rate = clearance(d, c)
             late = gap / (gap_rate * d.step.size)
+            if abs(late) > LANDED and abs(gap) <= ROUND_OFF * (d.model.size + coordinates_size(d, c, y)):
+                late = 0.0
             latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDED else math.inf)
             deepest = max(deepest, -gap)
     return latest, deepest
