@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any, get_args, get_origin
 
-from chain_impact.scene.angles import degrees_pattern
+from chain_impact.scene.angles import DEGREES, degrees_pattern
 from chain_impact.scene.limits import Derived, keys, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
@@ -79,8 +79,9 @@ def _value(kind: Any, rule: Any) -> dict[str, Any]:
     if get_origin(kind) is tuple:
         return _list(kind, rule)
     rules: dict[str, Any] = {"type": TYPES[kind]}
-    if pattern := degrees_pattern(rule["unit"]):
-        rules |= {"type": ["number", "string"], "pattern": f"^{pattern}$"}
+    units = DEGREES if rule["unit_by"] else (rule["unit"],)
+    if patterns := list(filter(None, map(degrees_pattern, units))):
+        rules |= {"type": ["number", "string"], "pattern": "|".join(f"^{one}$" for one in patterns)}
     rules |= {name: rule[limit] for limit, name in LIMITS.items() if rule[limit] is not None}
     if rule["choices"] is not None:
         choices = {"enum": list(rule["choices"])}

@@ -90,6 +90,17 @@ joint_targets = true
 tip_force = true
 base_motion = true
 wall_motion = true
+[signals.swing]
+input = "joint[1].target_angle"
+form = "sine"
+amplitude = "33.3 deg"
+frequency = 2
+phase = "90 deg"
+[signals.turn]
+input = "joint[3].target_velocity"
+form = "steps"
+times = [0, 0.1]
+values = [0.5, "66.6 deg/s"]
 [initial]
 joint_angles = ["-77.7 deg", 0.1, 0.2]
 [outputs]

@@ -6,7 +6,15 @@ import warnings
 import numpy as np
 import pytest
 
-from chain_impact import Chain, SceneWarning, build_fmu, cli as command_line, parse_scene, record_fmu
+from chain_impact import (
+    Chain,
+    SceneError,
+    SceneWarning,
+    build_fmu,
+    cli as command_line,
+    parse_scene,
+    record_fmu,
+)
 from chain_impact.scene.angles import in_radians, radians_hint
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.studies.fit.parameters import parameters_of
@@ -93,6 +101,43 @@ def test_by_name(arm, name, value):
 
 def test_in_a_list_by_name(arm):
     assert arm.with_values({"initial.angles": ["180 deg", 0]}).initial.angles == (math.pi, 0.0)
+
+
+SIGNALS = """
+[inputs]
+joint_targets = true
+tip_force = true
+[signals.nod]
+input = "joint[1].target_angle"
+form = "sine"
+amplitude = "30 deg"
+mean = -0.5
+frequency = 1.0
+phase = "90 deg"
+[signals.turn]
+input = "joint[2].target_velocity"
+form = "steps"
+times = [0.0, 0.1]
+values = [0.5, "-60 deg/s"]
+"""
+
+
+def test_in_signals_that_drive_angles():
+    signals = parse_scene(SCENE + SIGNALS, "arm.toml").signals
+    nod, turn = signals["nod"], signals["turn"]
+    assert (nod.amplitude, nod.mean, nod.phase) == pytest.approx((math.pi / 6, -0.5, math.pi / 2), rel=1e-15)
+    assert turn.values == pytest.approx((0.5, -math.pi / 3), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "unit"), [("joint[1].target_velocity", "[rad/s]"), ("tip.force.x", "[N]"), ("joint[1]", "")]
+)
+def test_in_no_signal_that_drives_another_quantity(wrong, unit):
+    """The error names the key, the value and the unit of the input."""
+    text = SCENE + SIGNALS.replace("joint[1].target_angle", wrong)
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text, "arm.toml")
+    assert all(part in str(caught.value) for part in ("signal.nod.amplitude", "'30 deg'", unit))
 
 
 def test_of_a_chain_that_is_stepped(arm):

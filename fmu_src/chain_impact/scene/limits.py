@@ -37,6 +37,8 @@ class Limits(TypedDict, total=False):
     # name of another key, of the same table or as "table.key"; the file that this key names is one more
     # choice
     extended_by: str
+    # function that returns the unit from the values of the keys before it, where these decide the unit
+    unit_by: Callable[[Mapping[str, Any]], str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +102,9 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
 
 
 def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the metadata `rule` with one more choice if the value of another key adds a choice."""
+    """Return the metadata `rule` with the choice and the unit that values of other keys add."""
+    if unit_by := rule.get("unit_by"):
+        return {**rule, "unit": unit_by(known)}
     extended_by = rule.get("extended_by")
     if not extended_by:
         return rule

@@ -1,8 +1,11 @@
 """The table of the scene file for a signal: a dataclass whose fields are its keys, as in tables.py."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from chain_impact.scene.limits import NO_KEY, quantity
+from chain_impact.scene.names import AXES, is_like
 
 FORMS = ("constant", "sine", "ramp", "steps", "table")
 """The forms of signals, in the order of their numbers in the kernel."""
@@ -10,6 +13,37 @@ SHAPES = ("smooth", "linear", "trapezoid")
 """The shapes of ramps, in the order of their numbers in the kernel."""
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")
+_UNITS = {
+    "joint[{n}].torque": "N.m",
+    "joint[{n}].target_angle": "rad",
+    "joint[{n}].target_velocity": "rad/s",
+    "slider.force": "N",
+    "slider.target_position": "m",
+    "slider.target_velocity": "m/s",
+    **{f"tip.force.{axis}": "N" for axis in AXES},
+    **{f"base.{axis}": "m" for axis in AXES},
+    **{f"base.v{axis}": "m/s" for axis in AXES},
+    **{f"base.a{axis}": "m/s2" for axis in AXES},
+    "wall.{name}.displacement": "m",
+    "wall.{name}.velocity": "m/s",
+    "wall.{name}.acceleration": "m/s2",
+    "wall.{name}.belt_speed": "m/s",
+}
+
+
+def unit_of(name: str) -> str:
+    """Return the unit of an input; "1" if no input has this name."""
+    return next((unit for template, unit in _UNITS.items() if is_like(name, template)), "1")
+
+
+def _unit_of_values(known: Mapping[str, Any]) -> str:
+    """Return the unit of a signal's values: the unit of the first input that the signal drives."""
+    return unit_of(known["input"][0]) if known["input"] else "1"
+
+
+def _value(description: str) -> Any:
+    """Return the field of a number, or of numbers, in the unit of the input."""
+    return quantity("1", description, None, unit_by=_unit_of_values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,14 +66,14 @@ class Signal:
         "", "the input that it drives, or a list of them", matching=INPUT, or_one=True
     )
     form: str = quantity("", "form", choices=FORMS)
-    value: float | None = quantity("1", "value of a constant", None)
-    mean: float | None = quantity("1", "mean of a sine; default 0", None)
-    amplitude: float | None = quantity("1", "amplitude of a sine", None)
+    value: float | None = _value("value of a constant")
+    mean: float | None = _value("mean of a sine; default 0")
+    amplitude: float | None = _value("amplitude of a sine")
     frequency: float | None = quantity("Hz", "frequency of a sine at its start", None, minimum=0.0)
     frequency_rate: float | None = quantity("Hz/s", "rate at which the frequency grows; default 0", None)
     phase: float | None = quantity("rad", "phase of a sine at its start; default 0", None)
-    initial: float | None = quantity("1", "value before a ramp; default 0", None)
-    final: float | None = quantity("1", "value after a ramp", None)
+    initial: float | None = _value("value before a ramp; default 0")
+    final: float | None = _value("value after a ramp")
     start: float | None = quantity("s", "start of a sine or a ramp; default 0", None)
     rise: float | None = quantity(
         "s", "time in which the amplitude of a sine grows from 0; default 0", None, minimum=0.0
@@ -52,8 +86,8 @@ class Signal:
         choices=SHAPES,
     )
     times: tuple[float, ...] | None = quantity("s", "times of steps", None)
-    values: tuple[float, ...] | None = quantity(
-        "1", "value from each of the times on; before the first, the first one", None
+    values: tuple[float, ...] | None = _value(
+        "value from each of the times on; before the first, the first one"
     )
     file: str | None = quantity("", "table with time and a column for each input", None, matching=TABLE_FILE)
     interpolation: str | None = quantity(

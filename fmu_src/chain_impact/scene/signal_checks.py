@@ -7,9 +7,9 @@ from itertools import pairwise
 
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.signal import Samples, Signal
+from chain_impact.scene.signal import Samples, Signal, unit_of
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
-from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of, unit_of
+from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of
 
 # the smallest speed that counts as motion, over the largest speed of a sine; a smaller speed is round-off
 AT_REST = 1e-12

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.names import AXES, input_asked, input_key, is_like, nearest
+from chain_impact.scene.names import AXES, input_asked, input_key, nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal import FORMS, Samples, Signal
 from chain_impact.scene.signal_values import is_motion, knots_of
@@ -36,22 +36,6 @@ OTHER: dict[str, dict[str, Any]] = {
     "table": {"interpolation": None, "period": None},
 }
 """Form → keys that may be missing, with their defaults."""
-_UNITS = {
-    "joint[{n}].torque": "N.m",
-    "joint[{n}].target_angle": "rad",
-    "joint[{n}].target_velocity": "rad/s",
-    "slider.force": "N",
-    "slider.target_position": "m",
-    "slider.target_velocity": "m/s",
-    **{f"tip.force.{axis}": "N" for axis in AXES},
-    **{f"base.{axis}": "m" for axis in AXES},
-    **{f"base.v{axis}": "m/s" for axis in AXES},
-    **{f"base.a{axis}": "m/s2" for axis in AXES},
-    "wall.{name}.displacement": "m",
-    "wall.{name}.velocity": "m/s",
-    "wall.{name}.acceleration": "m/s2",
-    "wall.{name}.belt_speed": "m/s",
-}
 
 
 class Driven(NamedTuple):
@@ -107,11 +91,6 @@ def family(name: str) -> tuple[str, ...]:
 def driven_alone(name: str) -> tuple[str, ...]:
     """Return the inputs that a signal drives alone: one, or a motion with its integrals and derivatives."""
     return family(name) if is_motion(name) else (name,)
-
-
-def unit_of(name: str) -> str:
-    """Return the unit of an input."""
-    return next(unit for template, unit in _UNITS.items() if is_like(name, template))
 
 
 def with_signals(scene: AnyScene, folder: Path) -> AnyScene:

@@ -11,7 +11,8 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
 from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signals import Driven, driven_by, unit_of
+from chain_impact.scene.signal import unit_of
+from chain_impact.scene.signals import Driven, driven_by
 from chain_impact.scene.tables import Inputs, Outputs
 from chain_impact.variables.kind import ALWAYS
 

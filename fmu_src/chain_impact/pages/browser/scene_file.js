@@ -35,8 +35,9 @@ function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
 }
 
 class ContentsReader {
-  constructor({ keys, laws, lawFile }) {
-    Object.assign(this, { keys, lawFile, laws: laws.map(({ name }) => name) });
+  constructor({ keys, laws, lawFile, inputs, still }) {
+    const units = [...inputs, ...still].flatMap(({ rows }) => rows.map(({ name, unit }) => [name, unit]));
+    Object.assign(this, { keys, lawFile, laws: laws.map(({ name }) => name), units: new Map(units) });
   }
 
   table(data, keys, path) {
@@ -48,7 +49,7 @@ class ContentsReader {
     for (const [key, rule] of Object.entries(keys)) {
       const given = data[key] ?? (rule.needed ? undefined : { table: {}, named: {}, tables: [] }[rule.kind] ?? rule.default);
       if (given === undefined && rule.needed) refuse(inner(key), `is missing (${rule.needed})`);
-      if (given !== undefined && given !== null) found[key] = this.value(given, rule, inner(key));
+      if (given !== undefined && given !== null) found[key] = this.value(given, this.#inUnitOf(found.input, rule), inner(key));
       if (key === "links" && rule.kind === "tables") found.links = this.#each(found.links);
     }
     return found;
@@ -65,6 +66,12 @@ class ContentsReader {
     const known = rule.choices?.includes(this.laws[0]) ? { ...rule, choices: this.laws } : rule;
     if (!keeps(value, known)) refuse(path, `= ${quotedValue(given)} must be ${rule.allowed}`);
     return value;
+  }
+
+  /** Return the rule of a key with the unit of the first input of a signal, if the values of the key have this unit. */
+  #inUnitOf(names, rule) {
+    if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
+    return rule.hasUnitOfInput ? { ...rule, unit: this.units.get(names[0]?.replace(/\[\d+\]/, "[{n}]")) } : rule;
   }
 
   #list(asked, { kind, keys, entries, each, length, orTrue, orOne }, path) {
