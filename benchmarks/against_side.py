@@ -12,7 +12,11 @@ import numpy as np
 
 from chain_impact.compilation.library import kernel_library
 from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
-from chain_impact.variables.model import Model
+
+try:
+    from chain_impact.variables.prepared import PreparedScene
+except ImportError:  # an older commit
+    from chain_impact.variables.model import Model as PreparedScene
 
 
 def chain(height: float) -> Scene:
@@ -60,7 +64,7 @@ def main() -> None:
     """Write name → stop time, kernel, bytes of a new instance, and places of the records to compare."""
     sides = {}
     for name, (scene, stop) in scenes().items():
-        block = Model(scene).new_instance()
+        block = PreparedScene(scene).new_instance()
         places = [block.dtype.fields[record] for record in ("output", "statistics")]
         sides[name] = {
             "stop": stop,

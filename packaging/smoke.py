@@ -33,7 +33,7 @@ from chain_impact.compilation import ready
 from chain_impact.fmu.build import TARGET
 from chain_impact.simulation import instance
 from chain_impact.simulation.instance import load_kernel
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 CHECKS: list[Callable[[], str | None]] = []
 COMPILERS = all(find_spec(name) for name in ("numba", "llvmlite", "ziglang"))
@@ -99,7 +99,7 @@ def all_kinds_of_kernels_give_the_same_bits() -> str:
         found = ready.find(ready.library_name(size, system.HOST, what=kind))
         if found is None:
             continue
-        kernel, block = load_kernel(found), Model(scene).new_instance()
+        kernel, block = load_kernel(found), PreparedScene(scene).new_instance()
         assert kernel.initialize(block.ctypes.data, 0.0) == 0
         assert kernel.advance(block.ctypes.data, 2.0) == 0
         assert kernel.observe(block.ctypes.data) == 0
@@ -117,7 +117,7 @@ def a_process_that_rounds_upwards() -> None:
         instance.kernel_for(scene, derivatives=False),
     )
     for rounding in (0, UPWARDS.get(system.HOST, 0x400000)):
-        block = Model(scene).new_instance()
+        block = PreparedScene(scene).new_instance()
         assert c.fesetround(rounding) == 0
         try:
             assert kernel.initialize(block.ctypes.data, 0.0) == 0

@@ -22,7 +22,7 @@ from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.models import model_names, models_folder
 from chain_impact.simulation import instance
 from chain_impact.studies.accuracy import differences
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 LITTLE_WORK = "solver.work_limit=1500"  # work units: enough for the first flight, too few for the impacts
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -202,7 +202,7 @@ def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu)
     assert code == 0
     assert said.startswith("results  out.csv\n")
     names, rows = read_csv(here / "out.csv")
-    variables = Model(load_scene("four_link_box")).variables
+    variables = PreparedScene(load_scene("four_link_box")).variables
     assert names == ["time", *(v.name for v in variables if v.causality == "output")]
     recording = record_fmu(fmu, {})
     columns = [recording.time, *recording.columns.values()]
@@ -373,7 +373,7 @@ def test_info_has_values_and_every_variable(run, fmu, scene):
     assert values.startswith(first)
     assert {*rest} <= {*values.splitlines()}
     assert scene != "pinned_arm" or "x_min" not in values
-    variables = Model(load_scene(scene)).variables
+    variables = PreparedScene(load_scene(scene)).variables
     assert lines.keys() == {variable.name for variable in variables}
     for variable in variables:
         line = lines[variable.name]

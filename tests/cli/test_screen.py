@@ -13,7 +13,7 @@ from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.cli.screen import law_table, plain_lines, show, summary, table_of, variable_table
 from chain_impact.recording.summary import NONE
 from chain_impact.simulation.record_scene import record_scene
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.problems import default_scene, driven
 
 
@@ -74,7 +74,7 @@ def test_on_a_terminal_a_table_is_as_wide_as_that(monkeypatch):
     text = io.StringIO()
     console = Console(file=text, force_terminal=True, color_system=None, width=70)
     monkeypatch.setattr("chain_impact.cli.screen.out", console)
-    variables = Model(default_scene()).variables
+    variables = PreparedScene(default_scene()).variables
     show(variable_table(variables))
     lines = text.getvalue().splitlines()
     assert max(map(len, lines)) <= 70

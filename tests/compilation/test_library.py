@@ -16,7 +16,7 @@ from chain_impact.extras import how_to_install
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import load_kernel
 from chain_impact.system import HOST
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
 from tests.helpers.binaries import read_binary
 from tests.tiers import needs_compilers
@@ -75,7 +75,7 @@ def test_a_kernel_for_any_number_of_links_gives_the_same_bits_as_one_for_four():
     scene = load_scene("four_link_box")
     outputs = []
     for path in (kernel_library(4), kernel_library(ready.LARGEST_EXACT + 1)):
-        block, kernel = Model(scene).new_instance(), load_kernel(path)
+        block, kernel = PreparedScene(scene).new_instance(), load_kernel(path)
         assert kernel.initialize(block.ctypes.data, 0.0) == 0
         assert kernel.advance(block.ctypes.data, 1.0) == 0
         assert kernel.observe(block.ctypes.data) == 0

@@ -12,7 +12,7 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.duals import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance, spans_of
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.plain import Plain, as_plain_python
 from tests.tiers import needs_compilers
 
@@ -109,12 +109,12 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes):
     instance = Instance(scene)
     rows = np.zeros(len(times), instance.record.dtype["output"])
     assert instance.trajectory(times, rows) == len(times)
-    block = Model(scene).new_instance()
+    block = PreparedScene(scene).new_instance()
     d = Plain(block[0])
     found = np.zeros_like(rows)
     with as_plain_python(), np.errstate(all="ignore"):
         assert initialize(d, 0.0) == 0
-        words, wanted = block.view(np.float64), spans_of(instance.model.output_words)
+        words, wanted = block.view(np.float64), spans_of(instance.prepared.output_words)
         found_rows = found.view(np.float64).reshape(len(times), -1)
         assert trajectory(d, words, times, wanted, found_rows, 0) == len(times)
         assert observe_now(d) == 0

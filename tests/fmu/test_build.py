@@ -22,8 +22,8 @@ from chain_impact.fmu.references import FILE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
+from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
 from tests.fmu.interface import description
@@ -82,7 +82,9 @@ def test_files(fmus, target, model):
         assert fmu.namelist() == sorted(fmu.namelist())
         assert {entry.date_time for entry in fmu.infolist()} == {(1980, 1, 1, 0, 0, 0)}
         page = fmu.read("documentation/index.html").decode()
-        assert all(f"<td>{variable.name}</td>" in page for variable in Model(load_scene(model)).variables)
+        assert all(
+            f"<td>{variable.name}</td>" in page for variable in PreparedScene(load_scene(model)).variables
+        )
         assert all(escape(text) in page for text in STATUS_TEXT.values())
         assert fmu.read("documentation/licenses/license.txt").startswith(b"MIT License")
         pixels = pyplot.imread(io.BytesIO(fmu.read(picture)), "png")
@@ -116,7 +118,7 @@ def descriptions(request):
     """Return model → (elements of variables by name, with child elements; the model description)."""
     found = {}
     for model in model_names():
-        root = model_description(Model(load_scene(model)), "a tool", request.param)
+        root = model_description(PreparedScene(load_scene(model)), "a tool", request.param)
         nodes = list(root.find("ModelVariables"))
         inner = [dict(n.attrib) if request.param == 3 else dict(n.attrib) | dict(n[0].attrib) for n in nodes]
         tags = [n.tag if request.param == 3 else n[0].tag for n in nodes]
@@ -128,7 +130,7 @@ def test_variables_and_starts_are_those_of_the_scene_to_the_last_bit(description
     fmi, found = descriptions
     tags = {"real": "Float64", "integer": "Int64"} if fmi == 3 else {"real": "Real", "integer": "Integer"}
     for model, (nodes, _) in found.items():
-        one = Model(load_scene(model))
+        one = PreparedScene(load_scene(model))
         instance = one.new_instance()
         for (name, node), variable in zip(nodes.items(), one.variables, strict=fmi == 2):
             assert (name, node["tag"]) == (variable.name, tags.get(variable.type, "Enumeration"))
@@ -187,7 +189,10 @@ def test_the_nominal_depth_and_force_are_those_of_one_energy(exponent):
     """The energy is that of the mass m at one length L per second: K δ^(n+1)/(n+1) = m L²/2, F = K δ^n."""
     changes = {"contact.exponent": exponent, "contact.model": "hunt_crossley"}
     scene = load_scene("rod_drop").with_values(changes)
-    nodes = {n.get("name"): n[0] for n in model_description(Model(scene), "a tool", 2).iter("ScalarVariable")}
+    nodes = {
+        n.get("name"): n[0]
+        for n in model_description(PreparedScene(scene), "a tool", 2).iter("ScalarVariable")
+    }
     names = [f"contact[0].y_min.{name}" for name in ("penetration", "force")]
     depth, force = (float(nodes[name].get("nominal")) for name in names)
     stiffness = scene.contact.stiffness
@@ -252,7 +257,7 @@ def test_capabilities(fmus, target):
 def test_whose_the_model_is_only_the_scene_says(fmi):
     said = {"author": "Jane Doe", "copyright": "© 2026 Example <Ltd>", "license": "CC-BY-4.0", "version": "1"}
     for values in ({}, said, {"author": "Jane Doe"}):
-        root = model_description(Model(load_scene("rod_drop").with_values(values)), "a tool", fmi)
+        root = model_description(PreparedScene(load_scene("rod_drop").with_values(values)), "a tool", fmi)
         assert {name: root.get(name) for name in said if name in root.attrib} == values
         assert root.get("generationTool") == "a tool"
 

@@ -13,7 +13,7 @@ from lxml import etree
 from chain_impact import load_scene, model_names
 from chain_impact.fmu.documents import TERMINALS, documents, page, terminals_and_icons
 from chain_impact.pictures.start import icon
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 DRIVEN = {"inputs.joint_torques": True, "inputs.joint_targets": True, "inputs.base_motion": True}
@@ -24,7 +24,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def drawn(scene):
-    text = page(Model(scene), 3)
+    text = page(PreparedScene(scene), 3)
     return ElementTree.fromstring(text[text.index("<svg") : text.index("</svg>") + len("</svg>")])
 
 
@@ -61,26 +61,26 @@ def test_an_arm_is_drawn_as_it_hangs():
 
 
 def test_equal_scenes_have_equal_pictures_whatever_the_settings_of_matplotlib():
-    model = Model(load_scene("ramp"))
-    before = page(model, 2), icon(model.scene)
+    prepared = PreparedScene(load_scene("ramp"))
+    before = page(prepared, 2), icon(prepared.scene)
     with mpl.rc_context({"font.size": 20.0, "savefig.facecolor": "black", "lines.linewidth": 9.0}):
-        assert (page(Model(load_scene("ramp")), 2), icon(model.scene)) == before
+        assert (page(PreparedScene(load_scene("ramp")), 2), icon(prepared.scene)) == before
 
 
 def test_the_page_says_whose_the_model_is_and_has_each_kind_of_variable_in_one_row():
     said = {"author": "Jane <Doe>", "version": "1.2", "copyright": "2026 Jane Doe", "license": "MIT"}
-    model = Model(load_scene("four_link_box").with_values(said))
-    text = page(model, 2)
+    prepared = PreparedScene(load_scene("four_link_box").with_values(said))
+    text = page(prepared, 2)
     table = text[text.index("Variables by kind") : text.index("<details>")]
     assert "Author: Jane &lt;Doe&gt;; Version: 1.2; Copyright: 2026 Jane Doe; License: MIT" in text
-    assert "Author" not in page(Model(load_scene("four_link_box")), 2)
-    for kind, count in Counter(variable.kind.pattern for variable in model.variables).items():
+    assert "Author" not in page(PreparedScene(load_scene("four_link_box")), 2)
+    for kind, count in Counter(variable.kind.pattern for variable in prepared.variables).items():
         assert table.count(f"<tr><td>{escape(kind)}</td><td>{count}</td>") == 1
 
 
 @pytest.mark.parametrize(("model", "changes"), [("four_link_box", {}), ("pinned_arm", DRIVEN)])
 def test_terminals_are_valid_and_group_the_inputs_and_outputs_of_their_owners(model, changes):
-    variables = Model(load_scene(model).with_values(changes)).variables
+    variables = PreparedScene(load_scene(model).with_values(changes)).variables
     content = terminals_and_icons(variables)
     schema = etree.XMLSchema(etree.parse(str(SCHEMA)))
     schema.assertValid(etree.fromstring(content))
@@ -111,6 +111,6 @@ def test_terminals_are_valid_and_group_the_inputs_and_outputs_of_their_owners(mo
 
 
 def test_only_fmi3_has_terminals():
-    model = Model(load_scene("rod_drop"))
-    assert TERMINALS in documents(model, 3)
-    assert TERMINALS not in documents(model, 2)
+    prepared = PreparedScene(load_scene("rod_drop"))
+    assert TERMINALS in documents(prepared, 3)
+    assert TERMINALS not in documents(prepared, 2)

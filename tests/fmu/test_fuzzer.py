@@ -11,7 +11,7 @@ from chain_impact import load_scene
 from chain_impact.compilation import library
 from chain_impact.compilation.compilers import CPUS, INCLUDES, complete, interface_sources, write_beside
 from chain_impact.compilation.library import kernel_library
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.interface import description, unpacked
 from tests.fmu.zig import zig
 
@@ -56,7 +56,7 @@ def fmu(native):
     """Return GUID, resources and number of variables of a native FMU."""
     path = native[MODEL]
     location = (unpacked(path) / "resources").as_uri()
-    return [description(path).get("guid"), location, str(len(Model(load_scene(MODEL)).variables))]
+    return [description(path).get("guid"), location, str(len(PreparedScene(load_scene(MODEL)).variables))]
 
 
 @pytest.mark.parametrize("seed", SEEDS)

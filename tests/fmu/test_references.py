@@ -13,7 +13,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.references import EXACT, FILE, ROWS, check_references, reference
 from chain_impact.scene.scene import model_names
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.planted_faults import spoiled
 
 every_model = pytest.mark.parametrize("model", model_names())
@@ -79,7 +79,7 @@ def test_the_times_are_those_that_can_be_relied_on():
     """No time is close to the begin or end of a contact; chaotic motion leaves about 2 of 1000 s."""
     scene = load_scene("four_link_box")
     usual, long, fine, coarse = (
-        reference(Model(scene.with_values(changes)))
+        reference(PreparedScene(scene.with_values(changes)))
         for changes in (
             {},
             {"simulation.stop_time": 1000.0},

@@ -16,7 +16,7 @@ from chain_impact.kernel.ode.dense import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 
 class Plain:
@@ -75,7 +75,7 @@ def as_plain_python() -> Iterator[None]:
 
 def record_of(scene: Scene) -> Plain:
     """Return a new instance of a scene."""
-    return Plain(Model(scene).new_instance()[0])
+    return Plain(PreparedScene(scene).new_instance()[0])
 
 
 def begun(scene: Scene) -> Plain:

@@ -10,7 +10,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE, PAUSED, UNLIMITED
 from chain_impact.scene.scene import with_values
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.plain import Plain
 from tests.helpers.problems import ball
 
@@ -22,7 +22,7 @@ class Runs:
     """A ball above a floor, and its record as words."""
 
     def __init__(self, height=1e-3, stop=STOP):
-        self.block = Model(ball(height, 1.0, stiffness=STIFFNESS)).new_instance()
+        self.block = PreparedScene(ball(height, 1.0, stiffness=STIFFNESS)).new_instance()
         self.words, self.d = self.block.view(np.float64), Plain(self.block[0])
         self.stop = stop
 
@@ -54,7 +54,7 @@ class Runs:
 def alone(stiffness, stop=STOP):
     """Return the same by a fresh instance: its record at the end, and the impacts it has logged."""
     d = Plain(
-        Model(
+        PreparedScene(
             with_values(ball(1e-3, 1.0, stiffness=STIFFNESS), {("contact", "stiffness"): stiffness})
         ).new_instance()[0]
     )

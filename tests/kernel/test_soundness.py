@@ -18,7 +18,7 @@ from chain_impact.kernel.status import LAST_STATUS, OK, STATUS_TEXT, UNKNOWN_LAW
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.derivative_scenes import table
 from tests.helpers.plain import Plain, record_of
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
@@ -224,8 +224,8 @@ def test_nor_is_one_behind_it(links, path, value):
     scene = table(
         [{"length": 0.1, "mass": 1.0}] * links, box={"y_min": 0.0}, initial={"angles": [1.0] * links}
     )
-    model = Model(scene)
-    instance = DifferentiatedInstance(model, model.varied_by(["contact.stiffness"]))
+    prepared = PreparedScene(scene)
+    instance = DifferentiatedInstance(prepared, prepared.varied_by(["contact.stiffness"]))
     assert instance.is_sound(instance.words)
     record = instance._tangents[0]
     for step in path[:-1]:

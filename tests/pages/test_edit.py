@@ -13,7 +13,7 @@ from chain_impact import SceneError, load_scene, model_names, simulate
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.signals import with_inputs
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers import random_scenes
 from tests.pages.conftest import page_contents, until, until_told
 from tests.tiers import needs_browser
@@ -36,16 +36,16 @@ def made(worker, scene, text="", contents=None):
 
 def assert_as_python(found, scene):
     """Assert that the record, the parameters and the outputs are equal to those of the FMU."""
-    model = Model(scene)
-    record = model.new_instance([])
+    prepared = PreparedScene(scene)
+    record = prepared.new_instance([])
     np.testing.assert_array_equal([int(word) for word in found["words"]], record.view(np.int64))
-    columns = [[one.name, model.word(one), one.unit] for one in model.outputs]
+    columns = [[one.name, prepared.word(one), one.unit] for one in prepared.outputs]
     assert found["columns"] == columns
-    inputs = [one for one in model.inputs if one.place[0] != "motion"]
-    assert found["still"] == [one.name for one in model.inputs if one not in inputs]
+    inputs = [one for one in prepared.inputs if one.place[0] != "motion"]
+    assert found["still"] == [one.name for one in prepared.inputs if one not in inputs]
     known = [
-        [one.name, model.table_row(one)[-1], float(model.start_text(one))]
-        for one in (*model.parameters, *inputs)
+        [one.name, prepared.table_row(one)[-1], float(prepared.start_text(one))]
+        for one in (*prepared.parameters, *inputs)
     ]
     times = [[name, -1, scene.values[name]] for name in ("simulation.stop_time", "simulation.step_size")]
     assert [[name, word, float(start)] for name, word, start in found["parameters"]] == known + times

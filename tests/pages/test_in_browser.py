@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from chain_impact import cli, explore, load_scene, simulate, sweep
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.pages.conftest import DESK, PHONE, until, until_told
 from tests.tiers import needs_browser
 
@@ -304,7 +304,7 @@ def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
     names = {
         name for name in page.evaluate("Object.keys(chainImpact.parameters)") if name.startswith("signal")
     }
-    assert names == {name for name in Model(scene).parameter_paths if name.startswith("signal")}
+    assert names == {name for name in PreparedScene(scene).parameter_paths if name.startswith("signal")}
 
 
 def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):

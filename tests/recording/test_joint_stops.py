@@ -149,7 +149,7 @@ def test_with_impacts_at_stops_only_the_axis_is_theirs():
     recording = swung()
     axes = Figure().add_subplot()
     recording = Result(
-        recording.model,
+        recording.prepared,
         recording.time,
         recording.outputs,
         recording.impacts[recording.at_stops],

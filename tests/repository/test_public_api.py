@@ -14,7 +14,7 @@ import chain_impact
 from chain_impact import cli
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import load_scene, model_names, scene_from_dict, scene_keys
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 FILE = Path(__file__).with_name("public_api.txt")
 BODIES = {
@@ -56,7 +56,7 @@ def names():
     cart = scene_from_dict(BODIES, "cart")
     following = cart.with_values({"inputs.joint_targets": True})
     for scene in (*map(load_scene, model_names()), driven, cart, following):
-        kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in Model(scene).variables}
+        kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in PreparedScene(scene).variables}
         yield from (f"FMU variable: {kind}" for kind in kinds)
 
 

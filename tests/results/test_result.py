@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.problems import default_scene
 from tests.helpers.refusal import refusal
 
@@ -27,7 +27,7 @@ def test_an_output_is_got_by_its_name(result):
 
 
 def test_the_names_are_those_of_the_fmu(result):
-    outputs = [v for v in Model(result.scene).variables if v.causality == "output"]
+    outputs = [v for v in PreparedScene(result.scene).variables if v.causality == "output"]
     assert list(result.names) == list(result.columns) == [v.name for v in outputs]
     motion = [v.name for v in outputs if v.place[0] == "output"]
     assert list(result.motion) == motion

@@ -9,13 +9,13 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.scenarios.test_models import table
 from tests.tiers import needs_interop
 
 MODEL = "controlled_arm"
 SCENE = load_scene(MODEL)
-TORQUES = [variable.name for variable in Model(SCENE).inputs]
+TORQUES = [variable.name for variable in PreparedScene(SCENE).inputs]
 
 
 def co_simulated(folder, *arguments):
@@ -55,7 +55,7 @@ def replayed(time, columns):
     """Return the outputs of ``simulate`` under the torques of a co-simulation."""
     result = simulate(SCENE, inputs={name: (time, columns[name]) for name in TORQUES})
     np.testing.assert_array_equal(result.time, time)
-    return Model(SCENE).series(result.outputs)
+    return PreparedScene(SCENE).series(result.outputs)
 
 
 @pytest.mark.full("takes long")
@@ -64,7 +64,7 @@ def test_simulate_replays_an_fmu_that_stepped_between_the_same_times(runs, targe
     """Every output is bit-equal; the steps of fmpy's master have no round-off."""
     time, columns = runs(target, "fmpy")
     replay = replayed(time, columns)
-    reals = {v.name for v in Model(SCENE).variables if v.place[0] == "output"}
+    reals = {v.name for v in PreparedScene(SCENE).variables if v.place[0] == "output"}
     assert set(replay) == reals
     for name, values in replay.items():
         np.testing.assert_array_equal(columns[name], values, err_msg=name)

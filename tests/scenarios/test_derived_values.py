@@ -8,7 +8,7 @@ import pytest
 from chain_impact import Chain, DifferentiatedRun, SceneError, cli, simulate, sweep
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.simulation.instance import kernel_for
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.helpers.random_scenes import RUBBED, SLANTED, SPRUNG, STOPPED, scene as random_scene
 
@@ -176,11 +176,11 @@ def test_random_scenes_have_the_record_of_the_edited_file(kind):
         except SceneError:  # a longer link may start in a wall, and a point mass may rotate freely
             continue
         assert before.with_values(changes) == wanted
-        model = Model(before)
-        here, there = model.new_instance(), Model(wanted).new_instance()
-        for variable in model.parameters:
+        prepared = PreparedScene(before)
+        here, there = prepared.new_instance(), PreparedScene(wanted).new_instance()
+        for variable in prepared.parameters:
             if variable.name in changes:
-                here.view(np.float64)[model.table_row(variable)[-1]] = changes[variable.name]
+                here.view(np.float64)[prepared.table_row(variable)[-1]] = changes[variable.name]
         kernel = kernel_for(before, derivatives=False)
         assert kernel.initialize(here.ctypes.data, 0.0) == kernel.initialize(there.ctypes.data, 0.0)
         assert here.tobytes() == there.tobytes()

@@ -28,7 +28,7 @@ from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.reading import SceneWarning
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.problems import ball, own_law, struck_ball
 from tests.tiers import needs_compilers
 
@@ -153,7 +153,7 @@ def test_the_file_is_sought_beside_the_scene(law, tmp_path):
 @pytest.mark.full("takes long")
 def test_it_is_the_last_choice_of_the_enumeration(law):
     scene = with_file(load_scene("rod_drop"), law(DAMPED))
-    model = next(v for v in Model(scene).variables if v.name == "contact.model")
+    model = next(v for v in PreparedScene(scene).variables if v.name == "contact.model")
     assert len(model.items) == LAW_COUNT + 1
     assert (model.items[-1].name, model.items[-1].description) == (
         "damped",

@@ -19,7 +19,7 @@ import pytest
 from chain_impact import Recording, load_scene, simulate
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SCENE_FILE, model_names
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.derivative_scenes import Case, exact as kept_motion
 
 DOCS = Path(__file__).parents[2] / "docs" / "models"
@@ -209,7 +209,8 @@ def write_inputs(model):
         with Path(scratch, "ControlledArm.csv").open(encoding="utf-8", newline="") as file:
             rows = list(csv.reader(file))
     chosen = [
-        rows[0].index(name) for name in ("time", *(one.name for one in Model(load_scene(model)).inputs))
+        rows[0].index(name)
+        for name in ("time", *(one.name for one in PreparedScene(load_scene(model)).inputs))
     ]
     with (folder / "inputs.csv").open("w", newline="") as file:
         csv.writer(file).writerows([row[column] for column in chosen] for row in rows)

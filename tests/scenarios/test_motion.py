@@ -11,7 +11,7 @@ from chain_impact.fmu.references import reference
 from chain_impact.pages.recorded import data
 from chain_impact.pictures.film import Film
 from chain_impact.scene.scene import scene_from_dict
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers import driven
 
 G = 9.81
@@ -472,7 +472,7 @@ def test_an_acceleration_that_is_given_alone_changes_the_velocity():
 
 def test_the_reference_results_of_an_fmu_have_motions_that_agree_with_their_velocities(recwarn):
     scene = pendulum(box={"y_min": -1.0}, inputs={"base_motion": True, "wall_motion": True})
-    found = reference(Model(scene))
+    found = reference(PreparedScene(scene))
     assert not [one for one in recwarn if one.category is SceneWarning]
     assert len(found.times) > 50
     step, inputs = found.times[1], found.inputs

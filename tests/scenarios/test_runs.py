@@ -21,7 +21,7 @@ from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.scene import model_names
 from chain_impact.simulation import instance
 from chain_impact.simulation.record_scene import RunError, record_scene
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.conftest import OnDemand
 from tests.helpers.shared import shared_folder
 
@@ -60,7 +60,7 @@ def test_a_scene_and_its_fmu_give_the_same(fmus, model):
 
 
 def test_the_columns_of_an_fmu_are_its_outputs(fmus):
-    outputs = [v.name for v in Model(load_scene("pinned_arm")).variables if v.causality == "output"]
+    outputs = [v.name for v in PreparedScene(load_scene("pinned_arm")).variables if v.causality == "output"]
     assert list(record_fmu(fmus["pinned_arm"], {}).columns) == outputs
 
 

@@ -4,7 +4,7 @@ from chain_impact import load_scene
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.candidates import candidates, point_wall_pairs, stop_pairs
 from chain_impact.scene.scene import with_values
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 
 def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
@@ -16,7 +16,7 @@ def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
     walls = [{"name": name, "point": [0.0, 0.0], "angle": angle} for name, angle in (("a", 0.0), ("b", -1.0))]
     slanted = with_values(some, {("walls",): walls})
     assert candidates(slanted)[:4] == [(1, x_max), (1, y_min), (1, 4), (1, 5)]
-    held = Model(slanted).new_instance()[0]["walls"]
+    held = PreparedScene(slanted).new_instance()[0]["walls"]
     assert held["angle"].tolist() == [0.0, -1.0] + [0.0] * 6
     assert candidates(with_values(box, {("contact", "points"): []})) == []
     for scene in (box, some, slanted, with_values(box, {("contact", "points"): []})):

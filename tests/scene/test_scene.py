@@ -21,7 +21,7 @@ from chain_impact.scene.scene import (
     with_values,
 )
 from chain_impact.scene.tables import MAX_LINKS, Link
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.refusal import refusal
 
 SOURCE = "somewhere/scene.toml"
@@ -185,7 +185,9 @@ def test_every_value_has_a_name_by_which_it_can_be_set():
     for scene in map(load_scene, model_names()):
         assert scene.with_values(scene.values).values == scene.values
         assert scene.values["link[1].mass"] == scene.chain.links[0].mass
-        assert {v.name for v in Model(scene).variables if v.causality == "parameter"} <= scene.values.keys()
+        assert {
+            v.name for v in PreparedScene(scene).variables if v.causality == "parameter"
+        } <= scene.values.keys()
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from chain_impact import SceneError, load_scene
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.signals import with_inputs
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.refusal import refusal
 from tests.simulation.test_signals import ARM
 
@@ -97,12 +97,12 @@ def test_a_table_that_cannot_be_is_refused(tmp_path, name):
 def test_what_is_driven_is_an_output_of_the_same_name():
     text = f'{ARM}[signals.a]\ninput = ["base.y", "base.x"]\n{SINE}'
     text += f'[signals.b]\ninput = "joint[1].target_angle"\n{RAMP}'
-    model = Model(parse_scene(text, "arm.toml"))
+    prepared = PreparedScene(parse_scene(text, "arm.toml"))
     driven = [f"base.{prefix}{axis}" for axis in "yx" for prefix in ("", "v", "a")]
     driven += ["joint[1].target_angle", "joint[1].target_velocity"]
-    assert not {one.name for one in model.inputs} & {*driven}
-    assert {*driven} <= {one.name for one in model.outputs}
-    numbers = {one.name: one.unit for one in model.parameters if one.name.startswith("signal.")}
+    assert not {one.name for one in prepared.inputs} & {*driven}
+    assert {*driven} <= {one.name for one in prepared.outputs}
+    numbers = {one.name: one.unit for one in prepared.parameters if one.name.startswith("signal.")}
     units = {"signal.a.amplitude": "m", "signal.b.final": "rad", "signal.a.frequency": "Hz"}
     assert units.items() <= numbers.items()
     assert "signal.b.amplitude" not in numbers

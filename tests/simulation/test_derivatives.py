@@ -8,7 +8,7 @@ import pytest
 from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, load_scene, simulate
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, DifferentiatedRun
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
 from tests.helpers.problems import ball
 from tests.helpers.stops import knee
@@ -19,7 +19,7 @@ TIMES = np.array([0.1, 0.2022, 0.3])
 
 
 def names_of(scene, *wanted):
-    return [variable.name for variable in Model(scene).varied_by(wanted)]
+    return [variable.name for variable in PreparedScene(scene).varied_by(wanted)]
 
 
 # --- names ------------------------------------------------------------------------------------------------

@@ -41,7 +41,7 @@ def try_inputs(chain, variables, rng):
 def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(name, changes):
     scene = load_scene(name).with_values(changes)
     tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(5)
-    variables, moved = tried._instance.model.variables, set()
+    variables, moved = tried._instance.prepared.variables, set()
     names = [v.name for v in variables]
     for k in range(1, STEPS + 1):
         time = scene.simulation.stop_time * k / STEPS
@@ -59,7 +59,7 @@ def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(name, changes):
 def test_random_scenes_go_on_as_without_a_trial(number):
     scene = random_scene(7000000 + number).with_values(DRIVEN)
     tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(number)
-    variables = tried._instance.model.variables
+    variables = tried._instance.prepared.variables
     for k in range(1, 9):
         for chain in (tried, alone):
             chain.step_to(scene.simulation.stop_time * k / 8)

@@ -5,15 +5,15 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.variables import filling
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "controlled_arm")
 
 
 def from_nothing(scene):
     filling._kept.clear()
-    Model._last = None
-    return Model(scene)
+    PreparedScene._last = None
+    return PreparedScene(scene)
 
 
 def same(found, wanted):
@@ -39,7 +39,7 @@ def test_a_record_is_the_one_of_a_scene_that_stands_alone(model):
         wanted = from_nothing(changed)
         record = wanted.new_instance().tobytes()
         from_nothing(scene).new_instance()
-        found = Model(changed)
+        found = PreparedScene(changed)
         assert found.new_instance().tobytes() == record, name
         same(found, wanted)
         compared += 1
@@ -67,11 +67,11 @@ def test_what_is_more_than_a_number_makes_another_model(model, changes):
     wanted = from_nothing(changed)
     wanted.new_instance()
     from_nothing(scene).new_instance()
-    same(Model(changed), wanted)
+    same(PreparedScene(changed), wanted)
 
 
 def test_a_record_is_ones_own():
     scene = load_scene("four_link_box")
-    first = Model(scene).new_instance()
+    first = PreparedScene(scene).new_instance()
     first.view(np.uint8)[:] = 1
-    assert Model(scene).new_instance().tobytes() != first.tobytes()
+    assert PreparedScene(scene).new_instance().tobytes() != first.tobytes()

@@ -8,9 +8,9 @@ from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.scene.names import INPUTS_OF, is_like
 from chain_impact.variables.kind import ALWAYS
 from chain_impact.variables.listing import absent_hint
-from chain_impact.variables.model import Model
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import PARAMETERS
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.shape import ELEMENTS, shape_of
 
 EVERYTHING = load_scene("four_link_box").with_values(
@@ -50,23 +50,27 @@ def test_what_a_row_names_is_there(kind):
 
 
 def test_all_of_a_kind_are_described_at_once():
-    found = {one.kind.pattern: one.of_its_kind for one in Model(EVERYTHING).variables}
+    found = {one.kind.pattern: one.of_its_kind for one in PreparedScene(EVERYTHING).variables}
     assert found["link[i].length"] == "link i: length; must be > 0"
     assert found["wall.<wall>.x"] == "wall at any angle: x of a point on the wall"
     assert found["contact[k].<wall>.penetration"] == "point k at a wall: penetration, 0 when apart"
     assert found["joint[i].angle"] == "joint i: angle of link i relative to the link before"
-    pinned = {one.kind.pattern: one.of_its_kind for one in Model(load_scene("triple_pendulum")).variables}
+    pinned = {
+        one.kind.pattern: one.of_its_kind for one in PreparedScene(load_scene("triple_pendulum")).variables
+    }
     assert pinned["joint[i].angle"] == "joint i: angle of link i relative to the link before, or the ground"
 
 
 def test_the_derivatives_of_a_kind_are_a_kind():
-    model = Model(load_scene("four_link_box").with_values({"outputs.sensitivities": ["link[*].mass"]}))
-    kinds = {one.kind.pattern: one.of_its_kind for one in model.variables if one.name.startswith("sens")}
+    prepared = PreparedScene(
+        load_scene("four_link_box").with_values({"outputs.sensitivities": ["link[*].mass"]})
+    )
+    kinds = {one.kind.pattern: one.of_its_kind for one in prepared.variables if one.name.startswith("sens")}
     assert (
         kinds["sensitivity.link[i].mass.point[k].x"]
         == "derivative of point[k].x with respect to link[i].mass"
     )
-    assert len(kinds) == len({one.kind.pattern for one in model.motion})
+    assert len(kinds) == len({one.kind.pattern for one in prepared.motion})
 
 
 def test_a_name_is_like_its_template_only():

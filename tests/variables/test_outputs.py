@@ -9,7 +9,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
 from chain_impact.variables import listing
 from chain_impact.variables.listing import all_outputs, inputs
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
@@ -110,10 +110,10 @@ def test_an_input_says_between_which_links_its_torque_acts():
 
 def test_behind_an_instance_are_those_that_carry_its_derivatives():
     """Each has its own values, and a slope of one for each parameter in its own direction."""
-    model = Model(BOX)
+    prepared = PreparedScene(BOX)
     names = [f"link[{i}].mass" for i in range(1, 5)] + ["contact.stiffness", "link[2].length"]
-    varied = model.varied_by(names)
-    plain, block = model.new_instance([])[0], model.new_instance(varied)[0]
+    varied = prepared.varied_by(names)
+    plain, block = prepared.new_instance([])[0], prepared.new_instance(varied)[0]
     count = -(-len(names) // DIRECTIONS)
     assert (plain["tangents"], block["tangents"]) == (0, count)
     behind = block[block.dtype.names[-1]]

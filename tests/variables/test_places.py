@@ -5,34 +5,34 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 
 @pytest.mark.parametrize("name", ["four_link_box", "sliding_rod", "kneed_leg"])
 def test_the_words_of_the_outputs_are_those_of_the_variables(name):
-    model = Model(load_scene(name))
-    motion, stepwise, *_ = model.output_places
-    assert [*motion, *stepwise] == [one.name for one in model.outputs]
-    words = {one.name: model.word(one) for one in model.outputs}
+    prepared = PreparedScene(load_scene(name))
+    motion, stepwise, *_ = prepared.output_places
+    assert [*motion, *stepwise] == [one.name for one in prepared.outputs]
+    words = {one.name: prepared.word(one) for one in prepared.outputs}
     assert motion == {one: words[one] for one in motion}
     assert {one: word for one, (word, _) in stepwise.items()} == {one: words[one] for one in stepwise}
-    assert {one.name for one in model.outputs if one.type != "real"} == {
+    assert {one.name for one in prepared.outputs if one.type != "real"} == {
         one for one, (_, is_real) in stepwise.items() if not is_real
     }
 
 
 def test_scenes_of_one_shape_share_them():
     scene = load_scene("rod_drop")
-    other = Model(scene.with_values({"link[1].length": 0.9}))
-    assert other.output_places is Model(scene).output_places
+    other = PreparedScene(scene.with_values({"link[1].length": 0.9}))
+    assert other.output_places is PreparedScene(scene).output_places
 
 
 def test_a_row_has_what_the_record_has_at_its_time():
     scene = load_scene("rod_drop").with_values({"simulation.stop_time": 1.0})
     result, instance = simulate(scene), Instance(scene)
-    instance.trajectory(result.time, np.zeros(len(result.time), result.model.row))
-    for name, word in result.model.output_places.motion.items():
+    instance.trajectory(result.time, np.zeros(len(result.time), result.prepared.row))
+    for name, word in result.prepared.output_places.motion.items():
         assert result[name][-1] == instance.words[word]
     whole = instance.words.view(np.int64)
-    for name, (word, is_real) in result.model.output_places.stepwise.items():
+    for name, (word, is_real) in result.prepared.output_places.stepwise.items():
         assert result[name][-1] == (instance.words if is_real else whole)[word]

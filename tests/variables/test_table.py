@@ -14,8 +14,8 @@ from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, model_names, with_values
 from chain_impact.scene.signals import driven_by
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
 from tests.helpers.friction import pendulum, sled
@@ -55,11 +55,11 @@ SCENES = scenes()
 
 
 def variables(scene: Scene) -> dict[str, Variable]:
-    return {variable.name: variable for variable in Model(scene).variables}
+    return {variable.name: variable for variable in PreparedScene(scene).variables}
 
 
 def names(scene: Scene, causality: str) -> list[str]:
-    return [variable.name for variable in Model(scene).variables if variable.causality == causality]
+    return [variable.name for variable in PreparedScene(scene).variables if variable.causality == causality]
 
 
 LEGAL = {("parameter", "fixed", "exact"), ("parameter", "tunable", "exact"), ("input", "continuous", None)}
@@ -70,11 +70,11 @@ def test_variables_have_legal_names_words_of_their_own_units_and_descriptions():
     """Structured names, none twice; parameters, inputs and outputs in this order."""
     part = r"[a-z_]\w*(\[\d+\])?"
     for scene in SCENES.values():
-        variables = Model(scene).variables
+        variables = PreparedScene(scene).variables
         found = [variable.name for variable in variables]
         assert len(set(found)) == len(found)
         assert all(re.fullmatch(rf"{part}(\.{part})*", name) for name in found)
-        layout = Model(scene).new_instance().dtype
+        layout = PreparedScene(scene).new_instance().dtype
         words = [word_index(layout, variable.place) for variable in variables]
         assert len(set(words)) == len(words)
         assert 0 <= min(words) <= max(words) < layout.itemsize // 8
@@ -86,12 +86,12 @@ def test_variables_have_legal_names_words_of_their_own_units_and_descriptions():
             assert one.description.strip() == one.description != ""
             assert (one.unit in UNITS) == (one.type == "real")
             assert bool(one.items) == (one.type == "enumeration")
-    used = {variable.unit for scene in SCENES.values() for variable in Model(scene).variables}
+    used = {variable.unit for scene in SCENES.values() for variable in PreparedScene(scene).variables}
     assert used - {""} == set(UNITS)
 
 
 def test_word_index_counts_as_numpy_does():
-    instance = Model(SCENES["four_link_box"]).new_instance()
+    instance = PreparedScene(SCENES["four_link_box"]).new_instance()
     instance.view(np.int64)[:] = np.arange(instance.nbytes // 8)
     whole = instance.view(instance.dtype)[0]
     assert word_index(instance.dtype, ("candidate", 7, "wall")) == whole["candidate"]["wall"][7]
@@ -111,7 +111,7 @@ NOWHERE = [
 @pytest.mark.parametrize("place", [*NOWHERE, ("model",), ("model", "length"), ("step", "dense", 1)])
 def test_word_index_refuses_what_is_not_there_or_not_one_number(place):
     with pytest.raises((KeyError, IndexError)):
-        word_index(Model(SCENES["four_link_box"]).new_instance().dtype, place)
+        word_index(PreparedScene(SCENES["four_link_box"]).new_instance().dtype, place)
 
 
 # --- variables of a scene's features
@@ -173,7 +173,7 @@ def test_inputs_exist_only_if_asked_for():
 
 
 def test_only_the_walls_and_points_of_the_scene():
-    arm = [variable.name for variable in Model(SCENES["pinned_arm"]).variables]
+    arm = [variable.name for variable in PreparedScene(SCENES["pinned_arm"]).variables]
     assert [name for name in arm if name.startswith("box.")] == ["box.x_max"]
     touching = {name.rpartition(".")[0] for name in arm if name.startswith("contact[")}
     assert touching == {"contact[1].x_max", "contact[2].x_max"}
@@ -215,9 +215,9 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
     # a rising sine may begin at any time
     sines = [name for name, signal in scene.signals.items() if signal.form == "sine"]
     scene = scene.with_values({f"signal.{name}.rise": 0.1 for name in sines})
-    paths = Model(scene).parameter_paths
-    before = Model(scene).new_instance()
-    followers = {word_index(before.dtype, v.place) for v in Model(scene).parameters if v.rule}
+    paths = PreparedScene(scene).parameter_paths
+    before = PreparedScene(scene).new_instance()
+    followers = {word_index(before.dtype, v.place) for v in PreparedScene(scene).parameters if v.rule}
     if any(link.shape for link in scene.chain.links):  # the corners of a box
         sites = before.dtype["site"]
         followers |= {
@@ -225,7 +225,7 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
             for name in ("x", "y", "given_radius", "radius")
             for s in range(sites[name].shape[0])
         }
-    for variable in Model(scene).variables:
+    for variable in PreparedScene(scene).variables:
         if variable.causality != "parameter":
             continue
         path, word = paths[variable.name], word_index(before.dtype, variable.place)
@@ -243,7 +243,7 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
             value = stored = 1.25
         elif variable.name.endswith(".static_friction"):  # at least the kinetic friction
             value = stored = 1.1
-        after = Model(with_values(scene, {path: value})).new_instance()
+        after = PreparedScene(with_values(scene, {path: value})).new_instance()
         assert after.view(view)[word] == stored
         changed = np.flatnonzero(after.view(np.int64) != before.view(np.int64))
         places = {word, word_index(before.dtype, variable.set_place)}
@@ -251,7 +251,7 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
 
 
 def test_enumerations_number_laws_and_methods_as_the_kernel_does():
-    choices = {variable.name: variable.items for variable in Model(SCENES["rod_drop"]).variables}
+    choices = {variable.name: variable.items for variable in PreparedScene(SCENES["rod_drop"]).variables}
     for number, item in enumerate(choices["contact.model"], 1):
         assert CONTACT_LAWS[item.name].number == number
     assert tuple(item.name for item in choices["solver.method"]) == SOLVER_METHODS
@@ -278,20 +278,20 @@ def test_every_status_is_in_the_description():
 
 def test_columns_are_those_of_the_recorded_outputs():
     for scene in SCENES.values():
-        outputs = np.zeros(3, Model(scene).row)
+        outputs = np.zeros(3, PreparedScene(scene).row)
         links, pairs = len(scene.chain.links), len(candidates(scene))
         rubbing = pairs + links + (scene.chain.slider is not None)
         rows = (
             rubbing if scene.has_friction else 0,
             links + len(scene.wall_names) if scene.outputs.loads else 0,
         )
-        given = Model(scene).sizes.channels, len(scene.chain.sites), len(driven_by(scene))
+        given = PreparedScene(scene).sizes.channels, len(scene.chain.sites), len(driven_by(scene))
         assert outputs.dtype == output_dtype(links, pairs, *rows, *given)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)
-        columns, layout = Model(scene).series(outputs), Model(scene).new_instance().dtype
+        columns, layout = PreparedScene(scene).series(outputs), PreparedScene(scene).new_instance().dtype
         start = layout.fields["output"][1] // 8
-        for variable in Model(scene).variables:
+        for variable in PreparedScene(scene).variables:
             if variable.place[0] == "output":
                 offset = word_index(layout, variable.place) - start
                 assert columns.pop(variable.name).tolist() == [offset, offset + width, offset + 2 * width]
@@ -347,7 +347,7 @@ def test_a_scene_with_materials_has_what_it_gives_of_them():
 
 
 def test_stops_and_materials_have_derivatives_but_for_the_least_speed():
-    varied = Model(SCENES["stops"]).differentiable | Model(SCENES["materials"]).differentiable
+    varied = PreparedScene(SCENES["stops"]).differentiable | PreparedScene(SCENES["materials"]).differentiable
     wanted = {*STOPS, *MATERIALS, "stop.exponent", "stop.restitution"}
     assert wanted <= varied.keys()
     assert not [name for name in varied if "minimum_impact_speed" in name or name.startswith("solver")]
@@ -358,7 +358,7 @@ def test_walls_that_no_point_can_touch_have_no_number_before_those_of_stops():
     alone = with_values(knee(), {("walls",): walls, ("contact", "points"): (), ("contact", "wall"): {}})
     assert alone.wall_names == (*WALLS, "joint_min", "joint_max")
     assert candidates(alone) == [(2, 4), (2, 5)]
-    assert not any(variable.name.startswith("wall.") for variable in Model(alone).variables)
+    assert not any(variable.name.startswith("wall.") for variable in PreparedScene(alone).variables)
     chain = Chain(alone)
     chain.step(0.5)
     chain.restore(chain.save())

@@ -113,9 +113,9 @@ def _of_fmu(source: str, causality: str) -> Offer:
 
 def _model(source: str) -> Any:
     from chain_impact.scene.scene import load_scene
-    from chain_impact.variables.model import Model
+    from chain_impact.variables.prepared import PreparedScene
 
-    return Model(load_scene(source))
+    return PreparedScene(load_scene(source))
 
 
 def _choices(source: str) -> dict[str, list[str]]:

@@ -62,10 +62,10 @@ def run(options: argparse.Namespace) -> int:
             facts += zip(EXPERIMENT, times, strict=True)
         facts += [(v.name, _start_and_rule(v)) for v in variables if v.causality == "parameter"]
     else:
-        from chain_impact.variables.model import Model
+        from chain_impact.variables.prepared import PreparedScene
 
         scene = load_scene(options.source)
-        name, description, variables = scene.name, scene.description, Model(scene).variables
+        name, description, variables = scene.name, scene.description, PreparedScene(scene).variables
         shown = {"name", "description"}  # attributes that the headline shows
         derived = scene.derived
         facts += [

@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
     from chain_impact.studies.sweep.variation import variations_of
-    from chain_impact.variables.model import Model
+    from chain_impact.variables.prepared import PreparedScene
 
     table = Path(options.table)
     check_size(options)
@@ -95,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
     if options.plot:
         from chain_impact.studies.sweep.plot import check_picture
 
-        runs = math.prod(len(one.values) for one in variations_of(Model(scene), vary))
+        runs = math.prod(len(one.values) for one in variations_of(PreparedScene(scene), vary))
         check_picture(len(vary), options.samples, runs, scene.name)
     try:
         with progress("sweeping") as advance:

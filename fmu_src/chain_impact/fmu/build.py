@@ -17,7 +17,7 @@ from chain_impact.fmu.references import reference_files
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.system import HOST, PLATFORMS, nowhere, written_whole
-from chain_impact.variables.model import Model, kernel_size
+from chain_impact.variables.prepared import PreparedScene, kernel_size
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -79,12 +79,12 @@ def build_fmu(
     kernels = {
         platform: kernel_library(links, platform, law_file=law, derivatives=varied) for platform in platforms
     }
-    fmu, model = directory / f"{scene.name}.fmu", Model(scene)
+    fmu, prepared = directory / f"{scene.name}.fmu", PreparedScene(scene)
     with written_whole(fmu) as path:
         log.debug("packaging the FMU")
         native = target == "native"
-        files = native_files(model, kernels, fmi) if native else pythonfmu_files(model, kernels)
-        _pack(files | documents(model, fmi) | reference_files(model), path)
+        files = native_files(prepared, kernels, fmi) if native else pythonfmu_files(prepared, kernels)
+        _pack(files | documents(prepared, fmi) | reference_files(prepared), path)
         log.debug("validating the FMU")
         problems = validate_fmu(path)
         if problems:

@@ -12,7 +12,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.recording.text import html_table
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 ICONS = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
@@ -49,7 +49,7 @@ EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 """The edges of the icon in its coordinate system."""
 
 
-def documents(model: Model, fmi: int) -> dict[str, bytes]:
+def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
     """Return the documents by their paths in an FMU of version 2 or 3 of FMI."""
     # this import takes a second, so it is not at the top
     from chain_impact.pictures.start import icon
@@ -58,27 +58,27 @@ def documents(model: Model, fmi: int) -> dict[str, bytes]:
     if license_text is None:
         raise BuildError("the license of chain-impact is not installed with it: install the package anew")
     return {
-        "documentation/index.html": page(model, fmi).encode(),
+        "documentation/index.html": page(prepared, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
-        ICONS[fmi]: icon(model.scene),
-        **({TERMINALS: terminals_and_icons(model.variables)} if fmi == 3 else {}),  # noqa: PLR2004
+        ICONS[fmi]: icon(prepared.scene),
+        **({TERMINALS: terminals_and_icons(prepared.variables)} if fmi == 3 else {}),  # noqa: PLR2004
     }
 
 
 # --- the page --------------------------------------------------------------------------------------------
 
 
-def page(model: Model, fmi: int) -> str:
+def page(prepared: PreparedScene, fmi: int) -> str:
     """Return the documentation as a page of HTML."""
     from chain_impact.pictures.start import SIGNS, drawing
 
-    scene, variables = model.scene, model.variables
+    scene, variables = prepared.scene, prepared.variables
 
     def of(causality: str) -> list[Variable]:
         return [variable for variable in variables if variable.causality == causality]
 
     settable = [
-        (v.name, model.start_text(v), v.unit, v.variability, v.allowed, v.description)
+        (v.name, prepared.start_text(v), v.unit, v.variability, v.allowed, v.description)
         for v in of("parameter")
     ]
     inputs = [(v.name, v.unit, v.description) for v in of("input")]

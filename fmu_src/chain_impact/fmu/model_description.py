@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 from chain_impact.scene.angles import DEGREES
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS, in_order, unit_of
 from chain_impact.variables.variable import Variable
 
@@ -50,23 +50,23 @@ LOG_CATEGORIES = {
 }
 
 
-def model_description(model: Model, tool: str, fmi: int, **capabilities: str) -> Element:
-    """Return the model description, with the start values of the model's instance and without its GUID.
+def model_description(prepared: PreparedScene, tool: str, fmi: int, **capabilities: str) -> Element:
+    """Return the model description, with the start values of a new instance, and without a GUID.
 
-    Value references are positions in ``model.variables``; in FMI 3.0 the reference of the time and the
-    references of ``array_variables(model)`` follow. ``tool`` is the program that makes the FMU;
+    Value references are positions in ``prepared.variables``; in FMI 3.0 the reference of the time and the
+    references of ``array_variables(prepared)`` follow. ``tool`` is the program that makes the FMU;
     ``capabilities`` replace the usual attributes of CoSimulation.
     """
     root = Element(
-        "fmiModelDescription", {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **about(model.scene, tool)}
+        "fmiModelDescription", {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **about(prepared.scene, tool)}
     )
-    name = {"modelIdentifier": model.scene.name}
+    name = {"modelIdentifier": prepared.scene.name}
     SubElement(root, "CoSimulation", {**name, **CAPABILITIES[fmi], **capabilities})
-    add_units(root, model.variables)
-    _add_types(root, model.variables, fmi)
-    add_categories_and_experiment(root, model.scene)
+    add_units(root, prepared.variables)
+    _add_types(root, prepared.variables, fmi)
+    add_categories_and_experiment(root, prepared.scene)
     add_variables = _add_variables_2 if fmi == 2 else _add_variables_3  # noqa: PLR2004
-    add_variables(root, model)
+    add_variables(root, prepared)
     return root
 
 
@@ -87,11 +87,11 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
                 SubElement(choice, "Item", name=item.name, value=str(number), description=item.description)
 
 
-def _add_variables_2(root: Element, model: Model) -> None:
+def _add_variables_2(root: Element, prepared: PreparedScene) -> None:
     """Add variables, and each output with its direct inputs, for FMI 2.0; positions count from 1."""
-    variables, nodes = model.variables, SubElement(root, "ModelVariables")
+    variables, nodes = prepared.variables, SubElement(root, "ModelVariables")
     indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
-    for reference, (variable, value) in enumerate(zip(variables, values_of(model), strict=True)):
+    for reference, (variable, value) in enumerate(zip(variables, values_of(prepared), strict=True)):
         node = SubElement(nodes, "ScalarVariable", attributes_of(variable, reference))
         rate = rate_of(variable)
         derivative = {"derivative": indices[rate]} if rate in indices else {}
@@ -103,9 +103,9 @@ def _add_variables_2(root: Element, model: Model) -> None:
         SubElement(unknowns, "Unknown", index=index)
 
 
-def _add_variables_3(root: Element, model: Model) -> None:
+def _add_variables_3(root: Element, prepared: PreparedScene) -> None:
     """Add variables, time, arrays, and each output with the inputs that act on it directly, for FMI 3.0."""
-    variables, arrays, values = model.variables, array_variables(model), values_of(model)
+    variables, arrays, values = prepared.variables, array_variables(prepared), values_of(prepared)
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
     references = {variable.place: reference for reference, variable in enumerate(variables)}
     of_arrays = {array.variable.place: reference for reference, array in enumerate(arrays, first)}
@@ -218,10 +218,10 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
     return attributes
 
 
-def values_of(model: Model) -> list[dict[str, str]]:
+def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
     """Return the attributes for each variable's value: type, unit, range, start and nominal value."""
-    nominal, found = nominal_values(model.scene), []
-    for variable in model.variables:
+    nominal, found = nominal_values(prepared.scene), []
+    for variable in prepared.variables:
         value = {}
         if variable.type == "real":
             value = {"declaredType": unit_of(variable.unit).quantity, "unit": variable.unit}
@@ -235,7 +235,7 @@ def values_of(model: Model) -> list[dict[str, str]]:
         limits = {"min": low, "max": variable.maximum}
         value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
         if variable.causality != "output":
-            value["start"] = model.start_text(variable)
+            value["start"] = prepared.start_text(variable)
         found.append(value)
     return found
 
@@ -299,10 +299,10 @@ class Array(NamedTuple):
         return math.prod(self.shape)
 
 
-def array_variables(model: Model) -> list[Array]:
+def array_variables(prepared: PreparedScene) -> list[Array]:
     """Return the arrays of the scene's outputs, in the order of their value references."""
     groups: dict[str, list[Variable]] = {}
-    for variable in model.outputs:
+    for variable in prepared.outputs:
         if variable.kind.array:
             groups.setdefault(variable.kind.array, []).append(variable)
     return [_array(name, elements) for name, elements in groups.items()]

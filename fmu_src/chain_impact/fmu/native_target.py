@@ -10,31 +10,31 @@ from typing import Any
 from chain_impact.fmu.model_description import array_variables, model_description
 from chain_impact.fmu.table import described
 from chain_impact.system import PLATFORMS
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import LARGEST
 
 
-def native_files(model: Model, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
+def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
     """Return all files of the FMU, by their names in the FMU.
 
     Args:
-        model: the model that the FMU simulates.
+        prepared: the scene that the FMU simulates, prepared.
         kernels: platform → library.
         fmi: the version of FMI, 2 or 3.
     """
     # the package has no version yet while its wheel is built
     tool, further = f"chain-impact {version('chain-impact')}", list[tuple[list[Any], int]]()
     if fmi == 2:  # noqa: PLR2004
-        description = model_description(model, tool, 2, canNotUseMemoryManagementFunctions="false")
+        description = model_description(prepared, tool, 2, canNotUseMemoryManagementFunctions="false")
     else:
-        description = model_description(model, tool, 3)
+        description = model_description(prepared, tool, 3)
         kernels = {PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
-        place = word_index(model.start.dtype, ("step", "time"))
+        place = word_index(prepared.start.dtype, ("step", "time"))
         further = [(["time", "real", place, "independent", -LARGEST, LARGEST, "", place], 1)]
-        further += [(model.table_row(array.variable), array.length) for array in array_variables(model)]
+        further += [(prepared.table_row(array.variable), array.length) for array in array_variables(prepared)]
     files = {
-        f"binaries/{platform}/{model.scene.name}{library.suffix}": library.read_bytes()
+        f"binaries/{platform}/{prepared.scene.name}{library.suffix}": library.read_bytes()
         for platform, library in sorted(kernels.items())
     }
-    return described(files, model, description, fmi, further)
+    return described(files, prepared, description, fmi, further)

@@ -9,7 +9,7 @@ from pathlib import Path
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.table import described
 from chain_impact.system import PLATFORMS as ALL_PLATFORMS
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 PLATFORMS = ("linux64", "win64")
 """The platforms for which pythonfmu has a wrapper."""
@@ -27,19 +27,19 @@ So the script only imports the slave, which Python does once in a process.
 """
 
 
-def pythonfmu_files(model: Model, kernels: Mapping[str, Path]) -> dict[str, bytes]:
+def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dict[str, bytes]:
     """Return all files of the FMU, by their names in the FMU.
 
     Args:
-        model: the model that the FMU simulates.
+        prepared: the scene that the FMU simulates, prepared.
         kernels: platform → library.
     """
     tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
     sources = {"script": SCRIPT.encode(), "slave": slave_source()}
-    files = sources | _of_pythonfmu(model.scene.name, kernels)
+    files = sources | _of_pythonfmu(prepared.scene.name, kernels)
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
-    files = described(files, model, description := model_description(model, tool, 2), 2)
+    files = described(files, prepared, description := model_description(prepared, tool, 2), 2)
     # both modules have the GUID in their names, because a process imports modules by name and may load
     # several FMUs
     guid = description.attrib["guid"]
@@ -49,7 +49,7 @@ def pythonfmu_files(model: Model, kernels: Mapping[str, Path]) -> dict[str, byte
         f"resources/{script}_slave.py": sources["slave"],
         # the script for the wrapper, and data for the slave, because some importers do not unpack the
         # description
-        "resources/slavemodule.txt": "\n".join((script, model.scene.name, guid)).encode(),
+        "resources/slavemodule.txt": "\n".join((script, prepared.scene.name, guid)).encode(),
     }
     return {name: content for name, content in files.items() if name not in sources} | modules
 

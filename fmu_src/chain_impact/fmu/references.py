@@ -25,7 +25,7 @@ from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.variables.kind import MOTION
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 FILE = "resources/chain_impact_reference.csv"
 EXACT = 1e-12  # solver tolerance of the reference run
@@ -66,10 +66,10 @@ class Reference(NamedTuple):
     values: np.ndarray
 
 
-def reference_files(model: Model) -> dict[str, bytes]:
+def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     """Return the reference file by its path in the FMU; an empty dict if no results are reliable."""
     try:
-        found = reference(model)
+        found = reference(prepared)
     except SimulationError as error:
         log.info("no reference results in the FMU: %s", error)
         return {}
@@ -86,7 +86,7 @@ def reference_files(model: Model) -> dict[str, bytes]:
     return {FILE: text.getvalue().encode()}
 
 
-def reference(model: Model) -> Reference:
+def reference(prepared: PreparedScene) -> Reference:
     """Simulate a scene at a tolerance of 1e-12 and at its own, up to the time at which the runs differ.
 
     If the runs agree only over a small part of the scene's time, this part is simulated with shorter steps.
@@ -94,27 +94,29 @@ def reference(model: Model) -> Reference:
     Raises:
         SimulationError: when the chain cannot start, or cannot take the first step.
     """
-    stop, shortest = model.scene.simulation.stop_time, model.scene.simulation.step_size
+    stop, shortest = prepared.scene.simulation.stop_time, prepared.scene.simulation.step_size
     while True:
         step = shortest * max(1, round(stop / shortest / ROWS))
         count = max(1, math.floor(stop / step * (1 + 1e-12)))
-        found = _compared(model, np.minimum(np.arange(count + 1) * min(step, stop), stop))
+        found = _compared(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
         if np.isfinite(found.values[:, 0]).sum() > ROWS / SHORTER or step == shortest:
             return found
         stop /= SHORTER
 
 
-def _compared(model: Model, times: np.ndarray) -> Reference:
+def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     """Return the reference at some communication points [s], equally spaced from 0."""
-    ends = {f"point[{k}].{axis}" for k in (0, model.sizes.links) for axis in "xy"}
-    ends |= {f"link[{i}].angle" for i in (1, model.sizes.links)}
+    ends = {f"point[{k}].{axis}" for k in (0, prepared.sizes.links) for axis in "xy"}
+    ends |= {f"link[{i}].angle" for i in (1, prepared.sizes.links)}
     # a few outputs that together depend on the whole motion
-    chosen = [v for v in model.outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
+    chosen = [v for v in prepared.outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
     names, whole = [v.name for v in chosen], np.array([v.type != "real" for v in chosen])
     units = np.array([v.unit for v in chosen])
-    inputs, tolerance = _inputs(model, times), model.scene.solver.tolerance
+    inputs, tolerance = _inputs(prepared, times), prepared.scene.solver.tolerance
     (exact, contacts), (own, others) = (
-        _run(model.scene.with_values({"solver.tolerance": t, "outputs.solver": True}), times, inputs, names)
+        _run(
+            prepared.scene.with_values({"solver.tolerance": t, "outputs.solver": True}), times, inputs, names
+        )
         for t in (EXACT, tolerance)
     )
     count = min(len(exact), len(own))
@@ -167,22 +169,22 @@ def _run(
     return np.array(rows), chain.impacts
 
 
-def _inputs(model: Model, times: np.ndarray) -> dict[str, np.ndarray]:
+def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
     """Return a sine with a different frequency for each input, so that exchanged inputs would be noticed.
 
     Velocity and acceleration of a moving base or wall are the derivatives of the position. The values are
     rounded as in the file, because even a tiny difference counts as a new value.
     """
-    nominal, count = nominal_values(model.scene), len(times)
+    nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    torque = SWING * nominal["energy"] / model.sizes.links  # a share for each link of the energy M L²/s²
+    torque = SWING * nominal["energy"] / prepared.sizes.links  # a share for each link of the energy M L²/s²
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
-    for i, one in enumerate(model.inputs):
+    for i, one in enumerate(prepared.inputs):
         if one.place[0] == MOTION:
             _, field, channel = one.place
-            k, start = 1 + int(channel), float(model.start[0][MOTION]["position"][channel])
+            k, start = 1 + int(channel), float(prepared.start[0][MOTION]["position"][channel])
             move = MOVED * nominal["size"]
             signals[one.name] = {
                 "position": start + move * (1.0 - np.cos(k * turn)),

@@ -1,4 +1,4 @@
-"""The data about the model that the C interface of an FMU needs: the table resources/model.bin."""
+"""The data that the C interface of an FMU needs: the table resources/model.bin."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import places as places_of
 from chain_impact.scene.names import Place
 from chain_impact.variables.kind import MOTION
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
+from chain_impact.variables.prepared import PreparedScene
 
 # the formats of the structures in compilation/c_interface/common/instance.h
 HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s15q"), 24
@@ -29,20 +29,20 @@ Rows = Sequence[tuple[list[Any], int]]
 
 
 def described(
-    files: Mapping[str, bytes], model: Model, description: Element, fmi: int, further: Rows = ()
+    files: Mapping[str, bytes], prepared: PreparedScene, description: Element, fmi: int, further: Rows = ()
 ) -> dict[str, bytes]:
     """Add the model description and the table to the files of an FMU.
 
     Args:
         files: the other files of the FMU on which its results depend.
-        model: the model that the FMU simulates.
+        prepared: the scene that the FMU simulates, prepared.
         description: the model description, to which the GUID of all these files is added.
         fmi: the version of FMI.
         further: variables that only FMI 3.0 has.
     """
-    contents = (packed(model, "", further), ElementTree.tostring(description), *files.values())
+    contents = (packed(prepared, "", further), ElementTree.tostring(description), *files.values())
     description.set(TOKEN[fmi], _guid_of(contents))
-    table = packed(model, description.attrib[TOKEN[fmi]], further)
+    table = packed(prepared, description.attrib[TOKEN[fmi]], further)
     ElementTree.indent(description)
     text = ElementTree.tostring(description, encoding="UTF-8", xml_declaration=True)
     return {**files, "modelDescription.xml": text, "resources/model.bin": table}
@@ -56,13 +56,13 @@ def _guid_of(contents: Iterable[bytes]) -> str:
     return str(uuid.UUID(bytes=digest.digest()[:16]))
 
 
-def packed(model: Model, guid: str, further: Rows) -> bytes:
+def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
     """Return the table with its GUID, and the record with the start values, in the form for the C interface.
 
     The structures in compilation/c_interface/common/instance.h define the layout.
     """
-    texts, record = bytearray(), model.start.tobytes()
-    variables = [*((model.table_row(variable), 1) for variable in model.variables), *further]
+    texts, record = bytearray(), prepared.start.tobytes()
+    variables = [*((prepared.table_row(variable), 1) for variable in prepared.variables), *further]
 
     def text(content: str) -> int:
         texts.extend(content.encode() + b"\0")
@@ -77,14 +77,14 @@ def packed(model: Model, guid: str, further: Rows) -> bytes:
     )
     codes = range(max(STATUS_TEXT) + 1)
     statuses = b"".join(PLACE.pack(text(STATUS_TEXT.get(code, "unknown status"))) for code in codes)
-    places = places_of(model.scene)
+    places = places_of(prepared.scene)
     reasons = b"".join(PLACE.pack(text(place)) for place in places)
     variables_at = HEAD.size
     statuses_at = variables_at + len(rows)
     places_at = statuses_at + len(statuses)
     record_at = places_at + len(reasons)
     texts_at = record_at + len(record)
-    numbers = [len(variables), len(codes), len(places), *_words(model)]
+    numbers = [len(variables), len(codes), len(places), *_words(prepared)]
     numbers += [variables_at, statuses_at, places_at, texts_at, record_at, len(record)]
     parts = rows + statuses + reasons + record + bytes(texts)
     head = HEAD.pack(MAGIC, HEAD.size + len(parts), 0, guid.encode(), *numbers)
@@ -92,7 +92,7 @@ def packed(model: Model, guid: str, further: Rows) -> bytes:
     return head[: CHECKED_FROM - 8] + zlib.crc32(checked).to_bytes(8, "little") + checked
 
 
-def _words(model: Model) -> list[int]:
+def _words(prepared: PreparedScene) -> list[int]:
     """Return the indices of the words of the record that the C interface itself uses; 0 for missing words."""
     places: list[Place] = [
         ("step", "time"),
@@ -100,7 +100,7 @@ def _words(model: Model) -> list[int]:
         ("solver", "tolerance"),
         ("fault", "place"),
     ]
-    if model.sizes.channels:
+    if prepared.sizes.channels:
         places += [("moved", "contradiction"), (MOTION, "position", 0)]
-    words = [word_index(model.start.dtype, place) for place in places]
-    return words if model.sizes.channels else [*words, 0, 0]
+    words = [word_index(prepared.start.dtype, place) for place in places]
+    return words if prepared.sizes.channels else [*words, 0, 0]

@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # the number of times in the course of an impact
 MANY = 4000  # the number of times in the course of a contact that lasts long
@@ -42,7 +42,12 @@ class Course:
 
 
 def course_of(
-    model: Model, rerun: Rerun | None, impact: np.void, *, until: float = math.nan, near: float = 0.0
+    prepared: PreparedScene,
+    rerun: Rerun | None,
+    impact: np.void,
+    *,
+    until: float = math.nan,
+    near: float = 0.0,
 ) -> Course:
     """Return the course of an impact, a row of ``Result.impacts``.
 
@@ -50,7 +55,7 @@ def course_of(
     has the same bits, because rows do not change the solution.
 
     Args:
-        model: the model of the scene.
+        prepared: the prepared scene.
         rerun: ``Result.rerun``.
         impact: the row of ``Result.impacts``.
         until: the end of the course if the impact has no end [s].
@@ -60,7 +65,7 @@ def course_of(
         ValueError: when the run of the result cannot be repeated.
     """
     if rerun is None:
-        raise ValueError(f"{model.scene.name}: only a result of simulate() has the course of an impact")
+        raise ValueError(f"{prepared.scene.name}: only a result of simulate() has the course of an impact")
     onset, end = float(impact["onset"]), float(impact["end"])
     end = until if math.isnan(end) else end
     inside = np.linspace(onset, end, SAMPLES if end > onset else 0)
@@ -70,7 +75,7 @@ def course_of(
         inside = np.unique((onset + times).clip(onset, end))
     before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)
     outputs = rerun(np.concatenate([[before], inside, [after]]))
-    at, sign = place_of(model, impact)
+    at, sign = place_of(prepared, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
     if len(speed):  # outputs have no rate of penetration while there is no penetration
@@ -86,9 +91,9 @@ def course_of(
     )
 
 
-def place_of(model: Model, impact: np.void) -> tuple[int, float]:
+def place_of(prepared: PreparedScene, impact: np.void) -> tuple[int, float]:
     """Return the index of an impact's contact in the outputs, and the sign of its force in these outputs."""
-    pairs, scene = model.candidates, model.scene
+    pairs, scene = prepared.candidates, prepared.scene
     if not at_stop(scene, impact["wall"]):
         return pairs.index((impact["point"], impact["wall"])), 1.0
     first = len(point_wall_pairs(scene))

@@ -11,7 +11,7 @@ from chain_impact.recording.course import Rerun
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.reading import matching
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 # WITHIN: the number of times within an impact; FOLLOWED: the largest number of impacts that get such times
 WITHIN, FOLLOWED = 50, 400
@@ -54,7 +54,7 @@ def curves_of(
     units: Mapping[str, str],
     *,
     around: int | None = None,
-    model: Model | None = None,
+    prepared: PreparedScene | None = None,
     rerun: Rerun | None = None,
 ) -> Curves:
     """Return the curves of some outputs.
@@ -64,7 +64,7 @@ def curves_of(
         names: the names of the outputs; ``*`` stands for any text.
         units: name → unit.
         around: the number of an impact, for a close view of this impact.
-        model: the model of the scene, if it is known.
+        prepared: the prepared scene, if it is known.
         rerun: function that returns outputs at other times; without this function the curves have only the
             rows.
 
@@ -78,11 +78,11 @@ def curves_of(
     chosen = list(dict.fromkeys(name for found in like for name in found))
     onset, low, high = window(recording, around)
     time = recording.time
-    if rerun and model:
+    if rerun and prepared:
         seen = time[(time >= low) & (time <= high)]
         time = np.unique(np.concatenate([seen, between(recording, low, high, close=around is not None)]))
         outputs = rerun(time)
-        time, moving = time[: len(outputs)], model.series(outputs)
+        time, moving = time[: len(outputs)], prepared.series(outputs)
     else:
         rows = (time >= low) & (time <= high)
         time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}

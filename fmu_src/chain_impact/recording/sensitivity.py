@@ -13,7 +13,7 @@ from chain_impact.recording.text import Table, as_html, plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.variables.listing import derivatives
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
@@ -26,7 +26,7 @@ class Sensitivities:
     """Derivatives of outputs and of impacts with respect to P parameters.
 
     Attributes:
-        model: the model of the scene.
+        prepared: the prepared scene.
         varied: the parameters and inputs.
         chosen: the names of the outputs; None for all outputs that change continuously.
         slopes: derivatives of the outputs, shape (T, W, P).
@@ -39,7 +39,7 @@ class Sensitivities:
     __eq__ = same
     __hash__ = None  # type: ignore[assignment]
 
-    model: Model
+    prepared: PreparedScene
     varied: Sequence[Variable]
     chosen: Sequence[str] | None
     slopes: np.ndarray
@@ -50,27 +50,27 @@ class Sensitivities:
     @property
     def source(self) -> str:
         """The name of the scene, for errors."""
-        return self.model.scene.name
+        return self.prepared.scene.name
 
     @cached_property
     def parameters(self) -> dict[str, float]:
         """The values of the parameters: name in the FMU → value; 0 for an input."""
-        values = self.model.scene.values
+        values = self.prepared.scene.values
         return {variable.name: float(values.get(variable.name, 0.0)) for variable in self.varied}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The units: name of a parameter, an output, or a derivative of an output → unit."""
-        model = self.model
-        own = derivatives(model.motion, self.varied)
-        variables = (*model.parameters, *model.inputs, *model.outputs, *own)
+        prepared = self.prepared
+        own = derivatives(prepared.motion, self.varied)
+        variables = (*prepared.parameters, *prepared.inputs, *prepared.outputs, *own)
         return {variable.name: variable.unit for variable in variables}
 
     @cached_property
     def columns(self) -> dict[str, int]:
         """The columns: name of an output → index in ``slopes``."""
         if self.chosen is None:
-            return self.model.columns
+            return self.prepared.columns
         return {name: column for column, name in enumerate(self.chosen)}
 
     def __repr__(self) -> str:
@@ -117,7 +117,7 @@ class Sensitivities:
 
     @property
     def _usual(self) -> tuple[str, ...]:
-        last = len(self.model.scene.chain.links)
+        last = len(self.prepared.scene.chain.links)
         return f"point[{last}].x", f"point[{last}].y", "energy.total"
 
     def _output(self, name: str) -> str:

@@ -17,7 +17,7 @@ from chain_impact.recording.stick_slip import JOINT, MODES
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.system import written_whole
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 IMPACT_UNITS = {
     "onset": "s",
@@ -45,11 +45,11 @@ _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("conta
 """Kind of element → dimensions of arrays for this kind."""
 
 
-def dataframe(model: Model, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
+def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
     """Return the table that ``Result.to_dataframe`` describes."""
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
-    units = {variable.name: variable.unit for variable in model.outputs}
+    units = {variable.name: variable.unit for variable in prepared.outputs}
     table.attrs["units"] = {name: units[name] for name in columns}
     return table
 
@@ -77,20 +77,20 @@ def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
     return table
 
 
-def dataset(model: Model, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
+def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
     """Return the dataset that ``Result.to_xarray`` describes.
 
     ``motion`` are the outputs that change continuously.
     """
     xarray = require("xarray", "xarray")
-    scene = model.scene
+    scene = prepared.scene
     pairs = [(point, scene.wall_names[wall]) for point, wall in point_wall_pairs(scene)]
     pairs += [(0, stop) for stop in scene.slider_stops]
     contacts = [f"contact[{point}].{wall}" for point, wall in pairs]
     links, points = len(scene.chain.links), len(scene.start)
     sizes = {"point": points, "axis": len(AXES), "link": links, "contact": len(pairs)}
     data: dict[str, Any] = {}
-    for variable in model.motion:
+    for variable in prepared.motion:
         if variable.name not in motion:
             continue
         owner, _, label = variable.kind.array.partition(".")

@@ -15,7 +15,7 @@ from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,18 +28,18 @@ class Pictured(Recording):
     """A result with methods for pictures and an animation.
 
     Attributes:
-        model: the model of the scene that was simulated.
+        prepared: the prepared scene that was simulated.
         rerun: function that returns the outputs of the same run at other times; None if the run cannot be
             repeated.
     """
 
-    model: Model
+    prepared: PreparedScene
     rerun: Rerun | None
 
     @property
     def scene(self) -> Scene:
         """The scene as it was simulated."""
-        return self.model.scene
+        return self.prepared.scene
 
     def plot(
         self,
@@ -110,8 +110,8 @@ class Pictured(Recording):
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
         """Return outputs over time for ``plot(curves=…)``, with many additional times within impacts."""
-        units = {variable.name: variable.unit for variable in self.model.outputs}
-        return curves_of(self, names, units, around=around, model=self.model, rerun=self.rerun)
+        units = {variable.name: variable.unit for variable in self.prepared.outputs}
+        return curves_of(self, names, units, around=around, prepared=self.prepared, rerun=self.rerun)
 
     def plot_impact(
         self,
@@ -148,7 +148,7 @@ class Pictured(Recording):
         impact = self.impacts[number - 1]
         stop = float(self.time[-1])
         near = float(impact_ends(self.impacts, stop)[number - 1] - impact["onset"])
-        course = course_of(self.model, self.rerun, impact, until=stop, near=near)
+        course = course_of(self.prepared, self.rerun, impact, until=stop, near=near)
         if ax is None:
             fill = partial(pictures.fill_impact, recording=self, number=number, course=course)
             return pictures.drawn(fill, path, size, pictures.IMPACT_SIZE)

@@ -19,7 +19,7 @@ from chain_impact.results.pictured import Pictured
 from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 if TYPE_CHECKING:
     import pandas
@@ -39,7 +39,7 @@ class Result(Pictured):
     "energy.*"]]``.
 
     Attributes:
-        model: the model of the scene that was simulated.
+        prepared: the prepared scene that was simulated.
         time: communication points, shape (T,) [s].
         outputs: the outputs at these times, a structured array of shape (T,): all outputs, see
             ``output_dtype`` in kernel/record/instance.py, or only those in ``simulate(output=…)``, by their
@@ -55,14 +55,14 @@ class Result(Pictured):
             repeated.
     """
 
-    model: Model
+    prepared: PreparedScene
     outputs: np.ndarray
     statistics: dict[str, int]
     stepwise: Mapping[str, np.ndarray]
 
     def __init__(
         self,
-        model: Model,
+        prepared: PreparedScene,
         time: np.ndarray,
         outputs: np.ndarray,
         impacts: np.ndarray,
@@ -73,16 +73,18 @@ class Result(Pictured):
         stick_slip: np.ndarray = NO_PHASES,
         rerun: Rerun | None = None,
     ) -> None:
-        vars(self).update(model=model, time=time, outputs=outputs, impacts=impacts, statistics=statistics)
+        vars(self).update(
+            prepared=prepared, time=time, outputs=outputs, impacts=impacts, statistics=statistics
+        )
         vars(self).update(sensitivities=sensitivities, stepwise=stepwise or {}, stick_slip=stick_slip)
-        scene = model.scene
+        scene = prepared.scene
         vars(self).update(rerun=rerun, name=scene.name, stop_law=scene.stops.model or "")
 
     def __eq__(self, other: object) -> bool:
         """Return whether two results are equal; ``stepwise`` and ``rerun`` are not compared."""
         if not isinstance(other, Result):
             return NotImplemented
-        names = ("model", "time", "outputs", "impacts", "statistics", "sensitivities", "stick_slip")
+        names = ("prepared", "time", "outputs", "impacts", "statistics", "sensitivities", "stick_slip")
         return all(equal(getattr(self, name), getattr(other, name)) for name in names)
 
     __hash__ = None  # type: ignore[assignment]
@@ -124,7 +126,7 @@ class Result(Pictured):
 
     def output_hint(self, name: str) -> str | None:
         """Return a hint for a name that is no output; None if none is known."""
-        return self.model.output_hint(name)
+        return self.prepared.output_hint(name)
 
     @cached_property
     def columns(self) -> Mapping[str, np.ndarray]:
@@ -135,7 +137,7 @@ class Result(Pictured):
     def motion(self) -> dict[str, np.ndarray]:
         """The outputs that change continuously: name → values, shape (T,)."""
         known = self.outputs.dtype.names or ()
-        return self.model.series(self.outputs) if self._has_all else {n: self.outputs[n] for n in known}
+        return self.prepared.series(self.outputs) if self._has_all else {n: self.outputs[n] for n in known}
 
     @property
     def _has_all(self) -> bool:
@@ -166,7 +168,7 @@ class Result(Pictured):
     def parameters(self) -> Mapping[str, Any]:
         """The parameters: name → value; for a choice, its name."""
         values = self.scene.values
-        return {name: values[name] for name in self.model.parameter_paths}
+        return {name: values[name] for name in self.prepared.parameter_paths}
 
     @cached_property
     def stops(self) -> Mapping[int, JointRange]:
@@ -284,7 +286,7 @@ class Result(Pictured):
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
-        return tables.dataframe(self.model, self.time, self.columns)
+        return tables.dataframe(self.prepared, self.time, self.columns)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the outputs as a dataset of xarray over time, point, axis, link and contact, with units.
@@ -295,7 +297,7 @@ class Result(Pictured):
         Raises:
             MissingExtraError: when xarray (the extra ``xarray``) is not installed.
         """
-        return tables.dataset(self.model, self.time, self.motion)
+        return tables.dataset(self.prepared, self.time, self.motion)
 
     def impact_table(self) -> pandas.DataFrame:
         """Return the impacts as a table of pandas: the columns of ``IMPACT_DTYPE``, with names of walls.
@@ -334,7 +336,7 @@ class Result(Pictured):
         """Return a field of ``output_dtype`` (kernel/record/instance.py), from all outputs or a choice."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
-        parts = [v for v in self.model.motion if v.field == field]
+        parts = [v for v in self.prepared.motion if v.field == field]
         if not parts:
             raise UnknownNameError(self.scene.name, field, self.names, "no output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)

@@ -25,8 +25,8 @@ from chain_impact.scene.reading import SceneError, UnknownNameError, matching, s
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, spans_of
 from chain_impact.variables.listing import absent_hint
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 # layout of a saved state's head: magic number, CRC-32 of the rest, digest of the scene, whether the chain has
@@ -84,13 +84,13 @@ class Chain:
             BuildError: when the kernel cannot be compiled.
         """
         self.scene: Scene = scene_of(scene)
-        model = Model(self.scene)
-        self._instance = Instance(model)
+        prepared = PreparedScene(self.scene)
+        self._instance = Instance(prepared)
         self._reals = self._instance.words
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
-        self._places = {v.name: _place(v, model.table_row(v)) for v in model.variables}
+        self._places = {v.name: _place(v, prepared.table_row(v)) for v in prepared.variables}
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))

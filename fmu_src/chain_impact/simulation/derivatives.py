@@ -29,8 +29,8 @@ from chain_impact.simulation.inputs import Drive, drive
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows
 from chain_impact.simulation.reasons import LEFT_OPEN, REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import WORD, first_word, word_index
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
@@ -54,7 +54,7 @@ class DifferentiatedInstance(Instance):
 
     def __init__(
         self,
-        model: Model,
+        prepared: PreparedScene,
         varied: Sequence[Variable],
         driven: Drive | None = None,
     ) -> None:
@@ -65,14 +65,14 @@ class DifferentiatedInstance(Instance):
             SimulationError: when the scene cannot start.
         """
         if not varied:
-            raise SceneError(f"{model.scene.name}: name at least one parameter for the derivatives")
+            raise SceneError(f"{prepared.scene.name}: name at least one parameter for the derivatives")
         self.varied = varied
         self.parameters = tuple(variable.name for variable in varied)
         self._impact_slopes: list[np.ndarray] = []
         self._impact_layout = np.dtype(
             [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
         )
-        super().__init__(model, driven, varied)
+        super().__init__(prepared, driven, varied)
 
     def initialize(self) -> None:
         """Set the instance and the derivatives to the start.
@@ -188,7 +188,7 @@ class DifferentiatedInstance(Instance):
         if trust["point"] != NO_IMPACT and trust["wall"] == JOINT:
             where = f", the {cause} of joint {trust['point']}"
         elif trust["point"] != NO_IMPACT:
-            scene, wall = self.model.scene, trust["wall"]
+            scene, wall = self.prepared.scene, trust["wall"]
             touching = what(int(trust["point"]), scene.stop_name(wall), scene.point_names)
             where = f", the {cause} of {touching} at {scene.wall_names[wall]}"
             reasons = REASONS_AT_STOPS if at_stop(scene, wall) else reasons
@@ -247,13 +247,13 @@ class DifferentiatedRun:
             SceneError: when a signal is invalid.
             SimulationError: when the scene cannot start.
         """
-        self._model = Model(scene_of(scene))
+        self._prepared = PreparedScene(scene_of(scene))
         self._inputs, self._interpolation = dict(inputs or {}), interpolation
-        varied = self._model.varied_by(parameters)
+        varied = self._prepared.varied_by(parameters)
         self._places = [variable.set_place for variable in varied]
-        columns = self._model.columns_named(outputs)
-        self._words = self._model.output_words[[columns[name] for name in outputs]]
-        self._instance = DifferentiatedInstance(self._model, varied)
+        columns = self._prepared.columns_named(outputs)
+        self._words = self._prepared.output_words[[columns[name] for name in outputs]]
+        self._instance = DifferentiatedInstance(self._prepared, varied)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
         """Run with some values of the parameters.
@@ -265,7 +265,7 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        driven = drive(self._model, self._inputs, self._interpolation, times)
+        driven = drive(self._prepared, self._inputs, self._interpolation, times)
         rows = instance.rows(len(driven.times), self._words)
         asked = np.searchsorted(driven.times, times)
         driven.set(instance.record, 0)
@@ -281,7 +281,7 @@ class DifferentiatedRun:
 
     def _told(self, found: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         width, count = len(self._words), len(self._places)
-        order, rows = in_order([np.zeros(0, LOG_DTYPE), *impacts], self._instance.model.scene.wall_names)
+        order, rows = in_order([np.zeros(0, LOG_DTYPE), *impacts], self._instance.prepared.scene.wall_names)
         return Differentiated(
             values=found[:, :width],
             slopes=found[:, width:].reshape(len(found), width, count),

@@ -28,7 +28,7 @@ from chain_impact.simulation.motions import (
 )
 from chain_impact.simulation.pieces import RESOLVED, Follower, NotSmoothError, Pieces, joined_points
 from chain_impact.variables.kind import MOTION, MOTIONS
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
@@ -118,11 +118,11 @@ class Drive:
             given["changed"] = AT_ONCE if anew else CONTINUES
 
 
-def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) -> Drive:
+def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.ndarray) -> Drive:
     """Return the ``Drive`` of a simulation with given communication points.
 
     Args:
-        model: the model that the inputs drive.
+        prepared: the scene that the inputs drive, prepared.
         inputs: name of an input of the FMU → its signal; or a table of inputs.
         interpolation: ``follow``, ``hold`` or ``linear``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, also if the
@@ -131,7 +131,7 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
     Raises:
         SceneError: when a name is no input of the scene, or a signal is invalid.
     """
-    scene = model.scene
+    scene = prepared.scene
     if not isinstance(inputs, Mapping) or TIME in inputs:
         inputs = _columns(cast("Source", inputs), scene.simulation.stop_time)
     if interpolation not in INTERPOLATIONS:
@@ -142,12 +142,12 @@ def drive(model: Model, inputs: Given, interpolation: str, times: np.ndarray) ->
     if not inputs:
         asked = np.ones(len(run), bool) if begins else np.isin(run, times)
         return Drive(run, asked, (), NOTHING, AT_START, NEVER, NEVER)
-    places = {variable.name: variable.place for variable in model.inputs}
+    places = {variable.name: variable.place for variable in prepared.inputs}
     for name in inputs:
         if name not in places:
-            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {_hint(model, name)}")
+            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {_hint(prepared, name)}")
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
-    channels = channels_of(model) if interpolation != "hold" and run[-1] > 0.0 else []
+    channels = channels_of(prepared) if interpolation != "hold" and run[-1] > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
 
     def called(name: str, time: float) -> float:
@@ -208,19 +208,19 @@ def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
     return {name: (times, values) for name, values in columns.items()}
 
 
-def _hint(model: Model, name: Any) -> str:
+def _hint(prepared: PreparedScene, name: Any) -> str:
     """Return a hint: how to get an input with this name, or which inputs exist."""
-    if name in model.driven:
-        return f"signal.{model.driven[name]} drives it"
+    if name in prepared.driven:
+        return f"signal.{prepared.driven[name]} drives it"
     other = not isinstance(name, str) or name.startswith(("joint", "tip"))
     how = None if other else input_asked(name)
-    return f"{how} makes it" if how else inputs_text(one.name for one in model.inputs)
+    return f"{how} makes it" if how else inputs_text(one.name for one in prepared.inputs)
 
 
-def channels_of(model: Model) -> list[Channel]:
+def channels_of(prepared: PreparedScene) -> list[Channel]:
     """Return the channels of the moving base and walls in their order, with the names of their inputs."""
-    scene, names, found = model.scene, {variable.place: variable.name for variable in model.inputs}, []
-    for j in range(model.sizes.channels):
+    scene, names, found = prepared.scene, {variable.place: variable.name for variable in prepared.inputs}, []
+    for j in range(prepared.sizes.channels):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
         base = scene.inputs.base_motion and j < len(AXES)
         start = scene.initial.position[j] if base else 0.0

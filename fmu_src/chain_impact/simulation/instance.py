@@ -23,8 +23,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.model import Model, kernel_size, model_of
 from chain_impact.variables.places import WORD, log_words
+from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared_scene
 from chain_impact.variables.variable import Variable
 
 # number of words at the start of a record that determine its layout: the numbers of links, candidates,
@@ -130,7 +130,7 @@ class Instance:
     """An initialized instance and the kernel that works on it.
 
     Attributes:
-        model: the model of the scene.
+        prepared: the prepared scene.
         record: the data of the instance.
         words: a view of the whole record as numbers, one for each word.
         changes: the changes between sticking and sliding that the runs since the start have collected.
@@ -138,7 +138,7 @@ class Instance:
 
     def __init__(
         self,
-        source: Scene | Model,
+        source: Scene | PreparedScene,
         driven: Drive | None = None,
         varied: Sequence[Variable] | None = None,
     ) -> None:
@@ -149,13 +149,13 @@ class Instance:
         Raises:
             SimulationError: when the scene cannot start.
         """
-        self.model = model_of(source)
-        varied = self.model.varied if varied is None else varied
-        self._use(self.model.new_instance(varied))
-        self._log_at = log_words(self.model.sizes)
+        self.prepared = prepared_scene(source)
+        varied = self.prepared.varied if varied is None else varied
+        self._use(self.prepared.new_instance(varied))
+        self._log_at = log_words(self.prepared.sizes)
         if driven:
             driven.set(self.record, 0)
-        self._kernel = kernel_for(self.model.scene, derivatives=bool(varied))
+        self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied))
         self.initialize()
 
     def _use(self, block: np.ndarray) -> None:
@@ -216,7 +216,7 @@ class Instance:
             spans: the indices of a row's numbers in the record, see ``spans_of``; None for all outputs.
             of_state: whether no other outputs than those of ``STATE_OUTPUTS`` have to be computed.
         """
-        spans = spans_of(self.model.output_words) if spans is None else spans
+        spans = spans_of(self.prepared.output_words) if spans is None else spans
         wanted, filled = (spans.ctypes.data, len(spans)), (rows.ctypes.data, rows.strides[0] // WORD)
         count: int = self._kernel.trajectory(
             self._address, times.ctypes.data, len(times), *wanted, *filled, of_state
@@ -315,14 +315,14 @@ class Instance:
     def place(self) -> str:
         """The words for the reason of a refusal, such as a point and a wall; "" if there is none."""
         number = int(self.record["fault"]["place"])
-        return places(self.model.scene)[number - 1] if number else ""
+        return places(self.prepared.scene)[number - 1] if number else ""
 
     @property
     def contradictions(self) -> list[str]:
         """A sentence if given positions and velocities of a motion contradict each other; else ""."""
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
-        places = {variable.place: variable.name for variable in self.model.inputs}
+        places = {variable.place: variable.name for variable in self.prepared.inputs}
         name = places.get((MOTION, "position", channel - 1))
         if not name:
             return []

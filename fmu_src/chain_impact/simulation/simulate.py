@@ -30,8 +30,8 @@ from chain_impact.simulation.instance import (
     WordRows,
     structured,
 )
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import WORD
+from chain_impact.variables.prepared import PreparedScene
 
 MOST_BYTES = 2_000_000_000
 """[byte] the largest size of the outputs of a simulation; a larger result is refused before the run."""
@@ -116,17 +116,17 @@ def simulate(
     scene = with_values(scene, changes) if changes else scene_of(scene)
     stop = scene.simulation.stop_time
     step = stop if output_step == math.inf else scene.simulation.step_size
-    model = Model(scene)
-    varied = model.varied if sensitivities is None else model.varied_by(sensitivities)
-    places = model.output_places if output is None else model.places_named(output)
+    prepared = PreparedScene(scene)
+    varied = prepared.varied if sensitivities is None else prepared.varied_by(sensitivities)
+    places = prepared.output_places if output is None else prepared.places_named(output)
     words, width = places.words, places.row.itemsize // WORD
     columns = len(words) + width * len(varied)
     check_size(scene.name, stop, step, columns)
-    driven = drive(model, {} if inputs is None else inputs, interpolation, _times(stop, step))
+    driven = drive(prepared, {} if inputs is None else inputs, interpolation, _times(stop, step))
     if driven.places:
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
-    differentiated = DifferentiatedInstance(model, varied, driven) if varied else None
-    instance = differentiated or Instance(model, driven, ())
+    differentiated = DifferentiatedInstance(prepared, varied, driven) if varied else None
+    instance = differentiated or Instance(prepared, driven, ())
     slopes = differentiated.slope_words(words[:width]) if differentiated else words[:0]
     of_state = places.of_state and not differentiated
     rows = WordRows(len(driven.times), np.concatenate([words, slopes]), of_state=of_state)
@@ -137,7 +137,7 @@ def simulate(
     sensitive = None
     if differentiated:
         sensitive = Sensitivities(
-            model=model,
+            prepared=prepared,
             varied=varied,
             chosen=None if output is None else tuple(places.motion),
             slopes=numbers[:, len(words) :].reshape(len(numbers), width, len(varied)),
@@ -146,7 +146,7 @@ def simulate(
             limits=differentiated.limits,
         )
     result = Result(
-        model=model,
+        prepared=prepared,
         time=driven.times[asked],
         outputs=structured(numbers, places.row),
         impacts=found,
@@ -154,7 +154,7 @@ def simulate(
         sensitivities=sensitive,
         stepwise=_Stepwise(numbers[:, width:], words[width:], places.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
-        rerun=Rerun(model, driven),
+        rerun=Rerun(prepared, driven),
     )
     # few runs have a penetration so deep that a warning is possible
     if found["max_penetration"].max(initial=0.0) > min([link.length for link in scene.chain.links]):
@@ -203,7 +203,7 @@ def _times(stop: float, step: float) -> np.ndarray:
 class Rerun:
     """A function that repeats the run with rows at other times."""
 
-    model: Model
+    prepared: PreparedScene
     driven: Drive
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
@@ -212,10 +212,10 @@ class Rerun:
         Returns fewer rows if the solver cannot continue.
         """
         driven = self.driven.at(times)
-        instance = Instance(self.model, driven, ())
-        rows = WordRows(len(driven.times), self.model.output_words)
+        instance = Instance(self.prepared, driven, ())
+        rows = WordRows(len(driven.times), self.prepared.output_words)
         done, _ = instance.run(driven, rows)
-        outputs: np.ndarray = structured(rows.numbers[:done], self.model.row)[driven.asked[:done]]
+        outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.row)[driven.asked[:done]]
         return outputs
 
 

@@ -100,14 +100,14 @@ def record_slowly(
     # an impact that is too weak for slow motion also gets rows, for its peak force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * WITHIN).ravel()[:MOST_ROWS]
-    driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
-    instance = Instance(result.model, driven, varied=())
-    rows = WordRows(len(driven.times), result.model.output_words)
+    driven = drive(result.prepared, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
+    instance = Instance(result.prepared, driven, varied=())
+    rows = WordRows(len(driven.times), result.prepared.output_words)
     done, _ = instance.run(driven, rows, lambda part: show(0.5 + part / 2))
     return Result(
-        result.model,
+        result.prepared,
         driven.times[:done],
-        structured(rows.numbers[:done], result.model.row),
+        structured(rows.numbers[:done], result.prepared.row),
         result.impacts,
         statistics=instance.statistics,
         stick_slip=result.stick_slip,

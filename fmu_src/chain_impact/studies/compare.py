@@ -266,7 +266,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     found: dict[str, Any] = {name: float(value) for name, value in values.items()}
     if not math.isfinite(impact["end"]):
         return found
-    course = course_of(result.model, result.rerun, impact)
+    course = course_of(result.prepared, result.rerun, impact)
     found["energy_lost"] = course.energy_lost
     found["loop"] = np.array([course.penetration, course.force])
     return found

@@ -60,7 +60,7 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> 
 
     Args:
         scene: the scene.
-        pairs: the candidates, as ``Model.candidates``.
+        pairs: the candidates, as ``PreparedScene.candidates``.
         sizes: the sizes of the record.
     """
     layout, before = layout_of(*sizes), _kept.get(sizes)

@@ -14,7 +14,7 @@ from chain_impact.kernel.ode.sundman import root_rate
 from chain_impact.kernel.rows.geometry import clearance, speed_bound
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.plain import Plain, make_rigid
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
@@ -332,7 +332,7 @@ def test_near_a_stop_it_counts_that_both_links_of_the_joint_may_have_an_error(le
             },
             "still",
         )
-        d = Plain(Model(scene).new_instance()[0])
+        d = Plain(PreparedScene(scene).new_instance()[0])
         assert initialize(d, 0.0) == OK
         d.step.end, d.work.rate_start[:] = 0.01, 0.0
         locate_points(d, d.step.state_end)

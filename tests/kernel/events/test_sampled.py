@@ -32,7 +32,7 @@ from chain_impact.kernel.ode.control import accepted
 from chain_impact.kernel.rows.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.coulomb_problems import braked_link, oblique_ball
 from tests.helpers.plain import Plain
 from tests.helpers.problems import GRAVITY, contact_table, of_law, scene_table, struck_ball
@@ -252,7 +252,7 @@ def test_the_realised_restitution_errs_by_the_tolerance(law, e):
 @pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("law", KINKED)
 def test_a_step_ends_at_the_kink(law):
-    d = Plain(Model(struck(law, 0.4).with_values({"solver.tolerance": 1e-9})).new_instance()[0])
+    d = Plain(PreparedScene(struck(law, 0.4).with_values({"solver.tolerance": 1e-9})).new_instance()[0])
     assert initialize(d, 0.0) == OK
     kinks = []
     while d.finished.count == 0:
@@ -363,7 +363,7 @@ RESOLVED = 2e-11  # resolution: s, or m/s, rad, N relative to their scales
 
 def started(table):
     """Return the record of a scene at its start."""
-    d = Plain(Model(scene_from_dict(table, "case")).new_instance()[0])
+    d = Plain(PreparedScene(scene_from_dict(table, "case")).new_instance()[0])
     assert initialize(d, 0.0) == OK
     return d
 

@@ -6,13 +6,13 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.forces import inputs
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.plain import Plain
 
 
 def driven(order=2):
     """Return the arm with torques 1 + 2 x + 3 x² and 4 of a piece from 0 to 2 s, x = t − 1."""
-    block = Model(load_scene("pinned_arm")).new_instance()
+    block = PreparedScene(load_scene("pinned_arm")).new_instance()
     given = block[0]["given"]
     given["joint_torque"] = 1.0, 4.0
     course = given["course"]

@@ -11,7 +11,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode import control, dense, methods, sundman
 from chain_impact.kernel.rows import geometry
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.plain import Plain, make_rigid
 from tests.helpers.problems import ball
 from tests.kernel.chains import chain, struck, touch
@@ -21,7 +21,7 @@ SPEED, STIFFNESS = 2.0, 1e8
 
 def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     """In time the force begins as t^(3/2), and a step of any method has an error of order 5/2."""
-    start = Model(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0)).new_instance()
+    start = PreparedScene(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0)).new_instance()
     sizes, errors, d = np.array([0.5, 0.6, 0.7, 0.8]), [], Plain(start[0])
     assert initialize(d, 0.0) == 0
     d.touch.event[0] = ONSET

@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import drive
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.derivative_scenes import Case
 
 
@@ -132,9 +132,9 @@ def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...
 
 def started(case: Case) -> DifferentiatedInstance:
     """Return an instance at the start of a case, with derivatives of all outputs."""
-    model = Model(case.scene)
-    driven = drive(model, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
-    instance = DifferentiatedInstance(model, model.varied_by(case.parameters), driven=driven)
+    prepared = PreparedScene(case.scene)
+    driven = drive(prepared, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
+    instance = DifferentiatedInstance(prepared, prepared.varied_by(case.parameters), driven=driven)
     driven.set(instance.record, 0)
     return instance
 
@@ -142,7 +142,7 @@ def started(case: Case) -> DifferentiatedInstance:
 def followed(instance: DifferentiatedInstance, times: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return values (T, W) and slopes (T, W, P) of all outputs at some times [s]."""
     times = np.array(times, float)
-    words = instance.model.output_words[list(instance.model.columns.values())]
+    words = instance.prepared.output_words[list(instance.prepared.columns.values())]
     rows = instance.rows(len(times), words)
     assert rows.fill(instance, times, 0) == len(times)
     values, slopes = np.split(rows.numbers, [len(words)], axis=1)

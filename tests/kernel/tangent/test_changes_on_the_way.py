@@ -7,7 +7,7 @@ from chain_impact import Chain
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.derivative_scenes import table
 from tests.helpers.kernel_calls import advance_to_onset, event_update
 
@@ -98,7 +98,7 @@ def through_onset(instance, changes, stop):
 @pytest.mark.parametrize("changes", [{}, {"restitution": 0.8}, {"stiffness": 3e5}])
 def test_what_is_set_at_an_onset_that_is_due(model, changes):
     scene, names, stop = falling_link(model), ("initial.y", "initial.vy", "gravity.y"), 0.15
-    compiled = Model(scene)
+    compiled = PreparedScene(scene)
     instance = DifferentiatedInstance(compiled, compiled.varied_by(names))
     impacts = through_onset(instance, changes, stop)
     onsets = instance.slopes_of_impacts(np.arange(len(impacts)))["onset"]

@@ -9,7 +9,7 @@ from chain_impact import load_scene, model_names
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START, GIVEN
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 REAL = np.dtype(np.float64)
 
@@ -74,7 +74,7 @@ def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
     level = {"form": "constant", "value": 1.0, "input": "base.ax"}
     driven = mounted.with_values({"signals": {"push": push, "level": level}})
     for scene in (*map(load_scene, model_names()), mounted, driven):
-        instance = Model(scene).new_instance()[0]
+        instance = PreparedScene(scene).new_instance()[0]
         for part in PARTS:
             if any(number != 0.0 for number in reals(instance[part])):
                 found.add(part)
@@ -83,5 +83,5 @@ def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
 
 def test_every_parameter_with_derivatives_is_in_a_declared_part():
     for name in model_names():
-        model = Model(load_scene(name))
-        assert {variable.place[0] for variable in model.varied_by(["*"])} <= set(GIVEN)
+        prepared = PreparedScene(load_scene(name))
+        assert {variable.place[0] for variable in prepared.varied_by(["*"])} <= set(GIVEN)

@@ -17,7 +17,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.table_file import Source, Table, is_table, read_table
 from chain_impact.scene.text_file import likely_time
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"
 WHICH = (IMPACT, POINT, WALL)
@@ -165,8 +165,8 @@ class _Book:
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
-        model = Model(scene)
-        self._outputs, self._inputs = list(model.columns), [one.name for one in model.inputs]
+        prepared = PreparedScene(scene)
+        self._outputs, self._inputs = list(prepared.columns), [one.name for one in prepared.inputs]
         self._signals: dict[str, list[tuple[float, float]]] = {}
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []

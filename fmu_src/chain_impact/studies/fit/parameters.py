@@ -13,7 +13,7 @@ from chain_impact.scene.names import fmu_name, nearest
 from chain_impact.scene.reading import SceneError, UnknownNameError, shown
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.listing import absent_hint
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
@@ -88,7 +88,7 @@ def parameters_of(
         SceneError: when a name is unknown, is given twice, or a bound is not allowed.
     """
     scene = scenes[0]
-    known = Model(scene).differentiable
+    known = PreparedScene(scene).differentiable
     names = [*free, *free_each]
     if not names:
         raise SceneError(f"{scene.name}: no parameter is free; name at least one")

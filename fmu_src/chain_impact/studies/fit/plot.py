@@ -38,7 +38,7 @@ from chain_impact.studies.fit.data import QUANTITIES, Measurements
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.report import heading, rounded
 from chain_impact.studies.fit.unknown import size_of
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 MOST_PANELS = 8  # number of columns that are shown
 MOST_TOLD = 10  # largest number of parameters in the lines below the headline
@@ -178,7 +178,7 @@ def _colours(count: int) -> list[str]:
 
 
 def _unit(fit: Estimates, name: str) -> str:
-    units = Model(fit.scene).units | IMPACT_UNITS
+    units = PreparedScene(fit.scene).units | IMPACT_UNITS
     unit = units.get(name, "s")
     return f" [{unit}]" if unit not in ("", "1") else ""
 

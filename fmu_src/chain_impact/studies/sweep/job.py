@@ -22,8 +22,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import kernel_for, sizes_of
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.places import PEAKS, STOP_PEAKS, word_index
+from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
 JOINT_FORCE = "joint_force"
@@ -37,22 +37,22 @@ class Job:
     """The data that all runs of a sweep share.
 
     Attributes:
-        model: the model of the scene; the runs differ from it only in the values that vary.
+        prepared: the prepared scene; the runs differ from it only in the values that vary.
         varied: the places of the parameters in the instance record, in the order of the values; an empty
             place stands for the stop time.
         kinds: ``real`` or ``enumeration`` for each parameter.
         outputs: names of additional outputs, with their values at the end of each run.
     """
 
-    model: Model
+    prepared: PreparedScene
     varied: tuple[Place, ...]
     kinds: tuple[str, ...]
     outputs: tuple[str, ...]
 
     @property
     def scene(self) -> Scene:
-        """The scene of the model."""
-        return self.model.scene
+        """The scene, with the values that no run varies."""
+        return self.prepared.scene
 
     @property
     def peaks(self) -> dict[str, Place]:
@@ -62,7 +62,7 @@ class Job:
     @property
     def columns(self) -> dict[str, Variable]:
         """The variables that are read from the record at the end of each run, by name."""
-        found = self.model.outputs_by_name
+        found = self.prepared.outputs_by_name
         standard = [name for name in found if name.startswith(("energy.", "solver."))]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
         return {name: found[name] for name in wanted}
@@ -71,12 +71,12 @@ class Job:
     def differentiated(self) -> list[Variable]:
         """The parameters and inputs with respect to which columns are derivatives."""
         asks = any(name.startswith(SENSITIVITY) for name in self.columns)
-        return self.model.varied if asks else []
+        return self.prepared.varied if asks else []
 
     @property
     def loads(self) -> dict[str, Variable]:
         """The outputs, by name, whose largest value is ``joint_force``, in a scene with loads."""
-        known = self.model.outputs_by_name
+        known = self.prepared.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
         return {name: known[name] for name in names if name in known}
 
@@ -89,23 +89,26 @@ class Job:
         return np.dtype([*((name, np.float64) for name in largest), *columns])
 
 
-def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
+def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
     """Return the job of a sweep's runs.
 
     Raises:
         SceneError: when an output does not exist, or the scene does not have the solver's status as an
             output.
     """
-    model = model_of(source)
-    known = model.outputs_by_name
+    prepared = prepared_scene(source)
+    known = prepared.outputs_by_name
     for name in outputs:
         if not (isinstance(name, str) and name in known):
-            raise UnknownNameError(model.scene.name, name, known, "no output", model.output_hint(str(name)))
+            raise UnknownNameError(
+                prepared.scene.name, name, known, "no output", prepared.output_hint(str(name))
+            )
     if STATUS not in known:
-        raise SceneError(f"{model.scene.name}: outputs.solver = false must be true: each run has its status")
+        name = prepared.scene.name
+        raise SceneError(f"{name}: outputs.solver = false must be true: each run has its status")
     variables = [variation.variable for variation in variations]
     return Job(
-        model,
+        prepared,
         tuple(variable.set_place for variable in variables),
         tuple(variable.type for variable in variables),
         tuple(dict.fromkeys(outputs)),
@@ -144,7 +147,7 @@ class Runner:
             BuildError: when the kernel cannot be compiled.
         """
         varied = job.differentiated
-        self._instance = job.model.new_instance(varied)
+        self._instance = job.prepared.new_instance(varied)
         sizes = sizes_of(self._instance) if own and not varied else None
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype

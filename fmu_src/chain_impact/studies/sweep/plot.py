@@ -30,8 +30,8 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import PEAKS
+from chain_impact.variables.prepared import PreparedScene
 
 # P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision
 COLOURS = (
@@ -204,7 +204,7 @@ def results_of(found: Runs) -> Results:
     """Return the quantities of a sweep; those at walls and at stops only if the scene has these."""
     absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
     main = [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
-    units, known = Model(found.scene).units, {quantity.column for quantity in main}
+    units, known = PreparedScene(found.scene).units, {quantity.column for quantity in main}
     asked = [name for name in found.outputs if name not in known]
     every = main + [
         Quantity(name, f"{name} at the end" + (f" [{units[name]}]" if units[name] else ""))

@@ -22,7 +22,7 @@ from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write
 from chain_impact.studies.sweep.variation import Values, variations_of
 from chain_impact.studies.sweep.work import Span, Work, columns_of
 from chain_impact.system import cores
-from chain_impact.variables.model import Model
+from chain_impact.variables.prepared import PreparedScene
 
 # The number of runs from which on a kernel is compiled for exactly the sizes of the scene. This takes about
 # 15 s, once. With such a kernel, runs of a scene with moving walls take half the time, other runs nine
@@ -81,9 +81,9 @@ def sweep(
     """
     scene, progress = scene_of(scene), progress or silent
     threads = cores() if threads is None else whole(scene.name, "threads", threads)
-    model = Model(scene)
-    variations = variations_of(model, vary)
-    job = job_of(model, variations, (outputs,) if isinstance(outputs, str) else outputs)
+    prepared = PreparedScene(scene)
+    variations = variations_of(prepared, vary)
+    job = job_of(prepared, variations, (outputs,) if isinstance(outputs, str) else outputs)
     if samples is None:
         design = grid(variations, scene.name)
     else:

@@ -13,8 +13,8 @@ from chain_impact.scene.names import fmu_name, parameter_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.listing import absent_hint
-from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.parameters import EXPERIMENT
+from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
@@ -66,22 +66,22 @@ class Variation:
         return np.asarray(np.clip(inside, min(low, high), max(low, high)))
 
 
-def sweepable(source: Scene | Model) -> dict[str, Variable]:
+def sweepable(source: Scene | PreparedScene) -> dict[str, Variable]:
     """Return the parameters that can be varied, and the stop time, as name → variable."""
-    return {variable.name: variable for variable in (*model_of(source).parameters, STOP_TIME)}
+    return {variable.name: variable for variable in (*prepared_scene(source).parameters, STOP_TIME)}
 
 
-def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
+def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
     """Return the variation of each parameter.
 
     Raises:
         SceneError: when a name is unknown, or a value is not allowed.
     """
-    model = model_of(source)
-    scene = model.scene
+    prepared = prepared_scene(source)
+    scene = prepared.scene
     if not vary:
         raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
-    known = sweepable(model)
+    known = sweepable(prepared)
     found = []
     for typed, values in vary.items():
         name = fmu_name(typed)

@@ -1,7 +1,7 @@
-"""The model: a scene together with data that are derived from it once and kept.
+"""A scene prepared for simulation: data that are derived from it once and kept.
 
-The model has the candidates, and the variables of the FMU by name with their places in the instance record
-(kernel/record/). It makes new instances, whose records hold the parameters of the scene.
+A prepared scene has the candidates, and the variables of the FMU by name with their paths in the instance
+record (kernel/record/). It makes new instances, whose records hold the parameters of the scene.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ SAME = (
     *("candidates", "sizes", "layout", "row", "parameters", "inputs", "outputs", "_own_outputs", "motion"),
     *("columns", "output_words", "output_places", "_places_by_names", "parameter_paths", "differentiable"),
 )
-"""The attributes of a model that do not depend on numbers of the scene."""
+"""The attributes that do not depend on numbers of the scene."""
 NAMED = 64  # the largest number of selections of outputs whose indices are kept
 
 
-class Model:
+class PreparedScene:
     """A scene and the data that follow from it. Each part is computed once, usually at its first use.
 
     Attributes:
@@ -54,11 +54,11 @@ class Model:
         row: the layout of the outputs, one row of ``Result.outputs``.
     """
 
-    _last: Model | None = None
-    """The last model. The next model takes over its variables if the scenes differ in numbers only."""
+    _last: PreparedScene | None = None
+    """The last prepared scene. The next takes over its variables if the two scenes differ in numbers only."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, before = scene, Model._last
+        self.scene, before = scene, PreparedScene._last
         if before and changed_numbers(before.scene, scene) is not None:
             known = vars(before)
             vars(self).update((name, known[name]) for name in SAME if name in known)
@@ -74,15 +74,15 @@ class Model:
             self.sizes = Sizes(links, pairs, elements, loads, channels, sites, len(driven), knots)
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
-        Model._last = self  # the model is complete, so another thread may take over its parts
+        PreparedScene._last = self  # it is complete, so another thread may take over its parts
 
     def __eq__(self, other: object) -> bool:
-        """Return whether another model has an equal scene."""
-        return self.scene == other.scene if isinstance(other, Model) else NotImplemented
+        """Return whether another prepared scene has an equal scene."""
+        return self.scene == other.scene if isinstance(other, PreparedScene) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
-    def __reduce__(self) -> tuple[type[Model], tuple[Scene]]:
+    def __reduce__(self) -> tuple[type[PreparedScene], tuple[Scene]]:
         """Pickle only the scene; another process computes the rest again."""
         return type(self), (self.scene,)
 
@@ -301,9 +301,9 @@ def kernel_size(scene: Scene) -> int:
     return GENERAL if moves or scene.chain.is_body or scene.signals else len(scene.chain.links)
 
 
-def model_of(source: Scene | Model) -> Model:
-    """Return ``source`` itself if it is a model, else the model of a scene."""
-    return source if isinstance(source, Model) else Model(source)
+def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
+    """Return a scene prepared; a prepared scene is returned unchanged."""
+    return source if isinstance(source, PreparedScene) else PreparedScene(source)
 
 
 def output_hint(name: str, inputs: Collection[str], parameters: Collection[str]) -> str | None:

@@ -15,17 +15,17 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, with_values
-from chain_impact.variables import model as model_module
+from chain_impact.variables import prepared as prepared_module
 from chain_impact.variables.listing import value_at
-from chain_impact.variables.model import Model
 from chain_impact.variables.places import word_index
+from chain_impact.variables.prepared import PreparedScene
 
 BUFFER = 64 * 1024  # bytes, the upper limit for an instance of four links in a box
 
 
 def test_the_record_holds_no_pointers_and_names_point_and_wall_of_each_candidate():
     for scene in map(load_scene, model_names()):
-        instance = Model(scene).new_instance()
+        instance = PreparedScene(scene).new_instance()
         assert not instance.dtype.hasobject
         assert np.frombuffer(instance.tobytes(), instance.dtype) == instance
         held = instance[0]
@@ -37,10 +37,10 @@ def test_the_record_holds_no_pointers_and_names_point_and_wall_of_each_candidate
 @pytest.mark.parametrize("model", model_names())
 def test_each_value_of_the_scene_stands_where_its_variable_is(model):
     scene = load_scene(model)
-    instance = Model(scene).new_instance()
+    instance = PreparedScene(scene).new_instance()
     reals, integers = instance.view(np.float64), instance.view(np.int64)
     checked = 0
-    for variable in Model(scene).variables:
+    for variable in PreparedScene(scene).variables:
         if variable.causality != "parameter" or variable.scene_path is None:
             continue
         value = value_at(scene, variable.scene_path)
@@ -56,11 +56,11 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
 def test_what_the_scene_says_in_words_becomes_a_number():
     box = load_scene("four_link_box")
     changes = {("contact", "model"): "flores", ("solver", "method"): "implicit"}
-    held = Model(with_values(box, changes)).new_instance()[0]
+    held = PreparedScene(with_values(box, changes)).new_instance()[0]
     assert held["given"]["law"] == CONTACT_LAWS["flores"].number
     assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
     assert (held["model"]["pinned"], held["model"]["driven"]) == (0, 0)
-    arm = Model(load_scene("pinned_arm")).new_instance()[0]
+    arm = PreparedScene(load_scene("pinned_arm")).new_instance()[0]
     assert {point for point, _ in candidates(load_scene("pinned_arm"))} == {1, 2}  # but for the base
     assert (arm["model"]["pinned"], arm["model"]["driven"]) == (1, 1)
 
@@ -68,9 +68,9 @@ def test_what_the_scene_says_in_words_becomes_a_number():
 def test_a_new_instance_holds_nothing_but_the_scene():
     """Two instances are equal, and all fields of the kernel are zero."""
     scene = load_scene("four_link_box")
-    instance = Model(scene).new_instance()
+    instance = PreparedScene(scene).new_instance()
     assert instance.nbytes < BUFFER
-    assert instance.tobytes() == Model(scene).new_instance().tobytes()
+    assert instance.tobytes() == PreparedScene(scene).new_instance().tobytes()
     assert instance[0]["step"]["regularized"] == NO_CONTACT
     instance[0]["step"]["regularized"] = 0
     for field in ("step", "touch", "search", "implicit", "rigid", "finished", "statistics", "output", "work"):
@@ -86,7 +86,7 @@ def count_calls(monkeypatch):
         return function(*arguments)
 
     for name in ("candidates", "parameters", "inputs", "all_outputs"):
-        monkeypatch.setattr(model_module, name, partial(counted, name, getattr(model_module, name)))
+        monkeypatch.setattr(prepared_module, name, partial(counted, name, getattr(prepared_module, name)))
     return counts
 
 
@@ -97,32 +97,32 @@ def test_a_run_with_derivatives_and_an_fmu_work_each_part_out_once(monkeypatch, 
     assert result.sensitivities.units["point[1].x"] == "m"
     assert made == once
     made.clear()
-    model = Model(load_scene("pinned_arm"))
-    assert {**native_files(model, {}, 3), **documents(model, 3)}
+    prepared = PreparedScene(load_scene("pinned_arm"))
+    assert {**native_files(prepared, {}, 3), **documents(prepared, 3)}
     assert made == once
 
 
-def test_the_start_of_a_model_is_that_of_a_new_instance_and_stays_so():
-    model = Model(load_scene("rod_drop"))
-    assert model.start.tobytes() == model.new_instance().tobytes()
+def test_the_start_of_a_prepared_scene_is_that_of_a_new_instance_and_stays_so():
+    prepared = PreparedScene(load_scene("rod_drop"))
+    assert prepared.start.tobytes() == prepared.new_instance().tobytes()
     with pytest.raises(ValueError, match="read-only"):
-        model.start["links"] = 2
-    starts, law = {v.name: model.start_text(v) for v in model.parameters}, CONTACT_LAWS["zhang_sharf"]
+        prepared.start["links"] = 2
+    starts, law = {v.name: prepared.start_text(v) for v in prepared.parameters}, CONTACT_LAWS["zhang_sharf"]
     assert (starts["link[1].length"], starts["contact.model"]) == ("0.6", str(law.number))
 
 
-def test_a_model_goes_to_another_process_as_its_scene():
-    model = Model(load_scene("rod_drop"))
-    names = [variable.name for variable in model.variables]
-    again = pickle.loads(pickle.dumps(model))
-    assert vars(again) == vars(Model(model.scene)) != vars(model)
+def test_a_prepared_scene_goes_to_another_process_as_its_scene():
+    prepared = PreparedScene(load_scene("rod_drop"))
+    names = [variable.name for variable in prepared.variables]
+    again = pickle.loads(pickle.dumps(prepared))
+    assert vars(again) == vars(PreparedScene(prepared.scene)) != vars(prepared)
     assert [variable.name for variable in again.variables] == names
 
 
 def test_stops_and_materials_stand_in_the_record():
     scene = with_values(load_scene("four_link_box"), {"link[3].joint_min": -2.5, "link[3].joint_max": 2.0})
     materials = {"wall.y_max.stiffness": 1e6, "wall.x_min.restitution": 0.25}
-    d = Model(scene.with_values({"link[4].joint_max": 1.5, **materials})).new_instance()[0]
+    d = PreparedScene(scene.with_values({"link[4].joint_max": 1.5, **materials})).new_instance()[0]
     assert d["model"]["joint_min"].tolist() == [-np.inf, -np.inf, -2.5, -np.inf]
     assert d["model"]["joint_max"].tolist() == [np.inf, np.inf, 2.0, 1.5]
     assert d["candidate"]["stop"].tolist() == [0] * 20 + [1, -1, -1]
@@ -138,7 +138,7 @@ def test_stops_and_materials_stand_in_the_record():
 
 def test_stops_can_have_a_law_of_their_own():
     scene = load_scene("pinned_arm").with_values({"link[1].joint_max": 3.0, "stops.model": "newton_impact"})
-    d = Model(scene).new_instance()[0]
+    d = PreparedScene(scene).new_instance()[0]
     assert (d["stops"]["law"], d["candidate"]["stop"][-1]) == (CONTACT_LAWS["newton_impact"].number, -1)
     assert d["given"]["law"] == CONTACT_LAWS["zhang_sharf"].number
 
@@ -146,15 +146,15 @@ def test_stops_can_have_a_law_of_their_own():
 def test_walls_that_no_point_can_touch_need_no_room():
     walls = [{"name": f"w{i}", "point": [-9.0, -9.0], "normal": [1.0, 1.0]} for i in range(6)]
     changes = {("walls",): walls, ("contact", "points"): [], ("chain", "links", 1, "joint_max"): 3.0}
-    d = Model(with_values(load_scene("four_link_box"), changes)).new_instance()[0]
+    d = PreparedScene(with_values(load_scene("four_link_box"), changes)).new_instance()[0]
     assert (d["candidate"]["wall"].tolist(), d["walls"]["angle"].tolist()) == ([5], [0.0])
 
 
 def test_a_name_that_is_no_text_is_refused_and_selections_of_outputs_are_kept():
-    model = Model(load_scene("rod_drop"))
-    for refuse in (model.places_named, model.varied_by, model.columns_named):
+    prepared = PreparedScene(load_scene("rod_drop"))
+    for refuse in (prepared.places_named, prepared.varied_by, prepared.columns_named):
         with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is no "):
             refuse([["point[1].x"]])
-    kept = model.places_named(["energy.*", "point[1].x"])
-    assert Model(model.scene).places_named(name for name in [*kept.motion]) is kept
+    kept = prepared.places_named(["energy.*", "point[1].x"])
+    assert PreparedScene(prepared.scene).places_named(name for name in [*kept.motion]) is kept
     assert "point[1].x" in kept.motion
