@@ -16,6 +16,7 @@ from chain_impact.scene.checks import warn
 from chain_impact.scene.names import AXES, Place, input_asked
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.table_file import TIME, Source, read_table, samples_of
+from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
@@ -26,7 +27,7 @@ from chain_impact.simulation.motions import (
     motion_of,
     refuse_jumps,
 )
-from chain_impact.simulation.pieces import RESOLVED, Follower, NotSmoothError, Pieces, joined_points
+from chain_impact.simulation.pieces import Pieces, joined_points
 from chain_impact.variables.kind import MOTION, MOTIONS
 from chain_impact.variables.prepared import PreparedScene
 
@@ -88,7 +89,7 @@ class Drive:
         """
         if not self.places:
             return
-        at = int(np.searchsorted(self.first, row, side="right")) - 1
+        at = int(self.first.searchsorted(row, side="right")) - 1
         powers, given, changed = self.pieces.powers[at], record["given"], False
         course, motion = given["course"], record["motion"]
         motion["follows"], motion["jumps"] = 1, self.slips[at]
@@ -149,9 +150,12 @@ def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
     channels = channels_of(prepared) if interpolation != "hold" and run[-1] > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
+    functions_of = {
+        name: partial(_called, f"{scene.name}: {name}", signal) for name, signal in (signals | given).items()
+    }
 
     def called(name: str, time: float) -> float:
-        return _called(f"{scene.name}: {name}", (signals | given)[name], time)
+        return functions_of[name](time)
 
     lines = interpolation == "linear"
     motions = [motion_of(channel, given, float(run[-1]), called, lines=lines) for channel in channels]
@@ -343,8 +347,8 @@ def _called(what: str, function: Callable[[float], Any], time: float) -> float:
         raise SceneError(
             f"{what}: the function raised {type(error).__name__} at t = {time:.9g} s: {error}"
         ) from error
-    if type(value) is float and math.isfinite(value):
-        return value
+    if isinstance(value, float) and math.isfinite(value):
+        return float(value)
     number = _numbers(value)
     if number is None or number.shape or not np.isfinite(number):
         raise SceneError(f"{what}: the function returned {value!r} at t = {time:.9g} s, not a finite number")

@@ -16,9 +16,10 @@ import numpy as np
 
 from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.scene.reading import SceneError
-from chain_impact.simulation.pieces import Follower, Pieces, joined_points
+from chain_impact.simulation.follower import Follower
+from chain_impact.simulation.pieces import Pieces, joined_points
 
-ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in pieces.py, but for motions
+ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in follower.py, but for motions
 # The largest differences of position, speed and acceleration between pieces that are no jump, over the
 # largest value of a channel. The time of a kink, and so the speed at the kink, is known up to the square root
 # of round-off.

@@ -1,0 +1,312 @@
+"""Piecewise polynomials that approximate functions of time to a given accuracy.
+
+A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points. The ends of a piece are
+not among these points, so the exact value at a jump does not matter. A piece whose series does not converge
+is halved, or split where the function changes from one polynomial to another. A short rest around a jump or a
+kink is dropped.
+
+Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
+coefficients bound the error.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.simulation.pieces import ROUND_OFF, Piece, Pieces
+
+Sampled = Callable[[np.ndarray], np.ndarray]
+"""Times, shape (T,) → values of M functions there, shape (T, M)."""
+# number of times in a run at which each function is called; a pulse shorter than their distance can be missed
+CHECKED_TIMES = 2000
+POINTS = 16  # number of values of a function in a piece
+SHORTEST = 4e-13  # the length below which a piece is dropped, over the length of the run
+ALIKE = 1e-6  # the largest relative difference of two lengths that count as equal
+# an interval longer than 2^FAR times the last piece is halved before a fit is tried
+FAR = 2
+TOGETHER = 4  # log₂ of the largest number of pieces that are fitted at once; more cost more calls in vain
+PATIENCE = 32  # a length for which fits have failed is tried again after at most so many pieces
+NOISE = 4  # the number of successive pieces with jumps after which a function counts as smooth nowhere
+# the length of a piece, over the length of the run, below which a function is hardly smooth in pieces
+FINE = 1 / 65536
+CALLS = 15_000  # the number of calls in a run that functions may have for fine pieces, jumps and kinks
+CALLS_PER_PIECE = 50  # the number of calls in addition to CALLS for each piece of the held signals
+SIMPLE = 4  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
+# a value belongs to one of two polynomials if it is nearer to that one by the factor NEARER
+NEARER = 0.1
+RESOLVED = 1e-14  # the relative error of a time, over the time; it changes the values
+# the difference of two pieces where they meet, over the allowed error, above which there is a jump
+JOINED = 10.0
+# the size of a last coefficient, over the allowed error, below which the coefficient is left out
+DROPPED = 0.05
+
+_ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS
+_NODES = np.cos(_ANGLES)
+# matrix: values at the nodes → coefficients of the Chebyshev series
+_SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
+_SERIES[0] /= 2.0
+# matrix: coefficients of the Chebyshev series → coefficients of powers of x
+_POWERS = np.eye(DEGREE + 1)
+for _m in range(2, DEGREE + 1):
+    # T_m = 2 x T_{m−1} − T_{m−2}
+    _POWERS[1:, _m] = 2.0 * _POWERS[:-1, _m - 1]
+    _POWERS[:, _m] -= _POWERS[:, _m - 2]
+
+
+class NotSmoothError(Exception):
+    """Raised when a function cannot be approximated around a time."""
+
+    def __init__(self, time: float, which: int) -> None:
+        """Store the time [s] and the number of the function."""
+        super().__init__(time, which)
+        self.time, self.which = time, which
+
+
+class Follower:
+    """The search for the pieces of M functions in a run."""
+
+    def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = RESOLVED) -> None:
+        """Prepare the search, and call the functions at times spread over the run.
+
+        Args:
+            functions: the functions to follow.
+            stop: end of the run, which begins at 0 [s].
+            accuracy: allowed error of a piece, as a part of each function's largest value, shape (M,), or one
+                number for all functions.
+            resolved: error of the time as a part of the time, which changes the values; shape (M,), or one
+                number.
+        """
+        self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
+        self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
+        self._values = functions(self._times)
+        self._scale = np.abs(self._values).max(axis=0)
+        self._resolved = resolved
+        self._accuracy = np.maximum(accuracy, ROUND_OFF)
+        self._calls_left = CALLS
+        # number of fits that failed because of each function
+        self._refused = np.zeros(len(self._scale), dtype=int)
+        self._last: Piece | None = None
+        # [s] length of the last interval whose fit failed, or was not tried because such fits had failed
+        self._failed = math.inf
+        self._count = 0  # number of pieces found so far
+        # binary exponent of a length → the count below which a fit of this length is not tried, and the last
+        # increase of this count
+        self._again: dict[int, int] = {}
+        self._patience: dict[int, int] = {}
+        # start and end [s] → fit of an interval that was made before it is needed, up to a time [s]
+        self._foreseen: dict[tuple[float, float], Piece | None] = {}
+        self._foreseen_until = 0.0
+
+    def pieces(self, start: float, end: float) -> list[Piece]:
+        """Return pieces of the functions between two times [s]; halving and joining keep their number small.
+
+        Raises:
+            NotSmoothError: when a function cannot be approximated.
+        """
+        found: list[Piece] = []
+        dropped = 0
+        for piece in self._parted(start, end):
+            dropped = dropped + 1 if piece is None else 0
+            if dropped > NOISE:
+                raise self._not_smooth(found[-1].end if found else start)
+            if piece is not None:
+                self._join(found, piece)
+        return found
+
+    def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
+        """Return pieces of all signals; ``columns`` are the functions' columns, the other signals are held.
+
+        Raises:
+            NotSmoothError: when a function cannot be approximated.
+        """
+        found, powers = [], []
+        for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
+            self._calls_left += CALLS_PER_PIECE
+            pieces = self.pieces(start, end)
+            starts = np.array([start, *(piece.start for piece in pieces[1:])])
+            found.append((starts, [(piece.start, piece.end) for piece in pieces]))
+            for piece in pieces:
+                row = np.zeros((DEGREE + 1, held.powers.shape[2]))
+                row[0] = held.powers[k, 0]
+                if held.powers.shape[1] > 1:  # a held signal may consist of lines between samples
+                    middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
+                    row[0] += held.powers[k, 1] * (middle - held.middle[k]) * held.scale[k]
+                    row[1] = held.powers[k, 1] * half * held.scale[k]
+                row[:, columns] = piece.powers
+                powers.append(row)
+        start = np.concatenate([starts for starts, _ in found])
+        fitted = np.array([ends for _, pairs in found for ends in pairs])
+        same = held.same * JOINED if held.powers.shape[1] > 1 else np.zeros(held.powers.shape[2])
+        same[columns] = JOINED * self._accuracy * self._scale
+        return Pieces(
+            start=start,
+            end=np.append(start[1:], held.end[-1]),
+            middle=0.5 * fitted.sum(axis=1),
+            scale=2.0 / np.diff(fitted, axis=1)[:, 0],
+            powers=np.array(powers),
+            same=same,
+        )
+
+    def _join(self, found: list[Piece], piece: Piece) -> None:
+        """Append a piece, or join the piece with the last one if one polynomial fits both."""
+        meets = bool(found) and found[-1].end == piece.start
+        both = (
+            self._fitted(found[-1].start, piece.end) if meets and not self._alike(found[-1], piece) else None
+        )
+        if both is None:
+            found.append(piece)
+        else:
+            found[-1] = both
+        self._last = found[-1]
+
+    def _alike(self, one: Piece, other: Piece) -> bool:
+        """Return whether two pieces are halves, or as long as halves, of an interval that no piece fits."""
+        halves = one.end - one.start, other.end - other.start, 0.5 * self._failed
+        return max(halves) - min(halves) <= ALIKE * halves[0]
+
+    def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
+        """Yield pieces in order; yield None for an interval that is too short to matter."""
+        if end - start <= self._shortest:
+            yield None
+            return
+        last, middle = self._last, 0.5 * (start + end)
+        # an interval that continues a piece of high degree is not simple, so it is not searched for a break
+        simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
+        far = last is not None and end - start > 2.0**FAR * (last.end - last.start)
+        _, length = math.frexp(end - start)
+        vain = not simple and self._is_vain(length)
+        if not simple and (far or vain) and end > self._foreseen_until:
+            self._foresee(start, end)
+        fitted = None if far or vain else self._fitted(start, end)
+        if fitted is not None:
+            self._count += 1
+            self._patience[length] = 1
+            yield fitted
+            return
+        if not far:
+            self._failed = end - start
+        if not far and not vain:
+            self._patience[length] = min(2 * self._patience.get(length, 1), PATIENCE)
+            self._again[length] = self._count + self._patience[length]
+        before, after = (self._break(start, end) if simple and not far else None) or (middle, middle)
+        for part in itertools.pairwise((start, before, after, end)):
+            if part[0] < part[1]:
+                yield from self._parted(*part)
+
+    def _is_vain(self, length: int) -> bool:
+        """Return whether fits of a length, given by its binary exponent, are not tried now."""
+        return self._count < self._again.get(length, 0)
+
+    def _break(self, start: float, end: float) -> tuple[float, float] | None:
+        """Return two times [s] just before and after a jump or kink, if there seems to be exactly one.
+
+        Returns None otherwise.
+        """
+        quarter = 0.25 * (end - start)
+        before, after = start + quarter, end - quarter
+        # polynomials extrapolated from afar distinguish the sides of a break; polynomials nearby locate it
+        for until in (0.125 * quarter, self._shortest):
+            left = self._simple(before - quarter, before)
+            right = self._simple(after, after + quarter) if left is not None else None
+            if left is None or right is None:
+                return None
+            before, after = self._narrowed(left, right, until)
+            if after - before > until:
+                return None
+        return before, after
+
+    def _simple(self, start: float, end: float) -> Piece | None:
+        """Return the piece between two times [s] if it is accurate and of a low degree; else None."""
+        piece = self._fitted(start, end)
+        return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
+
+    def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
+        """Return the last time [s] with values of the left piece, and the first time of the right piece.
+
+        The distance of the two times exceeds ``until`` if some values seem to belong to neither piece.
+        """
+        before, after = left.end, right.start
+        scale = np.where(self._scale > 0.0, self._scale, 1.0)
+        while after - before > until:
+            middle = np.array([0.5 * (before + after)])
+            value = self._called(middle, costly=True)
+            misses = [float((np.abs(piece.at(middle) - value) / scale).max()) for piece in (left, right)]
+            if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), ROUND_OFF):
+                return float(middle[0]), float(middle[0])
+            if until > self._shortest and min(misses) > NEARER * max(misses):
+                break
+            if misses[0] < misses[1]:
+                before = float(middle[0])
+            else:
+                after = float(middle[0])
+        return before, after
+
+    def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
+        """Return the values of the functions at some times [s]; the number of additional calls is limited."""
+        if costly:
+            self._calls_left -= len(times)
+            if self._calls_left < 0:
+                raise self._not_smooth(float(times[0]))
+        return self._functions(times)
+
+    def _not_smooth(self, time: float) -> NotSmoothError:
+        return NotSmoothError(time, int(self._refused.argmax()))
+
+    def _fitted(self, start: float, end: float) -> Piece | None:
+        """Return the piece between two times [s] if it is accurate; else None."""
+        if (start, end) in self._foreseen:
+            return self._foreseen.pop((start, end))
+        return self._fits(np.array([start, end]))[0]
+
+    def _foresee(self, start: float, end: float) -> None:
+        """Fit all pieces of an interval at once if they will be as long as the last piece.
+
+        They will be if fits of longer pieces are not tried now.
+        """
+        last = self._last
+        halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0
+        lengths = [math.frexp((end - start) / 2**k)[1] for k in range(halvings)][-FAR:]
+        if not lengths or halvings > TOGETHER or not all(map(self._is_vain, lengths)):
+            return
+        self._foreseen_until = end
+        ends = np.array([start, end])
+        for _ in range(halvings):
+            ends = np.insert(ends, range(1, len(ends)), 0.5 * (ends[:-1] + ends[1:]))
+        self._foreseen = dict(zip(itertools.pairwise(ends.tolist()), self._fits(ends), strict=True))
+
+    def _fits(self, ends: np.ndarray) -> list[Piece | None]:
+        """Return P pieces between times [s], shape (P + 1,), and None in place of an inaccurate piece."""
+        start, end = ends[:-1, np.newaxis], ends[1:, np.newaxis]
+        half, middle = 0.5 * (end - start), 0.5 * (start + end)
+        # a change of the function between an end and the nearest node shows at the end
+        inside = np.minimum(0.1 * self._shortest, 0.002 * half)
+        times = np.hstack([middle + half * _NODES, start + inside, end - inside])
+        called = self._called(times.ravel(), costly=bool(2.0 * half[0, 0] < self._fine))
+        called = called.reshape(*times.shape, -1)
+        values = called[:, :POINTS]
+        series = _SERIES @ (values - values[:, :1])
+        series[:, 0] += values[:, 0]
+        low, high = values.min(axis=1), values.max(axis=1)
+        self._scale = np.maximum(self._scale, np.maximum(high, -low).max(axis=0))
+        allowed = self._accuracy * self._scale + self._resolved * np.abs(end) / half * (high - low)
+        rough = np.abs(series[:, DEGREE + 1 :]).sum(axis=1) > allowed
+        counts = (np.abs(series[:, : DEGREE + 1]) > DROPPED * allowed[:, np.newaxis]).any(axis=2)
+        order = np.where(counts, np.arange(DEGREE + 1), 0).max(axis=1, keepdims=True)
+        series = np.where(np.arange(DEGREE + 1) <= order, 1.0, 0.0)[..., np.newaxis] * series[:, : DEGREE + 1]
+        powers = _POWERS @ series
+        pieces = [Piece(*one) for one in zip(ends[:-1].tolist(), ends[1:].tolist(), powers, strict=True)]
+        x = (times[:, POINTS:] - middle) / half
+        missed = x[..., np.newaxis] ** np.arange(DEGREE + 1) @ powers - called[:, POINTS:]
+        rough |= (np.abs(missed) > 2.0 * allowed[:, np.newaxis]).any(axis=1)
+        for k, seen in enumerate(itertools.starmap(slice, self._times.searchsorted(times[:, POINTS:]))):
+            if seen.start < seen.stop:
+                missed = pieces[k].at(self._times[seen]) - self._values[seen]
+                rough[k] |= (np.abs(missed) > 2.0 * allowed[k]).any(axis=0)
+        self._refused += rough.sum(axis=0)
+        return [None if failed else piece for failed, piece in zip(rough.any(axis=1), pieces, strict=True)]
