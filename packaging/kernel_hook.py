@@ -33,8 +33,8 @@ def kernels() -> ModuleType:
         package.__path__ = [str(PACKAGE)]
         sys.modules["chain_impact"] = package
     try:
-        places = import_module("chain_impact.compilation.places")
-        places.writable(places.base_folder())
+        folders = import_module("chain_impact.compilation.folders")
+        folders.writable(folders.base_folder())
     except RuntimeError:  # the build has no home folder, or no space there
         os.environ["CHAIN_IMPACT_CACHE"] = tempfile.mkdtemp(prefix="chain-impact-")
     here = str(Path(__file__).parent)

@@ -15,10 +15,10 @@ import platformdirs
 import pytest
 
 from chain_impact.cli.cache import contents
-from chain_impact.compilation import cache, places
+from chain_impact.compilation import cache, folders
 from chain_impact.compilation.cache import cache_folder, clear, entries, made
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.places import base_folder
+from chain_impact.compilation.folders import base_folder
 
 MARK = 8  # bytes of a checksum
 
@@ -165,47 +165,47 @@ def test_where_the_cache_can_only_be_read_an_error_says_what_to_set(monkeypatch)
     def refused(dir):
         raise PermissionError(errno.EACCES, "Permission denied", str(dir))
 
-    monkeypatch.setattr(places.tempfile, "TemporaryFile", refused)
-    places.writable.cache_clear()
+    monkeypatch.setattr(folders.tempfile, "TemporaryFile", refused)
+    folders.writable.cache_clear()
     assert made("a.so", lambda _: None).read_text() == "whole"
     assert not_kept(base_folder(), "Permission denied")
-    places.writable.cache_clear()
+    folders.writable.cache_clear()
 
 
 def not_kept(folder, reason):
     """Check that nothing is stored in a folder, and that a message tells why."""
     with pytest.raises(BuildError) as caught:
         made("b.so", whole)
-    return str(caught.value) == f"nothing can be kept in {folder} ({reason}): {places.ADVICE}"
+    return str(caught.value) == f"nothing can be kept in {folder} ({reason}): {folders.ADVICE}"
 
 
 @pytest.fixture(params=["of another user", "that others can write", "that a group can write"])
 def shared(request, monkeypatch):
     """Return a cache folder in which another user may have put a library to run."""
     base = made("a.so", lambda path: path.write_text("foreign")).parents[1]
-    places.writable.cache_clear()
+    folders.writable.cache_clear()
     user = base.stat().st_uid
     if request.param == "of another user":
-        monkeypatch.setattr(places.os, "getuid", lambda: user + 1)
+        monkeypatch.setattr(folders.os, "getuid", lambda: user + 1)
         base = _owned_by(base, user + 2, monkeypatch)
     elif request.param == "that a group can write":
-        monkeypatch.setattr(places.os, "getuid", lambda: user)
+        monkeypatch.setattr(folders.os, "getuid", lambda: user)
         base.chmod(0o770)
         _owned_by(base, user, monkeypatch, group=user + 7)
     else:
         base.chmod(0o777)
     yield base
-    places.writable.cache_clear()
+    folders.writable.cache_clear()
 
 
 def _owned_by(folder, user, monkeypatch, group=0):
     """Report a false owner for a folder, because only root can change an owner."""
-    real = places.system.others_can_write
+    real = folders.system.others_can_write
 
     def seen(found):
         return real(SimpleNamespace(st_mode=found.st_mode, st_uid=user, st_gid=group))
 
-    monkeypatch.setattr(places.system, "others_can_write", seen)
+    monkeypatch.setattr(folders.system, "others_can_write", seen)
     return folder
 
 
@@ -272,7 +272,7 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
 
     with pytest.raises(BuildError, match="zig said"):
         made("a.so", fail)
-    monkeypatch.setattr(places, "LITTLE", 1e30)
+    monkeypatch.setattr(folders, "LITTLE", 1e30)
     with pytest.raises(
         BuildError, match=r"nothing can be kept in .*cache \(it is full\): free space there, or"
     ):

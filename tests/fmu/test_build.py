@@ -22,7 +22,7 @@ from chain_impact.fmu.references import FILE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names
-from chain_impact.variables.places import word_index
+from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
@@ -140,7 +140,7 @@ def test_variables_and_starts_are_those_of_the_scene_to_the_last_bit(description
                 assert "start" not in node
             else:
                 words = instance.view("f8" if variable.type == "real" else "i8")
-                assert float(node["start"]) == words[word_index(instance.dtype, variable.place)]
+                assert float(node["start"]) == words[word_index(instance.dtype, variable.record_path)]
 
 
 def test_units_types_unknowns_and_ranges_are_complete(descriptions):

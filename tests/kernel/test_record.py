@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
-from chain_impact.variables.places import WORD
+from chain_impact.variables.indices import WORD
 
 # links N, candidates C, elements F, loads L, channels K, sites P
 SIZES = [

@@ -41,7 +41,7 @@ def assert_as_python(found, scene):
     np.testing.assert_array_equal([int(word) for word in found["words"]], record.view(np.int64))
     columns = [[one.name, prepared.word(one), one.unit] for one in prepared.outputs]
     assert found["columns"] == columns
-    inputs = [one for one in prepared.inputs if one.place[0] != "motion"]
+    inputs = [one for one in prepared.inputs if one.record_path[0] != "motion"]
     assert found["still"] == [one.name for one in prepared.inputs if one not in inputs]
     known = [
         [one.name, prepared.table_row(one)[-1], float(prepared.start_text(one))]

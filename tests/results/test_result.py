@@ -29,7 +29,7 @@ def test_an_output_is_got_by_its_name(result):
 def test_the_names_are_those_of_the_fmu(result):
     outputs = [v for v in PreparedScene(result.scene).variables if v.causality == "output"]
     assert list(result.names) == list(result.columns) == [v.name for v in outputs]
-    motion = [v.name for v in outputs if v.place[0] == "output"]
+    motion = [v.name for v in outputs if v.record_path[0] == "output"]
     assert list(result.motion) == motion
 
 

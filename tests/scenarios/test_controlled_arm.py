@@ -64,7 +64,7 @@ def test_simulate_replays_an_fmu_that_stepped_between_the_same_times(runs, targe
     """Every output is bit-equal; the steps of fmpy's master have no round-off."""
     time, columns = runs(target, "fmpy")
     replay = replayed(time, columns)
-    reals = {v.name for v in PreparedScene(SCENE).variables if v.place[0] == "output"}
+    reals = {v.name for v in PreparedScene(SCENE).variables if v.record_path[0] == "output"}
     assert set(replay) == reals
     for name, values in replay.items():
         np.testing.assert_array_equal(columns[name], values, err_msg=name)

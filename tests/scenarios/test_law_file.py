@@ -20,8 +20,8 @@ from chain_impact import (
     simulate,
     with_law,
 )
+from chain_impact.compilation.folders import base_folder
 from chain_impact.compilation.law_file import source_of
-from chain_impact.compilation.places import base_folder
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, LAW_COUNT
 from chain_impact.kernel.forces.user_law import ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE

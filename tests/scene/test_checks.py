@@ -123,7 +123,7 @@ def test_initial_angles_of_joints_take_the_place_of_those_of_links():
     # the scene then has angles of its links
     assert scene_to_dict(scene)["initial"]["angles"] == angles.tolist()
     assert "joint_angles" not in scene_to_dict(scene)["initial"]
-    assert not any("angles" in place for place in scene.derived_places)
+    assert not any("angles" in place for place in scene.derived_paths)
     changed = load_scene("four_link_box").with_values({"initial.joint_angles": joints["joint_angles"]})
     assert changed.initial == scene.initial
     part = {"initial.joint_angles": joints["joint_angles"], "initial.angle[1]": 0.2}

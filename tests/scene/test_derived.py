@@ -92,8 +92,8 @@ def test_a_scene_keeps_what_it_derives_when_it_is_copied():
 
 
 def test_what_is_derived_is_no_key():
-    message = refusal(scene_from_dict, tomllib.loads(FINGER) | {"derived_places": []}, "f")
-    assert message.startswith("f: derived_places is unknown")
+    message = refusal(scene_from_dict, tomllib.loads(FINGER) | {"derived_paths": []}, "f")
+    assert message.startswith("f: derived_paths is unknown")
 
 
 def test_of_what_is_no_path_nothing_lies_above():

@@ -26,7 +26,7 @@ def test_every_number_is_as_if_all_were_read_anew(model, monkeypatch):
                 quick += found is not None
                 if found is not None:
                     assert found == slow(scene, {name: new}, monkeypatch)
-                    assert found.derived_places == scene.derived_places
+                    assert found.derived_paths == scene.derived_paths
     assert quick > 10
 
 
@@ -41,7 +41,7 @@ def test_several_numbers_and_a_path(monkeypatch):
 def test_an_inertia_that_is_derived_follows_the_mass():
     scene = load_scene("four_link_box")
     changed = with_numbers(scene, {"link[2].mass": 3.0})
-    assert ("chain", "links", 1, "inertia") in scene.derived_places
+    assert ("chain", "links", 1, "inertia") in scene.derived_paths
     assert changed.chain.links[1].inertia == pytest.approx(3.0 * changed.chain.links[1].length ** 2 / 12)
 
 

@@ -20,7 +20,7 @@ def same(found, wanted):
     assert (found.candidates, found.sizes, found.layout) == (wanted.candidates, wanted.sizes, wanted.layout)
     assert found.outputs == wanted.outputs
     assert found.parameters == wanted.parameters
-    assert found.output_places.motion == wanted.output_places.motion
+    assert found.output_indices.motion == wanted.output_indices.motion
     assert found.new_instance().tobytes() == wanted.new_instance().tobytes()
 
 

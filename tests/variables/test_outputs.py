@@ -135,7 +135,7 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
         t = number // DIRECTIONS
         check(plain, behind[t])
         field = behind[t]
-        for step in variable.place:
+        for step in variable.record_path:
             field = field[step]
         assert field["slope"].tolist() == [float(k == number % DIRECTIONS) for k in range(DIRECTIONS)]
         slopes[t, number % DIRECTIONS] = 1.0

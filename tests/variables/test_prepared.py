@@ -16,8 +16,8 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, with_values
 from chain_impact.variables import prepared as prepared_module
+from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import value_at
-from chain_impact.variables.places import word_index
 from chain_impact.variables.prepared import PreparedScene
 
 BUFFER = 64 * 1024  # bytes, the upper limit for an instance of four links in a box
@@ -44,7 +44,7 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
         if variable.causality != "parameter" or variable.scene_path is None:
             continue
         value = value_at(scene, variable.scene_path)
-        word = word_index(instance.dtype, variable.place)
+        word = word_index(instance.dtype, variable.record_path)
         if variable.items:
             assert variable.items[integers[word] - 1].name == value, variable.name
         else:
@@ -152,9 +152,9 @@ def test_walls_that_no_point_can_touch_need_no_room():
 
 def test_a_name_that_is_no_text_is_refused_and_selections_of_outputs_are_kept():
     prepared = PreparedScene(load_scene("rod_drop"))
-    for refuse in (prepared.places_named, prepared.varied_by, prepared.columns_named):
+    for refuse in (prepared.indices_named, prepared.varied_by, prepared.columns_named):
         with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is no "):
             refuse([["point[1].x"]])
-    kept = prepared.places_named(["energy.*", "point[1].x"])
-    assert PreparedScene(prepared.scene).places_named(name for name in [*kept.motion]) is kept
+    kept = prepared.indices_named(["energy.*", "point[1].x"])
+    assert PreparedScene(prepared.scene).indices_named(name for name in [*kept.motion]) is kept
     assert "point[1].x" in kept.motion

@@ -14,7 +14,7 @@ from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, model_names, with_values
 from chain_impact.scene.signals import driven_by
-from chain_impact.variables.places import word_index
+from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
@@ -75,7 +75,7 @@ def test_variables_have_legal_names_words_of_their_own_units_and_descriptions():
         assert len(set(found)) == len(found)
         assert all(re.fullmatch(rf"{part}(\.{part})*", name) for name in found)
         layout = PreparedScene(scene).new_instance().dtype
-        words = [word_index(layout, variable.place) for variable in variables]
+        words = [word_index(layout, variable.record_path) for variable in variables]
         assert len(set(words)) == len(words)
         assert 0 <= min(words) <= max(words) < layout.itemsize // 8
         causalities = [variable.causality for variable in variables]
@@ -189,8 +189,8 @@ def test_walls_at_any_angle_have_their_own_variables():
     assert ramp[9:15] == walls
     assert not [name for name in ramp if name.startswith("box")]
     slanted = variables(SCENES["slanted"])
-    assert slanted["wall.slope.x"].place == ("walls", "x", 0)
-    assert slanted["contact[4].slope.force"].place == ("output", "force", 24)
+    assert slanted["wall.slope.x"].record_path == ("walls", "x", 0)
+    assert slanted["contact[4].slope.force"].record_path == ("output", "force", 24)
     assert (
         slanted["contact[4].slope.force"].description
         == "point 4 at slope: force of the wall, along its normal"
@@ -217,7 +217,7 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
     scene = scene.with_values({f"signal.{name}.rise": 0.1 for name in sines})
     paths = PreparedScene(scene).parameter_paths
     before = PreparedScene(scene).new_instance()
-    followers = {word_index(before.dtype, v.place) for v in PreparedScene(scene).parameters if v.rule}
+    followers = {word_index(before.dtype, v.record_path) for v in PreparedScene(scene).parameters if v.rule}
     if any(link.shape for link in scene.chain.links):  # the corners of a box
         sites = before.dtype["site"]
         followers |= {
@@ -228,7 +228,7 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
     for variable in PreparedScene(scene).variables:
         if variable.causality != "parameter":
             continue
-        path, word = paths[variable.name], word_index(before.dtype, variable.place)
+        path, word = paths[variable.name], word_index(before.dtype, variable.record_path)
         if variable.items:
             value, stored = variable.items[0].name, 1
             view = np.int64
@@ -246,7 +246,7 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
         after = PreparedScene(with_values(scene, {path: value})).new_instance()
         assert after.view(view)[word] == stored
         changed = np.flatnonzero(after.view(np.int64) != before.view(np.int64))
-        places = {word, word_index(before.dtype, variable.set_place)}
+        places = {word, word_index(before.dtype, variable.set_path)}
         assert set(changed) <= places | followers, variable.name
 
 
@@ -292,8 +292,8 @@ def test_columns_are_those_of_the_recorded_outputs():
         columns, layout = PreparedScene(scene).series(outputs), PreparedScene(scene).new_instance().dtype
         start = layout.fields["output"][1] // 8
         for variable in PreparedScene(scene).variables:
-            if variable.place[0] == "output":
-                offset = word_index(layout, variable.place) - start
+            if variable.record_path[0] == "output":
+                offset = word_index(layout, variable.record_path) - start
                 assert columns.pop(variable.name).tolist() == [offset, offset + width, offset + 2 * width]
         assert not columns
 
@@ -310,12 +310,12 @@ def test_a_scene_with_stops_has_their_variables():
     assert new == parameters | {f"joint[{i}].{key}" for i in (2, 4) for key in keys}
     tunable = {name for name in new if found[name].variability == "tunable"}
     assert tunable == {"stop.stiffness", "stop.restitution"}
-    assert found["stop.stiffness"].place == ("given", "stop_stiffness")
-    assert found["stop.exponent"].place == ("stops", "exponent")
+    assert found["stop.stiffness"].record_path == ("given", "stop_stiffness")
+    assert found["stop.exponent"].record_path == ("stops", "exponent")
     # the first candidate of each joint follows the 20 pairs of points and walls
-    assert found["joint[2].stop_moment"].place == ("output", "force", 20)
-    assert found["joint[4].stop_penetration"].place == ("output", "penetration", 22)
-    assert found["joint[4].stop_impulse"].place == ("output", "impulse", 22)
+    assert found["joint[2].stop_moment"].record_path == ("output", "force", 20)
+    assert found["joint[4].stop_penetration"].record_path == ("output", "penetration", 22)
+    assert found["joint[4].stop_impulse"].record_path == ("output", "impulse", 22)
     assert [found[f"joint[2].{key}"].unit for key in keys] == ["N.m", "rad", "N.m.s"]
     assert found["stop.stiffness"].unit == "N.m/rad^exponent"
 
@@ -342,8 +342,8 @@ def test_a_scene_with_materials_has_what_it_gives_of_them():
     new = found.keys() - variables(SCENES["four_link_box"]).keys()
     assert new == MATERIALS.keys()
     assert {found[name].variability for name in new} == {"tunable"}
-    assert found["wall.y_min.stiffness"].place == ("walls", "stiffness", 2)
-    assert found["wall.x_max.restitution"].place == ("walls", "restitution", 1)
+    assert found["wall.y_min.stiffness"].record_path == ("walls", "stiffness", 2)
+    assert found["wall.x_max.restitution"].record_path == ("walls", "restitution", 1)
 
 
 def test_stops_and_materials_have_derivatives_but_for_the_least_speed():
@@ -395,11 +395,11 @@ def test_a_scene_with_friction_has_its_variables():
     new = found.keys() - variables(SCENES["four_link_box"]).keys()
     assert new == parameters | outputs | of_joint | {"energy.friction"}
     assert {name for name in new if found[name].variability == "tunable"} == parameters
-    assert found["contact.friction"].place == ("given", "friction")
-    assert found["wall.x_max.static_friction"].place == ("walls", "static_friction", 1)
-    assert found["contact[1].x_min.friction_force"].place == ("output", "friction", "force", 4)
-    assert found["joint[3].friction_moment"].place == ("output", "friction", "joint_moment", 2)
-    assert found["joint[3].sticking"].place == ("output", "friction", "joint_sticking", 2)
+    assert found["contact.friction"].record_path == ("given", "friction")
+    assert found["wall.x_max.static_friction"].record_path == ("walls", "static_friction", 1)
+    assert found["contact[1].x_min.friction_force"].record_path == ("output", "friction", "force", 4)
+    assert found["joint[3].friction_moment"].record_path == ("output", "friction", "joint_moment", 2)
+    assert found["joint[3].sticking"].record_path == ("output", "friction", "joint_sticking", 2)
     units = [found[f"contact[4].y_max.{key}"].unit for key in touches]
     assert (units, found["joint[3].friction_moment"].unit) == (["N", "N.s", "1"], "N.m")
     assert (found["joint[3].sticking"].minimum, found["joint[3].sticking"].maximum) == (0.0, 1.0)

@@ -8,7 +8,7 @@ from datetime import datetime
 
 from chain_impact.cli.options import Verbs, add_verb
 from chain_impact.cli.progress import say
-from chain_impact.compilation import cache, places, ready
+from chain_impact.compilation import cache, folders, ready
 
 
 def add(verbs: Verbs) -> None:
@@ -21,7 +21,7 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print the contents of the cache of compiled kernels, or remove them."""
     if options.clear:
-        say(f"removed {cache.clear() / 1e6:.1f} MB from {places.base_folder()}")
+        say(f"removed {cache.clear() / 1e6:.1f} MB from {folders.base_folder()}")
         return 0
     for line in contents():
         say(line)

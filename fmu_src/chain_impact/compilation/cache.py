@@ -2,7 +2,7 @@
 
 One process makes a file while other processes that need the file wait. A file appears only when it is
 complete, together with its checksum: a file that is cut or damaged later is made again. Nothing is read from
-a folder that other users can write to (places.py).
+a folder that other users can write to (folders.py).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.places import base_folder, explained, trusted, writable
+from chain_impact.compilation.folders import base_folder, explained, trusted, writable
 from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.progress import log
 from chain_impact.system import removal

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.scene.angles import DEGREES
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS, in_order, unit_of
@@ -90,7 +90,7 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
 def _add_variables_2(root: Element, prepared: PreparedScene) -> None:
     """Add variables, and each output with its direct inputs, for FMI 2.0; positions count from 1."""
     variables, nodes = prepared.variables, SubElement(root, "ModelVariables")
-    indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
+    indices = {variable.record_path: str(index) for index, variable in enumerate(variables, 1)}
     for reference, (variable, value) in enumerate(zip(variables, values_of(prepared), strict=True)):
         node = SubElement(nodes, "ScalarVariable", attributes_of(variable, reference))
         rate = rate_of(variable)
@@ -107,12 +107,12 @@ def _add_variables_3(root: Element, prepared: PreparedScene) -> None:
     """Add variables, time, arrays, and each output with the inputs that act on it directly, for FMI 3.0."""
     variables, arrays, values = prepared.variables, array_variables(prepared), values_of(prepared)
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
-    references = {variable.place: reference for reference, variable in enumerate(variables)}
-    of_arrays = {array.variable.place: reference for reference, array in enumerate(arrays, first)}
+    references = {variable.record_path: reference for reference, variable in enumerate(variables)}
+    of_arrays = {array.variable.record_path: reference for reference, array in enumerate(arrays, first)}
 
-    def add(variable: Variable, reference: int, value: dict[str, str], places: dict[Place, int]) -> Element:
+    def add(variable: Variable, reference: int, value: dict[str, str], known: dict[DataPath, int]) -> Element:
         rate = rate_of(variable)
-        derivative = {"derivative": str(places[rate])} if rate in places else {}
+        derivative = {"derivative": str(known[rate])} if rate in known else {}
         attributes = attributes_of(variable, reference) | value | derivative
         return SubElement(nodes, TYPES[variable.type], attributes)
 
@@ -122,7 +122,7 @@ def _add_variables_3(root: Element, prepared: PreparedScene) -> None:
     time |= {"causality": "independent", "variability": "continuous"}
     SubElement(nodes, "Float64", time, declaredType=UNITS["s"].quantity, unit="s")
     for reference, array in enumerate(arrays, first):
-        value = values[references[array.variable.place]]
+        value = values[references[array.variable.record_path]]
         node = add(array.variable, reference, value, of_arrays)
         for size in array.shape:
             SubElement(node, "Dimension", start=str(size))
@@ -240,11 +240,11 @@ def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
     return found
 
 
-def rate_of(variable: Variable) -> Place | None:
-    """Return the place of the variable whose derivative ``variable`` is, if there is one."""
-    record, field, *index = variable.place
+def rate_of(variable: Variable) -> DataPath | None:
+    """Return the path of the variable whose derivative ``variable`` is, if there is one."""
+    record, field, *index = variable.record_path
     if field == variable.kind.rate_of == "signal":
-        return (*variable.place[:-1], int(index[-1]) - 1)
+        return (*variable.record_path[:-1], int(index[-1]) - 1)
     return (record, variable.kind.rate_of, *index) if variable.kind.rate_of else None
 
 
@@ -286,7 +286,7 @@ class Array(NamedTuple):
     """An array whose elements are also scalar variables.
 
     Attributes:
-        variable: the array as a variable, with the place of the first element.
+        variable: the array as a variable, with the path of the first element.
         shape: one size for each dimension; successive elements in the record differ in the last index first.
     """
 

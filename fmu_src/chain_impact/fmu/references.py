@@ -182,8 +182,8 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, one in enumerate(prepared.inputs):
-        if one.place[0] == MOTION:
-            _, field, channel = one.place
+        if one.record_path[0] == MOTION:
+            _, field, channel = one.record_path
             k, start = 1 + int(channel), float(prepared.start[0][MOTION]["position"][channel])
             move = MOVED * nominal["size"]
             signals[one.name] = {

@@ -14,9 +14,9 @@ from xml.etree.ElementTree import Element
 from chain_impact.fmu.model_description import TOKEN
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import places as places_of
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
+from chain_impact.variables.indices import word_index
 from chain_impact.variables.kind import MOTION
-from chain_impact.variables.places import word_index
 from chain_impact.variables.prepared import PreparedScene
 
 # the formats of the structures in compilation/c_interface/common/instance.h
@@ -94,13 +94,13 @@ def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
 
 def _words(prepared: PreparedScene) -> list[int]:
     """Return the indices of the words of the record that the C interface itself uses; 0 for missing words."""
-    places: list[Place] = [
+    paths: list[DataPath] = [
         ("step", "time"),
         ("given", "changed"),
         ("solver", "tolerance"),
         ("fault", "place"),
     ]
     if prepared.sizes.channels:
-        places += [("moved", "contradiction"), (MOTION, "position", 0)]
-    words = [word_index(prepared.start.dtype, place) for place in places]
+        paths += [("moved", "contradiction"), (MOTION, "position", 0)]
+    words = [word_index(prepared.start.dtype, path) for path in paths]
     return words if prepared.sizes.channels else [*words, 0, 0]

@@ -1,4 +1,4 @@
-"""Data about all scenes for the page: the keys of a scene file, the variables, and their record places.
+"""Data about all scenes for the page: the keys of a scene file, the variables, and their paths in the record.
 
 The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
 data therefore contain templates of variables, the rows of the table of variables. The page makes the
@@ -30,15 +30,15 @@ from chain_impact.pages.signals import kit_of_signals
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.joint_stops import OPEN
 from chain_impact.scene.limits import Derived, allowed, keys, without_none
-from chain_impact.scene.names import AT, Place
+from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.driving import acting
+from chain_impact.variables.indices import PEAKS, STOP_PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
-from chain_impact.variables.places import PEAKS, STOP_PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
 WITH_STOPS = SimpleNamespace(stops=True, links=())
@@ -47,7 +47,7 @@ IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """The words of an element in the texts of parameters and inputs, which the page fills in."""
 LONGEST = 1e9
 """[s] the longest time of a run"""
-PLACES: dict[str, Place] = {
+PATHS: dict[str, DataPath] = {
     **{name: (name,) for name in (*COUNTS, "skewed", "slides")},
     "site_link": ("site", "link", AT),
     "site_corner": ("site", "corner", AT),
@@ -74,7 +74,7 @@ def kit(scene: Scene) -> dict[str, Any]:
     JSON can hold them.
     """
     choices = choices_of(scene)
-    inputs = [block for block in INPUTS if block.kinds[0].place[0] != MOTION]
+    inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != MOTION]
     return {
         "keys": _keys(Scene),
         "lawFile": scene.contact.law_file,
@@ -88,7 +88,7 @@ def kit(scene: Scene) -> dict[str, Any]:
         "outputs": [_group(block, _output) for block in OUTPUTS],
         "signals": kit_of_signals(scene),
         "driven": [words(("output", "signal", AT, order)) for order in range(3)],
-        "places": {name: {"word": words(place), "real": _is_real(place)} for name, place in PLACES.items()},
+        "places": {name: {"word": words(path), "real": _is_real(path)} for name, path in PATHS.items()},
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
         "points": [words(("output", "point_position", AT, axis)) for axis in (0, 1)],
@@ -156,11 +156,11 @@ def _named(kind: Kind) -> dict[str, Any]:
 
 def _driven(kind: Kind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
-    return _named(kind) | {"unit": kind.unit, "acts": acting(kind.place)}
+    return _named(kind) | {"unit": kind.unit, "acts": acting(kind.record_path)}
 
 
 def _output(kind: Kind) -> dict[str, Any]:
-    return _named(kind) | {"unit": kind.unit, "integer": not kind.unit, "word": words(kind.place)}
+    return _named(kind) | {"unit": kind.unit, "integer": not kind.unit, "word": words(kind.record_path)}
 
 
 def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
@@ -185,7 +185,7 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
         },
         "trivial": kind.trivial,
         "missing": json.dumps(kind.if_missing),  # as text, because JSON has no infinite numbers
-        "word": words(kind.place) if kind.place else None,
+        "word": words(kind.record_path) if kind.record_path else None,
         "given": kind.given and words(kind.given),
         "givenIf": kind.given_if or ALWAYS,
     }
@@ -228,7 +228,7 @@ def _layout() -> dict[str, Any]:
             "room": [*_affine(lambda record: record["finished"]["point"].shape[0]), 0],
             "fields": {name: words(("finished", name, 0)) for name in LOG_DTYPE.names or ()},
         },
-        "peaks": {name: words(place) for name, place in (PEAKS | STOP_PEAKS).items()},
+        "peaks": {name: words(path) for name, path in (PEAKS | STOP_PEAKS).items()},
         "changes": words(("changes", "count")),
         "inputsChanged": words(("given", "changed")),
         "active": words(("touch", "active_count")),
@@ -236,20 +236,20 @@ def _layout() -> dict[str, Any]:
     }
 
 
-def _is_real(place: Place) -> bool:
-    """Return whether the numbers at a place in the record are real."""
+def _is_real(path: DataPath) -> bool:
+    """Return whether the numbers at a path in the record are real."""
     kind = layout_of(*SAMPLES[0])
-    for step in place:
+    for step in path:
         kind = kind[step] if isinstance(step, str) and step != AT else kind.base
     return kind.base == np.float64
 
 
 @cache
-def words(place: Place) -> list[int]:
+def words(path: DataPath) -> list[int]:
     """Return the index of a word for any record, as ``_affine`` describes."""
 
     def word(record: np.dtype, index: int) -> int:
-        return word_index(record, filled(place, {"at": index}))
+        return word_index(record, filled(path, {"at": index}))
 
     record = layout_of(*SAMPLES[0])
     return [*_affine(lambda record: word(record, 0)), word(record, 1) - word(record, 0)]

@@ -22,7 +22,7 @@ PIN = 0.08  # the height of the ground mark of a pinned base, over the width of 
 # the corners of the support, over the height of the mark
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
-Place = TypeVar("Place", bound=Hashable)
+Key = TypeVar("Key", bound=Hashable)
 """A name of a wall, or of one of several positions of a wall that moves."""
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 
@@ -46,13 +46,13 @@ def pin_mark(points: np.ndarray) -> list[np.ndarray]:
 
 def seen(
     points: np.ndarray,
-    walls: Mapping[Place, HalfPlane],
+    walls: Mapping[Key, HalfPlane],
     radius: float = 0.0,
     *,
     near: float = NEAR,
     room: float = 0.0,
     pinned: bool = False,
-) -> tuple[np.ndarray, dict[Place, HalfPlane]]:
+) -> tuple[np.ndarray, dict[Key, HalfPlane]]:
     """Return the rectangle around a motion, the mark of a pinned base, and the nearest points of near walls.
 
     Args:
@@ -136,7 +136,7 @@ def radius_of(recording: Recording) -> float:
     return radius if radius > ALONE * size_of(recording) else 0.0
 
 
-def closed_room(walls: Mapping[Place, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
+def closed_room(walls: Mapping[Key, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
     """Return the corners of the room between some walls, if a rectangle contains the whole room; else none.
 
     Args:

@@ -39,7 +39,7 @@ def check(scene: Contents) -> None:
         check_start(scene)
         check_joint_angles(scene)
     except SceneError as error:
-        raise SceneError("; ".join([str(error), *angle_hints(scene)]), error.place) from None
+        raise SceneError("; ".join([str(error), *angle_hints(scene)]), error.path) from None
 
 
 def check_masses(chain: Chain) -> None:
@@ -89,16 +89,16 @@ def check_together(scene: Contents) -> None:
 
 def check_slider(scene: Contents) -> None:
     """Refuse values that a sliding base cannot have, and values that only a sliding base can have."""
-    slider, start, place = scene.chain.slider, scene.initial, ("initial", "slider_velocity")
+    slider, start, path = scene.chain.slider, scene.initial, ("initial", "slider_velocity")
     if scene.chain.base != "slider" or slider is None:
         needed = 'only a base on a slider has it: chain.base = "slider"'
         if slider is not None:
             raise SceneError(f"chain.slider must be left out; {needed}", ("chain", "slider"))
         if start.slider_velocity != 0.0:
-            raise SceneError(f"initial.slider_velocity = {start.slider_velocity} must be 0; {needed}", place)
+            raise SceneError(f"initial.slider_velocity = {start.slider_velocity} must be 0; {needed}", path)
         if scene.inputs.slider_force:
-            place = ("inputs", "slider_force")
-            raise SceneError(f"inputs.slider_force = true must be false; {needed}", place)
+            path = ("inputs", "slider_force")
+            raise SceneError(f"inputs.slider_force = true must be false; {needed}", path)
         return
     if any(start.velocity):
         raise SceneError(
@@ -145,9 +145,9 @@ def check_motion(scene: Contents) -> None:
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
             needed = f"one of {', '.join(walls)}" if walls else "missing: the scene has no walls"
-            place = ("inputs", "wall_motion", i)
+            path = ("inputs", "wall_motion", i)
             raise SceneError(
-                f"inputs.wall_motion[{i + 1}] = {name!r} is no wall of the scene; must be {needed}", place
+                f"inputs.wall_motion[{i + 1}] = {name!r} is no wall of the scene; must be {needed}", path
             )
 
 

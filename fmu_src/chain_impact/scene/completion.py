@@ -53,12 +53,12 @@ def with_angles(scene: AnyScene) -> AnyScene:
 
 def with_radii(scene: AnyScene) -> AnyScene:
     """Return the scene with ``contact.radius`` as the radius of each point of a link without a radius."""
-    links, places = [], [*scene.derived_places]
+    links, paths = [], [*scene.derived_paths]
     for i, link in enumerate(scene.chain.links):
         points = []
         for j, site in enumerate(link.points):
             if site.radius is None:
-                places.append(("chain", "links", i, "points", j, "radius"))
+                paths.append(("chain", "links", i, "points", j, "radius"))
                 points.append(replace(site, radius=scene.contact.radius))
             else:
                 points.append(site)
@@ -66,19 +66,19 @@ def with_radii(scene: AnyScene) -> AnyScene:
     if not scene.chain.sites:
         return scene
     chain = replace(scene.chain, links=tuple(links))
-    return replace(scene, chain=chain, derived_places=tuple(sorted(places, key=str)))
+    return replace(scene, chain=chain, derived_paths=tuple(sorted(paths, key=str)))
 
 
 def with_absolute_angles(scene: AnyScene) -> AnyScene:
     """Return the scene with absolute initial angles, also if the file gives joint angles."""
-    initial, places = scene.initial, scene.derived_places
+    initial, paths = scene.initial, scene.derived_paths
     if initial.joint_angles is None:
         return scene
-    if ANGLES not in places:
+    if ANGLES not in paths:
         raise SceneError("initial has both angles and joint_angles; must have one of them", ANGLES)
-    places = tuple(place for place in places if place != ANGLES)
+    paths = tuple(path for path in paths if path != ANGLES)
     absolute = replace(initial, joint_angles=None)
-    return replace(scene, initial=absolute, derived_places=places, has_joint_angles=True)
+    return replace(scene, initial=absolute, derived_paths=paths, has_joint_angles=True)
 
 
 def with_materials(scene: AnyScene) -> AnyScene:

@@ -13,7 +13,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.limits import NO_KEY, quantity
-from chain_impact.scene.names import STOPS, Place, point_label
+from chain_impact.scene.names import STOPS, DataPath, point_label
 from chain_impact.scene.signal import Signal
 from chain_impact.scene.signal_values import value_at_start
 from chain_impact.scene.tables import (
@@ -58,7 +58,7 @@ class Contents:
     outputs: Outputs
     solver: Solver
     simulation: Simulation
-    derived_places: tuple[Place, ...] = field(default=(), metadata=NO_KEY)
+    derived_paths: tuple[DataPath, ...] = field(default=(), metadata=NO_KEY)
     # whether joint angles were given in place of absolute angles
     has_joint_angles: bool = field(default=False, compare=False, metadata=NO_KEY)
 

@@ -1,7 +1,7 @@
 """Derived values of a scene: defaults that follow from other values.
 
 A value stays derived until it is given: only given values are changed, written and compared.
-``Scene.derived_places`` has the paths of the derived values. The kernel treats the parameters of a record in
+``Scene.derived_paths`` has the paths of the derived values. The kernel treats the parameters of a record in
 the same way: kernel/chain/inertia.py.
 """
 
@@ -14,10 +14,10 @@ from itertools import accumulate, pairwise
 from typing import Any
 
 from chain_impact.scene.limits import Derived
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
 
 
-def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[Place]:
+def of_every_link(found: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
     """Yield the paths, in the scene, of the values that were derived in the data of a file.
 
     In the data an entry can stand for several links; in the scene each link has its own entry.
@@ -32,7 +32,7 @@ def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[P
                 yield path
 
 
-def without_derived(data: Any, derived: Iterable[Place], kept: Container[Place] = ()) -> None:
+def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[DataPath] = ()) -> None:
     """Remove the derived values from the data of a scene, except values at the paths ``kept``."""
     for path in derived:
         if path not in kept:
@@ -40,7 +40,7 @@ def without_derived(data: Any, derived: Iterable[Place], kept: Container[Place] 
             del functools.reduce(operator.getitem, parents, data)[key]
 
 
-def above(paths: Iterable[Any]) -> set[Place]:
+def above(paths: Iterable[Any]) -> set[DataPath]:
     """Return the paths of all tables and lists that contain a value at one of some paths.
 
     The function ignores a name in place of a path.
@@ -51,7 +51,7 @@ def above(paths: Iterable[Any]) -> set[Place]:
     return {path[:k] for path in proper for k in range(1, len(path))}
 
 
-def rule_at(rule: Derived, path: Place, links: Sequence[Any]) -> Derived:
+def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
     """Return the rule that derives the value at a path; a link with a shape has its own rules."""
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
@@ -59,7 +59,7 @@ def rule_at(rule: Derived, path: Place, links: Sequence[Any]) -> Derived:
     return rule
 
 
-def rule_of(path: Place, rules: Mapping[str, Any]) -> Derived:
+def rule_of(path: DataPath, rules: Mapping[str, Any]) -> Derived:
     """Return the name of the rule that derives a value; ``rules`` are the metadata of all keys."""
     key = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
     rule: Derived = rules[key].metadata["default"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from chain_impact.scene.angles import degrees_pattern
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
 from chain_impact.scene.text_file import comma_in
 
 LISTS = ("chain.links", "walls")
@@ -17,19 +17,19 @@ _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
 _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)(?=[\s,\]#]|$)")
 
 
-def line_of(text: str, place: Place) -> int | None:
+def line_of(text: str, path: DataPath) -> int | None:
     """Return the number of a key's line, from 1, else of the line of the nearest table around the key.
 
     Returns None if neither is found.
 
     Args:
         text: a scene file.
-        place: the path of the key, ``("chain", "links", 0, "mass")``.
+        path: the path of the key, ``("chain", "links", 0, "mass")``.
     """
     # the largest number of steps of the path that a line has, and the number of this line
     best: tuple[int, int | None] = (0, None)
-    table: Place = ()
-    counts: dict[Place, int] = {}
+    table: DataPath = ()
+    counts: dict[DataPath, int] = {}
     inside = ""  # the quotes of a text that continues over several lines
     for number, line in enumerate(text.splitlines(), 1):
         if not inside and (head := _HEAD.match(line)):
@@ -42,7 +42,7 @@ def line_of(text: str, place: Place) -> int | None:
             here = (*table, *_steps(key[1]))
         else:
             here = ()
-        if len(here) > best[0] and place[: len(here)] == here:
+        if len(here) > best[0] and path[: len(here)] == here:
             best = len(here), number
         for quotes in ('"""', "'''"):
             if inside in ("", quotes) and line.count(quotes) % 2:
@@ -50,16 +50,16 @@ def line_of(text: str, place: Place) -> int | None:
     return best[1]
 
 
-def _within(counts: dict[Place, int], steps: Place) -> Place:
+def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
     """Return the path of a table, in the last one of each list of tables around it."""
-    path: Place = ()
+    path: DataPath = ()
     for step in steps[:-1]:
         path = (*path, step)
         path = (*path, counts[path]) if path in counts else path
     return *path, *steps[-1:]
 
 
-def _steps(dotted: str) -> Place:
+def _steps(dotted: str) -> DataPath:
     """Return the steps of a dotted key."""
     return tuple(step.strip("\"'") for step in re.findall(_NAME, dotted))
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 
-Place = tuple[str | int, ...]
+DataPath = tuple[str | int, ...]
 """A path in nested tables and lists; indices of lists count from 0."""
 AT = "{at}"
 """The placeholder of an index in the template of a path.
@@ -34,7 +34,7 @@ def point_label(number: int, names: Mapping[int, str]) -> str:
     return f"point {number} ({names[number]})" if number in names else f"point {number}"
 
 
-def name_of(path: Place, walls: Sequence[object] = ()) -> str:
+def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
     """Return the name of the value at a path of the scene; ``walls`` are the names of the walls at any angle.
 
     For the template of a path, return the template of the name.
@@ -67,7 +67,7 @@ def name_of(path: Place, walls: Sequence[object] = ()) -> str:
     return name
 
 
-def _of_signal(path: Place) -> Place:
+def _of_signal(path: DataPath) -> DataPath:
     """Return, for the path of a number of a signal, the path that its name shows.
 
     Any other path is returned unchanged.
@@ -106,7 +106,7 @@ def other_names(name: str) -> set[str]:
     return {of_fmu, in_file} - {name}
 
 
-def place_in_file(path: Place) -> str:
+def place_in_file(path: DataPath) -> str:
     """Return the words for the place of a value in the scene file: "mass in [[chain.links]]"."""
     *head, last = path
     if isinstance(last, int):
@@ -205,7 +205,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
     return next(iter(get_close_matches(name, list(names), n=1, cutoff=at_least)), None)
 
 
-def _dotted(path: Place) -> str:
+def _dotted(path: DataPath) -> str:
     numbers = {AT: "[{n}]", LINK_AT: "[{of}]", ENTRY_AT: "[{n}]"}
     steps = (f"[{step + 1}]" if isinstance(step, int) else numbers.get(step, f".{step}") for step in path)
     return "".join(steps).removeprefix(".")

@@ -16,14 +16,14 @@ from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.checks import check_joint_angles, check_start
 from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.limits import keeps, keys
-from chain_impact.scene.names import Place, name_of
+from chain_impact.scene.names import DataPath, name_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
 
 Table = TypeVar("Table")
 LARGEST = sys.float_info.max
 LINKS = 64  # number of links up to which the fast path applies; a longer chain is read as a whole
-_KEYS: dict[Place, tuple[Any, tuple[str, ...]]] = {
+_KEYS: dict[DataPath, tuple[Any, tuple[str, ...]]] = {
     ("contact",): (Contact, ("stiffness", "restitution", "minimum_impact_speed")),
     ("solver",): (Solver, ("method", "tolerance", "work_limit")),
     ("simulation",): (Simulation, ("stop_time", "step_size")),
@@ -38,9 +38,9 @@ _LISTS = {"position": 2, "velocity": 2, "angles": LINKS, "angular_velocities": L
 
 
 @functools.cache
-def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
+def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
     """Return the path and the metadata of each number, by path and by name."""
-    found: dict[Place, Mapping[str, Any]] = {}
+    found: dict[DataPath, Mapping[str, Any]] = {}
     for path, (table, names) in _KEYS.items():
         rules = {entry.name: entry.metadata for entry in keys(table)}
         found |= {(*path, name): rules[name] for name in names}
@@ -50,7 +50,7 @@ def _numbers() -> dict[str | Place, tuple[Place, Mapping[str, Any]]]:
     return named | {path: (path, rule) for path, rule in found.items()}
 
 
-def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> AnyScene | None:
+def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:
     """Return the scene with some numbers changed, as ``with_values`` makes it.
 
     Returns None if ``with_values`` must read the whole scene: for other values, if a fault or a hint is
@@ -65,7 +65,7 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[Place, An
     return found if not moved or _starts(found) else None
 
 
-def _with_number(scene: AnyScene, path: Place, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
+def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
     """Return the scene with one number or choice changed.
 
     Returns None if ``with_values`` must read the whole scene: if the path does not exist, the value is not
@@ -75,7 +75,7 @@ def _with_number(scene: AnyScene, path: Place, rule: Mapping[str, Any], given: A
     if value is None or not keeps(value, rule):
         return None
     # if one entry of a derived list is changed, all entries of the list become given
-    is_derived = path in scene.derived_places or path[:-1] in scene.derived_places
+    is_derived = path in scene.derived_paths or path[:-1] in scene.derived_paths
     return None if is_derived else _changed(scene, path, value)
 
 
@@ -88,7 +88,7 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
     return float(given)
 
 
-def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
+def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
     """Return the scene with the number at a path changed; None if other values must be checked, too."""
     match path:
         case "chain", "links", int(i), str(key):
@@ -99,7 +99,7 @@ def _changed(scene: AnyScene, path: Place, value: Any) -> AnyScene | None:
                 return None
             changed: dict[str, Any] = {key: (*numbers[:k], value, *numbers[k + 1 :])}
             return _with(scene, initial=_with(scene.initial, **changed))
-        case "contact", str(key) if value == 0.0 or ("stops", key) in scene.derived_places:
+        case "contact", str(key) if value == 0.0 or ("stops", key) in scene.derived_paths:
             return None
         case str(table), str(key):
             before = getattr(scene, table)
@@ -115,7 +115,7 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
         return None
     change: dict[str, Any] = {key: value}
     link = _with(links[i], **change)
-    if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_places:
+    if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_paths:
         rule = _rules_of_links()["inertia"]["default"]
         link = _with(
             link, inertia=rule.value({key: getattr(link, key) for key in ("mass", "length", "height")})

@@ -13,7 +13,7 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.names import Place, fmu_name, nearest, other_names
+from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names
 
 # the least similarity, 0 to 1, of a name that a message proposes; with less, proposals are useless
 ALIKE = 0.7
@@ -26,13 +26,13 @@ class SceneError(ValueError):
     The message is one line that names the file, the key, the value and what is allowed.
 
     Attributes:
-        place: the path of the key in the scene file; empty if it is not known.
+        path: the path of the key in the scene file; empty if it is not known.
     """
 
-    def __init__(self, message: str, place: Place = ()) -> None:
+    def __init__(self, message: str, path: DataPath = ()) -> None:
         """Store the message as a single line, whatever names and values it quotes."""
         super().__init__(" ".join(message.splitlines()))
-        self.place = place
+        self.path = path
 
 
 @contextmanager
@@ -140,15 +140,15 @@ class Reader:
         derived: the paths, in the data, of the values that defaults have derived.
     """
 
-    def __init__(self, root: Any, label: Callable[[Place], str]) -> None:
+    def __init__(self, root: Any, label: Callable[[DataPath], str]) -> None:
         self.root, self.label = root, label
-        self.derived: list[Place] = []
+        self.derived: list[DataPath] = []
 
     def read(self, data: Any) -> Any:
         """Return the dataclass for the data, or raise a SceneError."""
         return self._table(self.root, data, (), {})
 
-    def _table(self, table: Any, data: Any, path: Place, known: Mapping[str, Any]) -> Any:
+    def _table(self, table: Any, data: Any, path: DataPath, known: Mapping[str, Any]) -> Any:
         """Return `data` as a dataclass `table`; `known` are the values that were read before."""
         if not isinstance(data, Mapping):
             raise self._refusal(path, data, "a table")
@@ -177,7 +177,7 @@ class Reader:
         return table(**values)
 
     def _value(
-        self, kind: Any, rule: Mapping[str, Any], value: Any, path: Place, known: Mapping[str, Any]
+        self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, known: Mapping[str, Any]
     ) -> Any:
         """Return `value` as the type `kind` if it keeps the `rule`; else raise a SceneError."""
         kind = without_none(kind)
@@ -196,7 +196,7 @@ class Reader:
         return result
 
     def _list(
-        self, kind: Any, rule: Mapping[str, Any], value: Any, path: Place, known: Mapping[str, Any]
+        self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, known: Mapping[str, Any]
     ) -> Any:
         item, *rest = get_args(kind)
         if rule["or_true"] and isinstance(value, bool):
@@ -220,17 +220,17 @@ class Reader:
             raise SceneError(f"{self.label(path)} {needed}", path)
         return tuple(self._value(item, rule, one, (*path, i), known) for i, one in enumerate(value))
 
-    def _tables(self, kind: Any, value: Any, path: Place, known: Mapping[str, Any]) -> dict[str, Any]:
+    def _tables(self, kind: Any, value: Any, path: DataPath, known: Mapping[str, Any]) -> dict[str, Any]:
         """Return the tables of one kind as a dict, by name."""
         if not isinstance(value, Mapping):
             raise self._refusal(path, value, "a table of tables")
         return {name: self._table(entry_type(kind), one, (*path, name), known) for name, one in value.items()}
 
-    def _refusal(self, path: Place, value: Any, needed: str) -> SceneError:
+    def _refusal(self, path: DataPath, value: Any, needed: str) -> SceneError:
         where = self.label(path) if path else "scene"
         return SceneError(f"{where} = {shown(value)} must be {needed}", path)
 
-    def _unknown(self, table: Any, path: Place, name: Any) -> str:
+    def _unknown(self, table: Any, path: DataPath, name: Any) -> str:
         """Raise an error that names the key most similar to the unknown `name`, in this table or another.
 
         Without a similar key, the error lists the keys of the table.
@@ -245,7 +245,7 @@ class Reader:
             return f"{what}; the nearest key is {self._keys()[near]}"
         return f"{what}; the keys here are {', '.join(here)}"
 
-    def _one_table(self, item: Any, value: Mapping[Any, Any], path: Place) -> str:
+    def _one_table(self, item: Any, value: Mapping[Any, Any], path: DataPath) -> str:
         """Raise an error: a list of tables is expected, not one table; say which keys belong elsewhere."""
         name = self.label(path)
         moved = [

@@ -23,7 +23,7 @@ from chain_impact.scene.derived import above, of_every_link, rule_at, rule_of, w
 from chain_impact.scene.limits import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
-from chain_impact.scene.names import Place, fmu_name, name_of, nearest, parameter_hint, place_in_file
+from chain_impact.scene.names import DataPath, fmu_name, name_of, nearest, parameter_hint, place_in_file
 from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
 from chain_impact.scene.tables import Link
@@ -44,10 +44,10 @@ class Scene(Contents):
     def derived(self) -> dict[str, str]:
         """The derived values: name of a value that is not given → its rule, such as "length / 2"."""
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
-        found = ((path, self._rule(path, rules)) for path in self.derived_places)
+        found = ((path, self._rule(path, rules)) for path in self.derived_paths)
         return {name_of(path, walls): rule.text for path, rule in found if not rule.constant}
 
-    def _rule(self, path: Place, rules: Mapping[str, Any]) -> Derived:
+    def _rule(self, path: DataPath, rules: Mapping[str, Any]) -> Derived:
         return rule_at(rule_of(path, rules), path, self.chain.links)
 
     @property
@@ -59,7 +59,7 @@ class Scene(Contents):
         walls = [wall.name for wall in self.walls]
         return {name_of(path, walls): value for path, value in _leaves(self)}
 
-    def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
+    def with_values(self, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> "Scene":
         """Return the scene with some values changed, `{"contact.restitution": 0.5}`.
 
         See the function `with_values`.
@@ -113,10 +113,10 @@ def parse_scene(text: str, source: str) -> Scene:
     try:
         return scene_from_dict(data, source)
     except SceneError as error:
-        line = line_of(text, error.place)
+        line = line_of(text, error.path)
         if line is None:
             raise
-        raise SceneError(f"{error} (at line {line})", error.place) from None
+        raise SceneError(f"{error} (at line {line})", error.path) from None
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
@@ -137,7 +137,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
     counted = checks.has_counts(data)
 
-    def label(path: Place) -> str:
+    def label(path: DataPath) -> str:
         match path:
             case "chain", "links", int(i), *keys if counted and keys:
                 return f"{place_in_file(tuple(keys))} in entry {i + 1} of [[chain.links]]"
@@ -147,11 +147,11 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     try:
         reader = Reader(Scene, label)
         scene: Scene = reader.read(data)
-        scene = replace(scene, derived_places=tuple(sorted(of_every_link(reader.derived, data))))
+        scene = replace(scene, derived_paths=tuple(sorted(of_every_link(reader.derived, data))))
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
-        raise SceneError(f"{source}: {error}", error.place) from None
+        raise SceneError(f"{source}: {error}", error.path) from None
     return scene
 
 
@@ -163,7 +163,7 @@ def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
     """
     data = _plain(scene)
     if not derived:
-        without_derived(data, scene.derived_places)
+        without_derived(data, scene.derived_paths)
     shapes.set_corners_apart(data, given=derived)
     return _without_empty(shapes.without_corners(data))
 
@@ -207,7 +207,7 @@ def _holds(table: Any) -> bool:
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
 
-def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, Any]) -> Scene:
+def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> Scene:
     """Return the validated scene with some values changed.
 
     A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is the
@@ -225,7 +225,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
     with as_typed(changes):
-        changed = _with_any(scene, [_place_and_value(scene, *change) for change in changes.items()])
+        changed = _with_any(scene, [_path_and_value(scene, *change) for change in changes.items()])
     known = checks.hints(scene)
     checks.warn(scene.name, [hint for hint in checks.hints(changed) if hint not in known])
     return changed
@@ -237,7 +237,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     if JOINT_ANGLES in paths and completion.ANGLES not in above(paths):
         del data["initial"]["angles"]
     # if one value of a derived list is given, the whole list becomes given
-    without_derived(data, scene.derived_places, kept=above(paths))
+    without_derived(data, scene.derived_paths, kept=above(paths))
     shapes.set_corners_apart(data)
     for path, value in values:
         shapes.refuse_corner(scene, path)
@@ -255,7 +255,7 @@ JOINT_ANGLES = ("initial", "joint_angles")
 """The key for joint angles, which can replace the key for absolute angles."""
 
 
-def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
+def _path_and_value(scene: Scene, change: str | DataPath, given: Any) -> tuple[DataPath, Any]:
     """Return the path and the value of a change; the change may be a name or a path."""
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
@@ -269,17 +269,19 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
 
 
 @functools.cache
-def _keys() -> dict[str, Place]:
+def _keys() -> dict[str, DataPath]:
     """Return the path of every dotted key, except keys inside lists of tables and tables by name."""
     return {key: tuple(key.split(".")) for key, _ in scene_keys() if not set("[<") & set(key)}
 
 
-def _names(scene: Scene) -> dict[str, Place]:
+def _names(scene: Scene) -> dict[str, DataPath]:
     """Return the path of every single value, by the value's name."""
     return {name: path for name, (path, _) in zip(scene.values, _leaves(scene), strict=True)}
 
 
-def _leaves(value: Any, path: Place = (), unit: str = "", apart: int = 0) -> Iterator[tuple[Place, Any]]:
+def _leaves(
+    value: Any, path: DataPath = (), unit: str = "", apart: int = 0
+) -> Iterator[tuple[DataPath, Any]]:
     """Yield the path and the value of every single value.
 
     Each entry of a list of quantities is a single value.

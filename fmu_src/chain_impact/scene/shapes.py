@@ -12,7 +12,7 @@ from typing import Any
 
 from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import CORNERS, Site
 
@@ -60,7 +60,7 @@ def without_corners(data: Any) -> Any:
     return data
 
 
-def among_all_points(path: Place, data: Any) -> Place:
+def among_all_points(path: DataPath, data: Any) -> DataPath:
     """Return the path in the scene of what is at a path of its plain data, where boxes have no corners."""
     match path:
         case "chain", "links", int(i), "points", int(j), *rest if "shape" in data["chain"]["links"][i]:
@@ -68,7 +68,7 @@ def among_all_points(path: Place, data: Any) -> Place:
     return path
 
 
-def refuse_corner(scene: Contents, path: Place) -> None:
+def refuse_corner(scene: Contents, path: DataPath) -> None:
     """Refuse a change of a single corner of a box, by its path."""
     links = scene.chain.links
     match path:

@@ -181,8 +181,8 @@ def _completed(name: str, signal: Signal) -> Signal:
         for key in (*REQUIRED[form], *OTHER[form]):
             if key not in keys and getattr(signal, key) is not None:
                 needed = f'form = "{signal.form}" has {", ".join(keys)}'
-                place = ("signals", name, key)
-                raise SceneError(f"{what}.{key} must be left out: {needed}", place)
+                path = ("signals", name, key)
+                raise SceneError(f"{what}.{key} must be left out: {needed}", path)
     for key in REQUIRED[signal.form]:
         if getattr(signal, key) is None:
             raise SceneError(f'{what}.{key} is missing: form = "{signal.form}" needs it', ("signals", name))

@@ -24,8 +24,8 @@ from chain_impact.scene.names import input_asked, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, spans_of
+from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint
-from chain_impact.variables.places import word_index
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
@@ -37,7 +37,7 @@ MAGIC = b"chainsv2"
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
+class _Access:
     """Where a variable is stored: where its value is read and written, and its allowed values."""
 
     word: int
@@ -90,7 +90,7 @@ class Chain:
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
-        self._places = {v.name: _place(v, prepared.table_row(v)) for v in prepared.variables}
+        self._accesses = {v.name: _access(v, prepared.table_row(v)) for v in prepared.variables}
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))
@@ -112,7 +112,7 @@ class Chain:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of all variables: parameters, inputs, outputs."""
-        return tuple(self._places)
+        return tuple(self._accesses)
 
     @property
     def impacts(self) -> np.ndarray:
@@ -210,10 +210,10 @@ class Chain:
         """
         given = {values: value} if isinstance(values, str) else values
         checked = [self._checked(name, value) for name, value in given.items()]
-        for place, number in checked:
-            memory = self._integers if place.whole else self._reals
-            if memory[place.set_word] != number:
-                memory[place.word] = memory[place.set_word] = number
+        for access, number in checked:
+            memory = self._integers if access.whole else self._reals
+            if memory[access.set_word] != number:
+                memory[access.word] = memory[access.set_word] = number
                 self._observed = False
                 if self._stepped:
                     self._integers[self._changed_word] = AT_ONCE
@@ -296,37 +296,36 @@ class Chain:
         found = [
             one
             for name in names
-            for one in matching(self.scene.name, name, self._places, "no variable", self._hint)
+            for one in matching(self.scene.name, name, self._accesses, "no variable", self._hint)
         ]
-        places = [self._places[name] for name in found]
+        accesses = [self._accesses[name] for name in found]
         selection = _Selection(
-            words=np.array([place.word for place in places], int),
-            whole=np.flatnonzero([place.whole for place in places]),
-            observed=any(place.kind == "output" or place.word != place.set_word for place in places),
+            words=np.array([access.word for access in accesses], int),
+            whole=np.flatnonzero([access.whole for access in accesses]),
+            observed=any(access.kind == "output" or access.word != access.set_word for access in accesses),
         )
         self._selections[key] = selection
         return selection
 
-    def _checked(self, name: str, value: Any) -> tuple[_Place, float]:
+    def _checked(self, name: str, value: Any) -> tuple[_Access, float]:
         """Return where a variable is stored, and the checked value."""
-        place = self._places.get(name)
-        if place is None:
-            raise UnknownNameError(self.scene.name, name, self._places, "no variable", self._hint(name))
-        if place.kind == "output" or (place.kind == "fixed" and self._stepped):
-            what = "an output" if place.kind == "output" else "a fixed parameter"
-            late = "" if place.kind == "output" else " after the first step"
+        access = self._accesses.get(name)
+        if access is None:
+            raise UnknownNameError(self.scene.name, name, self._accesses, "no variable", self._hint(name))
+        if access.kind == "output" or (access.kind == "fixed" and self._stepped):
+            what = "an output" if access.kind == "output" else "a fixed parameter"
+            late = "" if access.kind == "output" else " after the first step"
             raise SceneError(f"{self.scene.name}: {name} is {what} and cannot be set{late}")
         try:
-            number = place.choices.index(value) + 1 if value in place.choices else value
-            number = in_radians(number, place.unit)
-            kept = place.low <= number <= place.high and (not place.whole or number == int(number))
+            number = access.choices.index(value) + 1 if value in access.choices else value
+            number = in_radians(number, access.unit)
+            kept = access.low <= number <= access.high and (not access.whole or number == int(number))
         except (TypeError, ValueError):
             kept = False
         if not kept or isinstance(value, bool):
-            raise SceneError(
-                f"{self.scene.name}: {name} = {shown(value)} must be {place.allowed}{or_degrees(place.unit)}"
-            )
-        return place, number
+            allowed = f"{access.allowed}{or_degrees(access.unit)}"
+            raise SceneError(f"{self.scene.name}: {name} = {shown(value)} must be {allowed}")
+        return access, number
 
     def _hint(self, name: str) -> str | None:
         """Return a hint: the key of the scene that makes an input or a friction exist."""
@@ -349,7 +348,7 @@ def _restored(scene: Scene, state: bytes) -> Chain:
     return chain
 
 
-def _place(variable: Variable, row: list[Any]) -> _Place:
+def _access(variable: Variable, row: list[Any]) -> _Access:
     _, _, word, kind, low, high, allowed, set_word = row
     choices = tuple(item.name for item in variable.items)
-    return _Place(word, set_word, variable.type != "real", kind, low, high, allowed, choices, variable.unit)
+    return _Access(word, set_word, variable.type != "real", kind, low, high, allowed, choices, variable.unit)

@@ -22,14 +22,14 @@ from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.text import what
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows
 from chain_impact.simulation.reasons import LEFT_OPEN, REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
+from chain_impact.variables.indices import WORD, first_word, word_index
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.places import WORD, first_word, word_index
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
@@ -84,14 +84,14 @@ class DifferentiatedInstance(Instance):
         self._tangents["trust"]["reason"] = TRUSTED
         super().initialize()
 
-    def restart(self, places: Sequence[Place], values: np.ndarray) -> None:
+    def restart(self, paths: Sequence[DataPath], values: np.ndarray) -> None:
         """Set the instance and the derivatives to the start, with other values of some parameters.
 
         Raises:
             SimulationError: when the scene cannot start.
         """
-        for place, value in zip(places, values, strict=True):
-            self.words[word_index(self._block.dtype, place)] = value
+        for path, value in zip(paths, values, strict=True):
+            self.words[word_index(self._block.dtype, path)] = value
         self.initialize()
 
     def slope_words(self, words: np.ndarray) -> np.ndarray:
@@ -129,22 +129,22 @@ class DifferentiatedInstance(Instance):
 
     def collect(self) -> np.ndarray:
         """Collect the finished contacts and their derivatives from the log."""
-        places = self._ended % self._log_at.room
+        slots = self._ended % self._log_at.room
         rows = super().collect()
         if len(rows):
             last = int(self.record["finished"]["count"])
             # a contact may have ended in a step that failed; such a contact has no derivatives
-            self._keep_slopes(rows, places, np.arange(last - len(rows), last) < self._log["count"][0])
+            self._keep_slopes(rows, slots, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
 
     def open_contacts(self) -> np.ndarray:
         """Return the contacts that have not ended yet, and drop results that were computed ahead."""
         rows = super().open_contacts()
         if len(rows):
-            log, places = self._log, self._lasting % self._log_at.room
+            log, slots = self._log, self._lasting % self._log_at.room
             # after a fault, the instances of derivatives may have other lasting contacts than the instance
-            same = (log["point"][:, places] == rows["point"]) & (log["wall"][:, places] == rows["wall"])
-            self._keep_slopes(rows, places, same.all(axis=0) & (self.status == OK))
+            same = (log["point"][:, slots] == rows["point"]) & (log["wall"][:, slots] == rows["wall"])
+            self._keep_slopes(rows, slots, same.all(axis=0) & (self.status == OK))
         return rows
 
     @property
@@ -153,8 +153,8 @@ class DifferentiatedInstance(Instance):
         log: np.ndarray = self._tangents["finished"]
         return log
 
-    def _keep_slopes(self, rows: np.ndarray, places: Any, known: np.ndarray) -> None:
-        """Store the derivatives of the impacts at some places of the log.
+    def _keep_slopes(self, rows: np.ndarray, slots: Any, known: np.ndarray) -> None:
+        """Store the derivatives of the impacts at some slots of the log.
 
         NaN where they are not ``known``.
         """
@@ -162,7 +162,7 @@ class DifferentiatedInstance(Instance):
         trust = self._tangents["trust"][0]
         distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
         for name in IMPACT_QUANTITIES:
-            slopes = self._log[name]["slope"][:, places].transpose(1, 0, 2)
+            slopes = self._log[name]["slope"][:, slots].transpose(1, 0, 2)
             kept[name] = slopes.reshape(len(rows), self._directions)[:, : len(self.parameters)]
             until = (
                 rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
@@ -250,7 +250,7 @@ class DifferentiatedRun:
         self._prepared = PreparedScene(scene_of(scene))
         self._inputs, self._interpolation = dict(inputs or {}), interpolation
         varied = self._prepared.varied_by(parameters)
-        self._places = [variable.set_place for variable in varied]
+        self._paths = [variable.set_path for variable in varied]
         columns = self._prepared.columns_named(outputs)
         self._words = self._prepared.output_words[[columns[name] for name in outputs]]
         self._instance = DifferentiatedInstance(self._prepared, varied)
@@ -270,7 +270,7 @@ class DifferentiatedRun:
         asked = np.searchsorted(driven.times, times)
         driven.set(instance.record, 0)
         try:
-            instance.restart(self._places, values)
+            instance.restart(self._paths, values)
         except SimulationError:
             rows.numbers[:] = np.nan
             return self._told(rows.numbers[asked], [])
@@ -280,7 +280,7 @@ class DifferentiatedRun:
         return self._told(rows.numbers[asked], impacts)
 
     def _told(self, found: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
-        width, count = len(self._words), len(self._places)
+        width, count = len(self._words), len(self._paths)
         order, rows = in_order([np.zeros(0, LOG_DTYPE), *impacts], self._instance.prepared.scene.wall_names)
         return Differentiated(
             values=found[:, :width],

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from chain_impact.kernel.forces.inputs import AT_ONCE, CONTINUES
 from chain_impact.scene.checks import warn
-from chain_impact.scene.names import AXES, Place, input_asked
+from chain_impact.scene.names import AXES, DataPath, input_asked
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.table_file import TIME, Source, read_table, samples_of
 from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
@@ -57,7 +57,7 @@ class Drive:
     Attributes:
         times: communication points: the requested times and the starts of pieces, shape (G,) [s].
         asked: whether the caller requested each communication point, shape (G,).
-        places: path of each of the M inputs in the instance record; for the position of a followed motion,
+        paths: path of each of the M inputs in the instance record; for the position of a followed motion,
             the path of the motion's coefficients.
         pieces: the inputs as polynomials.
         first: the first row of each piece, shape (P,): row k acts from ``times[k - 1]`` to ``times[k]``,
@@ -68,7 +68,7 @@ class Drive:
 
     times: np.ndarray
     asked: np.ndarray
-    places: tuple[Place, ...]
+    paths: tuple[DataPath, ...]
     pieces: Pieces
     first: np.ndarray
     restarts: np.ndarray
@@ -87,13 +87,13 @@ class Drive:
 
         The solver re-initializes if an input jumps.
         """
-        if not self.places:
+        if not self.paths:
             return
         at = int(self.first.searchsorted(row, side="right")) - 1
         powers, given, changed = self.pieces.powers[at], record["given"], False
         course, motion = given["course"], record["motion"]
         motion["follows"], motion["jumps"] = 1, self.slips[at]
-        for m, (part, name, *rest) in enumerate(self.places):
+        for m, (part, name, *rest) in enumerate(self.paths):
             index = rest[0] if rest else 0  # there is one slider
             if name == COURSE:
                 motion["follows"] = 0
@@ -143,9 +143,9 @@ def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.
     if not inputs:
         asked = np.ones(len(run), bool) if begins else np.isin(run, times)
         return Drive(run, asked, (), NOTHING, AT_START, NEVER, NEVER)
-    places = {variable.name: variable.place for variable in prepared.inputs}
+    paths = {variable.name: variable.record_path for variable in prepared.inputs}
     for name in inputs:
-        if name not in places:
+        if name not in paths:
             raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {_hint(prepared, name)}")
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
     channels = channels_of(prepared) if interpolation != "hold" and run[-1] > 0.0 else []
@@ -198,7 +198,7 @@ def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.
     return Drive(
         times=together,
         asked=np.isin(together, times),
-        places=(*(places[name] for name in signals), *((MOTION, COURSE, j) for j in range(len(motions)))),
+        paths=(*(paths[name] for name in signals), *((MOTION, COURSE, j) for j in range(len(motions)))),
         pieces=pieces,
         first=np.append(0, np.searchsorted(together, begin) + 1),
         restarts=pieces.jumps | slips | bends,
@@ -223,7 +223,8 @@ def _hint(prepared: PreparedScene, name: Any) -> str:
 
 def channels_of(prepared: PreparedScene) -> list[Channel]:
     """Return the channels of the moving base and walls in their order, with the names of their inputs."""
-    scene, names, found = prepared.scene, {variable.place: variable.name for variable in prepared.inputs}, []
+    names = {variable.record_path: variable.name for variable in prepared.inputs}
+    scene, found = prepared.scene, []
     for j in range(prepared.sizes.channels):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
         base = scene.inputs.base_motion and j < len(AXES)

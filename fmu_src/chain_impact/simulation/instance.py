@@ -21,9 +21,9 @@ from chain_impact.results.result import Result
 from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
+from chain_impact.variables.indices import WORD, log_words
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.places import WORD, log_words
 from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared_scene
 from chain_impact.variables.variable import Variable
 
@@ -229,7 +229,7 @@ class Instance:
         Returns the number of rows that are filled before a fault, and the ended contacts.
         """
         done, impacts, last = 0, [], len(driven.times)
-        ends = np.append(driven.first[1:], last) if driven.places else None
+        ends = np.append(driven.first[1:], last) if driven.paths else None
         while done < last and self.status == OK:
             # each piece has its own inputs, so each call ends at the end of a piece
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
@@ -270,10 +270,10 @@ class Instance:
         log = self.record["changes"]
         count, room = int(log["count"]), len(log["time"])
         # the oldest changes are lost if they were not collected in time
-        places = np.arange(max(0, count - room), count) % max(1, room)
-        rows = np.zeros(len(places), CHANGE_DTYPE)
+        slots = np.arange(max(0, count - room), count) % max(1, room)
+        rows = np.zeros(len(slots), CHANGE_DTYPE)
         for name in CHANGE_DTYPE.names or ():
-            rows[name] = log[name][places]
+            rows[name] = log[name][slots]
         log["count"] = 0
         return rows
 
@@ -322,8 +322,8 @@ class Instance:
         """A sentence if given positions and velocities of a motion contradict each other; else ""."""
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
-        places = {variable.place: variable.name for variable in self.prepared.inputs}
-        name = places.get((MOTION, "position", channel - 1))
+        names = {variable.record_path: variable.name for variable in self.prepared.inputs}
+        name = names.get((MOTION, "position", channel - 1))
         if not name:
             return []
         moves = f"{name} has been moved by {moved['distance']:.9g} m in {moved['lasted']:.9g} s"

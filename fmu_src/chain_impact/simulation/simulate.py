@@ -30,7 +30,7 @@ from chain_impact.simulation.instance import (
     WordRows,
     structured,
 )
-from chain_impact.variables.places import WORD
+from chain_impact.variables.indices import WORD
 from chain_impact.variables.prepared import PreparedScene
 
 MOST_BYTES = 2_000_000_000
@@ -118,17 +118,17 @@ def simulate(
     step = stop if output_step == math.inf else scene.simulation.step_size
     prepared = PreparedScene(scene)
     varied = prepared.varied if sensitivities is None else prepared.varied_by(sensitivities)
-    places = prepared.output_places if output is None else prepared.places_named(output)
-    words, width = places.words, places.row.itemsize // WORD
+    indices = prepared.output_indices if output is None else prepared.indices_named(output)
+    words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
     check_size(scene.name, stop, step, columns)
     driven = drive(prepared, {} if inputs is None else inputs, interpolation, _times(stop, step))
-    if driven.places:
+    if driven.paths:
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
     differentiated = DifferentiatedInstance(prepared, varied, driven) if varied else None
     instance = differentiated or Instance(prepared, driven, ())
     slopes = differentiated.slope_words(words[:width]) if differentiated else words[:0]
-    of_state = places.of_state and not differentiated
+    of_state = indices.of_state and not differentiated
     rows = WordRows(len(driven.times), np.concatenate([words, slopes]), of_state=of_state)
     done, impacts = instance.run(driven, rows, progress or silent)
     order, found = in_order([*impacts, instance.open_contacts()], scene.wall_names)
@@ -139,7 +139,7 @@ def simulate(
         sensitive = Sensitivities(
             prepared=prepared,
             varied=varied,
-            chosen=None if output is None else tuple(places.motion),
+            chosen=None if output is None else tuple(indices.motion),
             slopes=numbers[:, len(words) :].reshape(len(numbers), width, len(varied)),
             impacts=found,
             impact_slopes=differentiated.slopes_of_impacts(order),
@@ -148,11 +148,11 @@ def simulate(
     result = Result(
         prepared=prepared,
         time=driven.times[asked],
-        outputs=structured(numbers, places.row),
+        outputs=structured(numbers, indices.row),
         impacts=found,
         statistics=instance.statistics,
         sensitivities=sensitive,
-        stepwise=_Stepwise(numbers[:, width:], words[width:], places.stepwise),
+        stepwise=_Stepwise(numbers[:, width:], words[width:], indices.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(prepared, driven),
     )
@@ -223,20 +223,20 @@ class _Stepwise(Mapping[str, np.ndarray]):
     """The columns of outputs that change only at events and steps, by name, as views of rows of words."""
 
     def __init__(
-        self, numbers: np.ndarray, words: np.ndarray, places: Mapping[str, tuple[int, bool]]
+        self, numbers: np.ndarray, words: np.ndarray, indices: Mapping[str, tuple[int, bool]]
     ) -> None:
-        self._numbers, self._words, self._places = numbers, words, places
+        self._numbers, self._words, self._indices = numbers, words, indices
 
     def __getitem__(self, name: str) -> np.ndarray:
-        word, is_real = self._places[name]
+        word, is_real = self._indices[name]
         found: np.ndarray = self._numbers[:, np.searchsorted(self._words, word)]
         return found if is_real else found.copy().view(np.int64)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._places)
+        return iter(self._indices)
 
     def __len__(self) -> int:
-        return len(self._places)
+        return len(self._indices)
 
 
 def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:

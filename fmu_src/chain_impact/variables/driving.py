@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from chain_impact.kernel.chain import signals as kernel
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_values import write_signal
 from chain_impact.variables.kind import MOTION
@@ -29,17 +29,17 @@ def fill_signals(d: Any, scene: Scene) -> None:
     if not scene.signals:
         return
     shape, own, stop = shape_of(scene), d["signal"], scene.simulation.stop_time
-    places = {variable.name: variable.place for variable in inputs_asked(shape)}
+    paths = {variable.name: variable.record_path for variable in inputs_asked(shape)}
     first, knot = dict[str, int](), 0
     for j, one in enumerate(shape.signals):
-        own["input"][j], own["index"][j] = acting(places[one.input])
+        own["input"][j], own["index"][j] = acting(paths[one.input])
         own["source"][j] = first.setdefault(one.signal, j)
         own["order"][j], own["first"][j] = one.order, knot
         write_signal(d, j, scene.signals[one.signal], one.input, stop)
         knot += one.knots
 
 
-def acting(place: Place) -> tuple[int, str | int]:
+def acting(path: DataPath) -> tuple[int, str | int]:
     """Return, for an input's path in the record, the kernel's number of the input and the element's index."""
-    part, field, *index = place
+    part, field, *index = path
     return kernel.CHANNEL if part == MOTION else _DRIVEN[str(field)], index[0] if index else 0

@@ -22,13 +22,13 @@ from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.limits import keys
-from chain_impact.scene.names import AT, ENTRY_AT, Place
+from chain_impact.scene.names import AT, ENTRY_AT, DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.driving import fill_signals
+from chain_impact.variables.indices import WORD, Sizes, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.parameters import METHODS, PARAMETERS
-from chain_impact.variables.places import WORD, Sizes, layout_of, word_index
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     """
     if before is scene:
         return []
-    for name in ("box", "walls", "stops", "inputs", "signals", "outputs", "derived_places"):
+    for name in ("box", "walls", "stops", "inputs", "signals", "outputs", "derived_paths"):
         if getattr(before, name) is not getattr(scene, name):
             return None
     if before.contact is not scene.contact and _kind_of_contact(before) != _kind_of_contact(scene):
@@ -174,14 +174,14 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
             values = [_choice(kind, name) for name in found]
         if not kind.given or (kind.given_if and not given_if(scene)):
             return values
-        return values + (_given(scene, paths(scene), values) if scene.derived_places else values)
+        return values + (_given(scene, paths(scene), values) if scene.derived_paths else values)
 
     return read
 
 
 def _members(
-    path: Place,
-) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[Place]]]:
+    path: DataPath,
+) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[DataPath]]]:
     """Return three functions for the path of a kind of parameter in a scene.
 
     They return what has values of the kind, in order; the value of one of these; and the paths of all values.
@@ -204,13 +204,13 @@ def _members(
     return whole, _getter(after), lambda scene: [(*before, i, *after) for i in range(len(whole(scene)))]
 
 
-def _given(scene: Scene, paths: Sequence[Place], values: Sequence[Any]) -> list[Any]:
+def _given(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
     """Return the values at some paths, with the number DERIVED in place of each derived value."""
-    derived = frozenset(scene.derived_places)
+    derived = frozenset(scene.derived_paths)
     return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
 
 
-def _getter(path: Place) -> Callable[[Any], Any]:
+def _getter(path: DataPath) -> Callable[[Any], Any]:
     """Return the function that reads the value at a path of names, which may end with an index."""
     names, indices = (tuple(step for step in path if isinstance(step, kind)) for kind in (str, int))
     named = attrgetter(".".join(map(str, names))) if names else _itself
@@ -233,8 +233,8 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
     # the record has room for the walls at any angle only if points may touch them
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
     met = tuple(name for name in _GIVEN_IF if attrgetter(name)(scene))
-    places, readers = _words_of(table, sizes, lines, slides, met)
-    words[places] = [number for read in readers for number in read(scene)]
+    indices, readers = _words_of(table, sizes, lines, slides, met)
+    words[indices] = [number for read in readers for number in read(scene)]
 
 
 @lru_cache(MOST_KEPT * len(keys(Scene)))
@@ -249,8 +249,8 @@ def _words_of(
     layout, found, there = layout_of(*sizes), [], []
     for kind, reader in _tables()[table]:
         given = kind.given if not kind.given_if or kind.given_if in met else None
-        for place in filter(None, (kind.place, given)):
-            found += [word_index(layout, filled(place, {"at": i})) for i in range(counts[kind.of])]
+        for path in filter(None, (kind.record_path, given)):
+            found += [word_index(layout, filled(path, {"at": i})) for i in range(counts[kind.of])]
         if counts[kind.of]:
             there.append(reader)
     return np.array(found, int), there
@@ -268,7 +268,7 @@ def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None
 def _fill_materials(d: Any, scene: Scene) -> None:
     """Write the given values of the materials of single walls."""
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
-        part, key, _ = map(str, kind.place)
+        part, key, _ = map(str, kind.record_path)
         d[part][key] = kind.if_missing
         for w, wall in enumerate(scene.wall_names if scene.may_touch else ()):
             value = getattr(scene.contact.wall.get(wall), key, None)
@@ -281,12 +281,12 @@ def _law_number(name: str) -> int:
     return law.number if law else USER_LAW
 
 
-def with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
+def with_tangents(block: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
     """Return an instance and, after it, instances of dual numbers in which each parameter has a direction.
 
-    ``places`` are the paths of the parameters in the record.
+    ``paths`` are the paths of the parameters in the record.
     """
-    layout, count = block.dtype, -(-len(places) // DIRECTIONS)
+    layout, count = block.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()
     behind = (BEHIND, tangent_dtype(layout), (count,))
     whole = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), behind]))
@@ -294,9 +294,9 @@ def with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
     for name in names:
         whole[name] = block[name]
     _copy_values(block[0], whole[0][BEHIND])
-    for number, place in enumerate(places):
+    for number, path in enumerate(paths):
         field: Any = whole[0][BEHIND][number // DIRECTIONS]
-        for step in place:
+        for step in path:
             field = field[step]
         field["slope"][number % DIRECTIONS] = 1.0
     return whole

@@ -1,8 +1,8 @@
 """A kind of variables: variables that differ only in the number of a link or point, or in the name of a wall.
 
-Texts and places (paths in the record) are templates. ``{n}`` stands for the number of an element, ``{name}``
+Texts and paths in the record are templates. ``{n}`` stands for the number of an element, ``{name}``
 for the name of a wall, ``{axis}`` for an axis. Other words in braces stand for words of a scene or an element
-(shape.py). In a place, ``{at}`` stands for the index of the element and ``{next}`` for the next index.
+(shape.py). In a path, ``{at}`` stands for the index of the element and ``{next}`` for the next index.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from chain_impact.scene.limits import Derived
-from chain_impact.scene.names import Place, sensitivity_name
+from chain_impact.scene.names import DataPath, sensitivity_name
 
 NEXT = "{next}"
 ALWAYS = "always"
@@ -55,7 +55,7 @@ class Kind:
         axis: x or y if the variable is a component of a vector.
         unit: name of the unit; "" for a variable that is not a real number.
         causality: ``parameter``, ``input`` or ``output``.
-        place: path in the instance record, a template.
+        record_path: path in the instance record, a template.
         when: conditions, all of which a scene or an element must meet to have the variable.
         minimum: value >= minimum; a name stands for a number of the scene.
         above: value > above.
@@ -78,7 +78,7 @@ class Kind:
 
     name: str
     text: str
-    place: Place
+    record_path: DataPath
     owner: str = ""
     of: str = "one"
     heading: Heading = NO_HEADING
@@ -89,8 +89,8 @@ class Kind:
     minimum: float | str | None = None
     above: float | None = None
     maximum: float | str | None = None
-    path: Place | None = None
-    given: Place | None = None
+    path: DataPath | None = None
+    given: DataPath | None = None
     given_if: str = ""
     derived: Derived | None = None
     tunable: str = ""
@@ -129,7 +129,7 @@ class Kind:
         """Return the kind of the derivatives of outputs of this kind with respect to a kind of parameters."""
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"
-        return Kind(name=sensitivity_name(of, by), text=text, place=(), at_once=self.at_once)
+        return Kind(name=sensitivity_name(of, by), text=text, record_path=(), at_once=self.at_once)
 
     def ended(self, text: str) -> str:
         """Return a description with the parameter's open limit, which FMI's attributes cannot express."""
@@ -169,10 +169,10 @@ def block(
     )
 
 
-def filled(place: Place, element: Mapping[str, Any]) -> Place:
+def filled(path: DataPath, element: Mapping[str, Any]) -> DataPath:
     """Return a path in the record or in the scene file, with an element's words in place of the braces."""
     if not element:
-        return place
+        return path
     steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in element.items()}
     steps[NEXT] = element.get("at", 0) + 1
-    return tuple([steps.get(step, step) for step in place])
+    return tuple([steps.get(step, step) for step in path])

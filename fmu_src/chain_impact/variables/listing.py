@@ -13,7 +13,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.derived import rule_at
-from chain_impact.scene.names import Place, is_like, sensitivity_name
+from chain_impact.scene.names import DataPath, is_like, sensitivity_name
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.kind import Block, Kind, filled
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
@@ -32,7 +32,7 @@ _METHODS = tuple(
 
 def parameters(scene: Scene) -> Iterator[Variable]:
     """Yield the parameters of the scene's FMU: the parameters for which the scene has a value."""
-    derived, choices = frozenset(scene.derived_places), choices_of(scene)
+    derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, element, known in _each(PARAMETERS, shape_of(scene)):
         path = filled(kind.path or (), element)
         value = value_at(scene, path)
@@ -47,7 +47,7 @@ def parameters(scene: Scene) -> Iterator[Variable]:
                 known,
                 variability="tunable" if kind.tunable and known[kind.tunable] else "fixed",
                 scene_path=path,
-                given_place=given and filled(given, element),
+                given_path=given and filled(given, element),
                 rule=rule,
                 items=choices.get(kind.choices, ()),
             )
@@ -82,11 +82,13 @@ def outputs_of(shape: Shape) -> dict[str, Variable]:
 def _driven(shape: Shape) -> Iterator[Variable]:
     """Yield the driven quantities of signals as outputs, under the names of the inputs that they replace."""
     for kind, element, known in _each(INPUTS, shape) if shape.signals else ():
-        place = shape.of_signals.get(kind.name.format_map(known))
-        if place is not None:
-            row, order = place
+        driven = shape.of_signals.get(kind.name.format_map(known))
+        if driven is not None:
+            row, order = driven
             rate_of = "signal" if order > 0 and shape.signals[row].outputs[order - 1] else ""
-            output = replace(kind, causality="output", place=("output", "signal", *place), rate_of=rate_of)
+            output = replace(
+                kind, causality="output", record_path=("output", "signal", *driven), rate_of=rate_of
+            )
             yield Variable.of(output, element, known)
 
 
@@ -104,12 +106,12 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
                 variability="continuous",
                 unit=quotient(of.unit, parameter.unit),
                 description=f"derivative of {of.name} with respect to {parameter.name}",
-                place=(BEHIND, tangent, *of.place, "slope", direction),
+                record_path=(BEHIND, tangent, *of.record_path, "slope", direction),
                 held=of.held,
             )
 
 
-def value_at(scene: Any, path: Place) -> Any:
+def value_at(scene: Any, path: DataPath) -> Any:
     """Return the value at a path of a scene, or of a part of a scene; None if the value does not exist."""
     for step in path:
         if isinstance(step, int):

@@ -50,8 +50,8 @@ def _block(
         index = [] if of in ("one", "slider") or AT in steps or NEXT in steps else [AT]
         found: dict[str, Any] = {"array": f"{of}.{member}" if array else "", "nominal": nominal}
         found |= dict(_attribute(one, unit) for one in more.split())
-        place = (part, *steps, *index)
-        kinds.append(Kind(name=member, unit=unit, text=text, place=place, axis=axis, **found))
+        path = (part, *steps, *index)
+        kinds.append(Kind(name=member, unit=unit, text=text, record_path=path, axis=axis, **found))
     return block(of, *kinds, owner=owner, **{"terminal": True} | other)
 
 

@@ -1,7 +1,7 @@
 """The parameters in the table of variables, one row for each kind; kind.py explains the columns.
 
 The fields of ``scene/tables.py`` have the meaning, the unit and the range of a parameter; the rows of this
-table add the place of the value in the record, and which scenes have the parameter. The value references
+table add the path of the value in the record, and which scenes have the parameter. The value references
 follow the order of the rows.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import Derived, keys
-from chain_impact.scene.names import AT, AXES, ENTRY_AT, LINK_AT, Place, name_of
+from chain_impact.scene.names import AT, AXES, ENTRY_AT, LINK_AT, DataPath, name_of
 from chain_impact.scene.signal import Signal
 from chain_impact.scene.tables import (
     Box,
@@ -48,7 +48,9 @@ def _rules(table: type) -> dict[str, Mapping[str, Any]]:
     return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 
-def _parameter(rule: Mapping[str, Any], path: Place, place: Place, text: str = "{}", **other: Any) -> Kind:
+def _parameter(
+    rule: Mapping[str, Any], path: DataPath, record_path: DataPath, text: str = "{}", **other: Any
+) -> Kind:
     """Return the parameter for the value at a path; unit and range come from the key's metadata ``rule``.
 
     ``{}`` in ``text`` stands for the description in ``rule``.
@@ -59,7 +61,7 @@ def _parameter(rule: Mapping[str, Any], path: Place, place: Place, text: str = "
         unit=rule["unit"],
         text=text.replace("{}", rule["description"]),
         causality="parameter",
-        place=place,
+        record_path=record_path,
         path=path,
         derived=default if isinstance(default, Derived) and "given" in other else None,
         **limits,
@@ -69,8 +71,8 @@ def _parameter(rule: Mapping[str, Any], path: Place, place: Place, text: str = "
 
 def _of(
     table: type,
-    path: Place,
-    place: Place,
+    path: DataPath,
+    record_path: DataPath,
     names: Sequence[str] = (),
     text: str = "{}",
     **special: Mapping[str, Any],
@@ -81,18 +83,20 @@ def _of(
     """
     found = []
     for key in names or _rules(table):
-        in_scene, in_record = (tuple(key if step == KEY else step for step in one) for one in (path, place))
-        more = {"place": in_record, **special.get(key, {})}
+        in_scene, in_record = (
+            tuple(key if step == KEY else step for step in one) for one in (path, record_path)
+        )
+        more = {"record_path": in_record, **special.get(key, {})}
         found.append(_parameter(_rules(table)[key], in_scene, text=text, **more))
     return found
 
 
-def _vector(table: type, path: Place, place: Place, text: str, **other: Any) -> list[Kind]:
+def _vector(table: type, path: DataPath, record_path: DataPath, text: str, **other: Any) -> list[Kind]:
     """Return the parameters for the components of a vector, whose key is the last step of ``path``."""
     found, rule = [], _rules(table)[str(path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
-        in_record = tuple(steps.get(step, step) for step in place)
+        in_record = tuple(steps.get(step, step) for step in record_path)
         found.append(_parameter(rule, (*path, j), in_record, text, axis=axis, **other))
     return found
 
@@ -108,10 +112,10 @@ PARAMETERS = (
             center_of_mass_offset={"trivial": 0.0, "hint": HAS_ONE},
             center_of_mass={"given": ("model", "given_center_of_mass", AT)},
             inertia={"given": ("model", "given_inertia", AT)},
-            joint_damping={"place": ("given", "joint_damping", AT), "tunable": "follows"},
-            joint_stiffness={"place": ("given", "joint_stiffness", AT), "tunable": "follows"},
+            joint_damping={"record_path": ("given", "joint_damping", AT), "tunable": "follows"},
+            joint_stiffness={"record_path": ("given", "joint_stiffness", AT), "tunable": "follows"},
             joint_rest_angle={
-                "place": ("given", "joint_target_angle", AT),
+                "record_path": ("given", "joint_target_angle", AT),
                 "tunable": "follows",
                 "when": ("rests",),
                 "hint": HAS_TARGET,
@@ -139,7 +143,7 @@ PARAMETERS = (
         *_of(
             *(Slider, ("chain", "slider", KEY), ("slider", KEY)),
             rest_position={
-                "place": ("given", "slider_target_position"),
+                "record_path": ("given", "slider_target_position"),
                 "when": ("rests",),
                 "hint": HAS_TARGET.replace("angle", "position"),
             },
@@ -181,8 +185,8 @@ PARAMETERS = (
         *_of(
             *(Contact, ("contact", KEY), ("contact", KEY)),
             ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"),
-            stiffness={"place": ("given", "stiffness"), "tunable": ALWAYS},
-            restitution={"place": ("given", "restitution"), "tunable": ALWAYS},
+            stiffness={"record_path": ("given", "stiffness"), "tunable": ALWAYS},
+            restitution={"record_path": ("given", "restitution"), "tunable": ALWAYS},
             minimum_impact_speed={"smooth": False},
         ),
         *_of(
@@ -209,7 +213,7 @@ PARAMETERS = (
         *_of(
             *(Stops, ("stops", KEY), ("stops", KEY)),
             ("stiffness", "exponent", "restitution", "minimum_impact_speed"),
-            stiffness={"place": ("given", "stop_stiffness"), "tunable": ALWAYS},
+            stiffness={"record_path": ("given", "stop_stiffness"), "tunable": ALWAYS},
             exponent={"given": ("stops", "given_exponent")},
             restitution={"given": ("given", "stop_restitution"), "tunable": ALWAYS},
             minimum_impact_speed={"smooth": False},

@@ -15,29 +15,29 @@ import numpy as np
 from chain_impact.compilation.compilers import GENERAL
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.limits import keys
-from chain_impact.scene.names import Place, input_asked, parameter_hint
+from chain_impact.scene.names import DataPath, input_asked, parameter_hint
 from chain_impact.scene.reading import matches, matching
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_by
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
-from chain_impact.variables.listing import absent_hint, all_outputs, derivatives, inputs, parameters
-from chain_impact.variables.places import (
+from chain_impact.variables.indices import (
     WORD,
-    OutputPlaces,
+    OutputIndices,
     Sizes,
     first_word,
+    indices_of,
     layout_of,
-    output_places,
-    places_of,
+    output_indices,
     word_index,
 )
+from chain_impact.variables.listing import absent_hint, all_outputs, derivatives, inputs, parameters
 from chain_impact.variables.shape import shape_of
 from chain_impact.variables.variable import Variable, variable_row
 
 SAME = (
     *("candidates", "sizes", "layout", "row", "parameters", "inputs", "outputs", "_own_outputs", "motion"),
-    *("columns", "output_words", "output_places", "_places_by_names", "parameter_paths", "differentiable"),
+    *("columns", "output_words", "output_indices", "_indices_by_names", "parameter_paths", "differentiable"),
 )
 """The attributes that do not depend on numbers of the scene."""
 NAMED = 64  # the largest number of selections of outputs whose indices are kept
@@ -124,7 +124,7 @@ class PreparedScene:
     @cached_property
     def motion(self) -> list[Variable]:
         """The outputs that change continuously, in the order of ``Result.outputs``."""
-        return [variable for variable in self.outputs if variable.place[0] == "output"]
+        return [variable for variable in self.outputs if variable.record_path[0] == "output"]
 
     @cached_property
     def varied(self) -> list[Variable]:
@@ -142,7 +142,7 @@ class PreparedScene:
         return [*self.parameters, *self.inputs, *self.outputs, *derivatives(self.motion, self.varied)]
 
     @cached_property
-    def parameter_paths(self) -> dict[str, Place]:
+    def parameter_paths(self) -> dict[str, DataPath]:
         """The paths of parameters: name → path that ``scene.with_values`` accepts.
 
         For a choice such as ``contact.model`` the FMU has a number where the scene has a name.
@@ -163,11 +163,11 @@ class PreparedScene:
 
     def word(self, variable: Variable) -> int:
         """Return the index of a variable in an instance of the FMU, counted in words of 8 bytes."""
-        return word_index(self.start.dtype, variable.place)
+        return word_index(self.start.dtype, variable.record_path)
 
     def table_row(self, variable: Variable) -> list[Any]:
         """Return the data on a variable that an importer needs, as ``variable_row`` gives them."""
-        words = (word_index(self.start.dtype, place) for place in (variable.place, variable.set_place))
+        words = (word_index(self.start.dtype, path) for path in (variable.record_path, variable.set_path))
         return variable_row(variable, *words)
 
     def start_text(self, variable: Variable) -> str:
@@ -178,7 +178,7 @@ class PreparedScene:
     @cached_property
     def columns(self) -> dict[str, int]:
         """The index in a row of each output that changes continuously: name → index."""
-        return {variable.name: word_index(self.row, variable.place[1:]) for variable in self.motion}
+        return {variable.name: word_index(self.row, variable.record_path[1:]) for variable in self.motion}
 
     @cached_property
     def output_words(self) -> np.ndarray:
@@ -220,23 +220,23 @@ class PreparedScene:
         return [there[name] for name in self._named(wanted, there, "no output", self.output_hint)]
 
     @cached_property
-    def output_places(self) -> OutputPlaces:
+    def output_indices(self) -> OutputIndices:
         """The indices of the outputs in the record."""
-        return output_places(shape_of(self.scene), self.sizes)
+        return output_indices(shape_of(self.scene), self.sizes)
 
-    def places_named(self, wanted: str | Iterable[str]) -> OutputPlaces:
+    def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
         """Return the indices of the outputs with some names or patterns, each once, in the order of names.
 
         Raises:
             UnknownNameError: when no output has a name, or matches a pattern.
         """
-        return self._places_by_names(*(variable.name for variable in self.outputs_named(wanted)))
+        return self._indices_by_names(*(variable.name for variable in self.outputs_named(wanted)))
 
     @cached_property
-    def _places_by_names(self) -> Callable[..., OutputPlaces]:
+    def _indices_by_names(self) -> Callable[..., OutputIndices]:
         """A function from names of outputs to their indices, which it keeps for the last selections."""
-        outputs, places = self._own_outputs, self.output_places
-        return lru_cache(NAMED)(lambda *names: places_of([outputs[name] for name in names], places))
+        outputs, every = self._own_outputs, self.output_indices
+        return lru_cache(NAMED)(lambda *names: indices_of([outputs[name] for name in names], every))
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
         """Return the entries of ``columns`` for some names or patterns.
@@ -281,7 +281,7 @@ class PreparedScene:
         """
         varied = self.varied if varied is None else varied
         block = new_record(self.scene, self.candidates, self.sizes)
-        return with_tangents(block, [variable.set_place for variable in varied]) if varied else block
+        return with_tangents(block, [variable.set_path for variable in varied]) if varied else block
 
     def _named(
         self,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from chain_impact.scene.limits import Derived, allowed
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
 from chain_impact.variables.kind import Kind, filled
 
 LARGEST = sys.float_info.max
@@ -41,9 +41,9 @@ class Variable:
         variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
         unit: name of the unit, a key of ``UNITS``; "" if the variable is not a real number.
         description: one line.
-        place: path in the instance record, for example ``("model", "length", 2)``.
-        given_place: path to the given value of a parameter that may be derived, while ``place`` has the value
-            in use (kernel/chain/inertia.py); None for all other variables.
+        record_path: path in the instance record, for example ``("model", "length", 2)``.
+        given_path: path to the given value of a parameter that may be derived, while ``record_path`` has the
+            value in use (kernel/chain/inertia.py); None for all other variables.
         rule: the rule by which the scene derives the value; None if the value is given.
         scene_path: path of a parameter in the scene file, for ``scene.with_values``; None for all other
             variables. minimum: value >= minimum, if any.
@@ -59,10 +59,10 @@ class Variable:
     variability: str
     unit: str
     description: str
-    place: Place
-    given_place: Place | None = None
+    record_path: DataPath
+    given_path: DataPath | None = None
     rule: Derived | None = None
-    scene_path: Place | None = None
+    scene_path: DataPath | None = None
     minimum: float | None = None
     maximum: float | None = None
     items: tuple[Item, ...] = ()
@@ -76,7 +76,7 @@ class Variable:
 
         ``known`` has the scene's words for templates and limits.
         """
-        changing = kind.place[:1] in OBSERVED and kind.unit
+        changing = kind.record_path[:1] in OBSERVED and kind.unit
         text, rule = kind.description.format_map(known), other.get("rule")
         return cls(
             kind=kind,
@@ -84,7 +84,7 @@ class Variable:
             # numbers of a signal have the unit of the driven input
             unit=element.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
-            place=filled(kind.place, element),
+            record_path=filled(kind.record_path, element),
             minimum=known.get(kind.minimum, kind.minimum),
             maximum=known.get(kind.maximum, kind.maximum),
             held=element.get("held", False),
@@ -131,17 +131,17 @@ class Variable:
     @property
     def field(self) -> str:
         """The field of the record with the value, such as ``point_position``; dots join nested fields."""
-        return ".".join(step for step in self.place[1:] if isinstance(step, str))
+        return ".".join(step for step in self.record_path[1:] if isinstance(step, str))
 
     @property
-    def set_place(self) -> Place:
+    def set_path(self) -> DataPath:
         """The path in the record to which a new value is written, and at which derivatives start."""
-        return self.given_place or self.place
+        return self.given_path or self.record_path
 
     @property
     def index(self) -> tuple[int, ...]:
         """The index of the value in its field of the record."""
-        return tuple(step for step in self.place if isinstance(step, int))
+        return tuple(step for step in self.record_path if isinstance(step, int))
 
     @property
     def allowed(self) -> str:
@@ -155,7 +155,8 @@ class Variable:
 def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
     """Return name, type, word, kind, lowest and highest value, allowed values in words, and set word.
 
-    A new value is written to both words: to ``word``, at ``place``, and to ``set_word``, at ``set_place``.
+    A new value is written to two words: to ``word``, at ``record_path``, and to ``set_word``, at
+    ``set_path``.
     """
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST, LARGEST

@@ -32,7 +32,7 @@ def test_it_converges_from_far_through_six_impacts(start):
     one = problem(columns, scene(**start), dict.fromkeys(TIP, NOISE))
     found = search(one)
     assert found.search.converged
-    assert one.values(found.search.best.place) == pytest.approx(TRUE, rel=0.1)
+    assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=0.1)
     squares = ((found.search.best.residuals / NOISE) ** 2).sum()
     assert 300.0 < squares < 500.0
     assert list(found.horizons) == sorted(found.horizons)
@@ -75,7 +75,7 @@ def test_data_without_noise_are_met():
     one = problem(columns, scene(K=5e7, e=0.6))
     found = search(one)
     assert found.search.converged
-    assert one.values(found.search.best.place) == pytest.approx(TRUE, rel=1e-3)
+    assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=1e-3)
 
 
 def test_impacts_alone():
@@ -83,7 +83,7 @@ def test_impacts_alone():
     one = problem(impacts(result, ["onset", "peak_force"], noise=1e-4), scene(K=5e7, e=0.6, w=1.4))
     found = search(one)
     assert found.search.converged
-    assert one.values(found.search.best.place) == pytest.approx(TRUE, rel=0.02)
+    assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=0.02)
 
 
 def test_refusals():

@@ -41,34 +41,34 @@ def test_a_straight_line_takes_few_steps():
     found, _ = search(line, [0.0, 0.0])
     assert found.converged
     assert found.steps < 8
-    np.testing.assert_allclose(found.best.place, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-7)
+    np.testing.assert_allclose(found.best.coordinates, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-7)
 
 
 def test_weights():
     sigma = np.array([1.0, 0.1, 1.0, 10.0])
     found, _ = search(line, [0.0, 0.0], sigma=sigma)
     wanted = np.linalg.lstsq(LINE / sigma[:, None], VALUES / sigma)[0]
-    np.testing.assert_allclose(found.best.place, wanted, atol=1e-6)
+    np.testing.assert_allclose(found.best.coordinates, wanted, atol=1e-6)
 
 
 def test_rosenbrock():
     found, _ = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
     assert found.converged
-    np.testing.assert_allclose(found.best.place, [1.0, 1.0], atol=1e-6)
+    np.testing.assert_allclose(found.best.coordinates, [1.0, 1.0], atol=1e-6)
 
 
 def test_bounds_hold_and_others_move_on():
     found, calls = search(line, [0.0, 0.0], low=[-1.0, -1.0], high=[3.0, 1.5])
     assert found.converged
     assert all((place >= -1.0).all() and (place <= [3.0, 1.5]).all() for place in calls)
-    assert found.best.place[1] == pytest.approx(1.5)
-    assert found.best.place[0] == pytest.approx((VALUES - 1.5 * LINE[:, 1]).mean())
+    assert found.best.coordinates[1] == pytest.approx(1.5)
+    assert found.best.coordinates[0] == pytest.approx((VALUES - 1.5 * LINE[:, 1]).mean())
 
 
 def test_a_parameter_without_effect_stays():
     found, _ = search(lambda place: ([place[0] - 2.0], [[1.0, 0.0]]), [0.0, 5.0])
     assert found.converged
-    assert found.best.place == pytest.approx([2.0, 5.0])
+    assert found.best.coordinates == pytest.approx([2.0, 5.0])
 
 
 def test_a_parameter_without_effect_costs_no_steps():
@@ -78,7 +78,7 @@ def test_a_parameter_without_effect_costs_no_steps():
 
     found, calls = search(valley, [-1.2, 1.0, 7.0], sigma=[1e-6, 1e-6])
     alone, others = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
-    assert found.best.place.tolist() == [*alone.best.place, 7.0]
+    assert found.best.coordinates.tolist() == [*alone.best.coordinates, 7.0]
     assert len(calls) == len(others)
 
 
@@ -90,7 +90,7 @@ def test_rows_that_are_not_there_do_not_count_and_none_may_be_lost():
 
     found, calls = search(gap, [0.0, 0.0])
     assert any(place[1] > 1.0 for place in calls)
-    assert 0.9 < found.best.place[1] <= 1.0
+    assert 0.9 < found.best.coordinates[1] <= 1.0
 
 
 def test_rows_without_derivatives_are_not_fitted():
@@ -99,7 +99,7 @@ def test_rows_without_derivatives_are_not_fitted():
         return np.append(residuals, 1e3), np.vstack([slopes, [[np.nan, np.nan]]])
 
     found, _ = search(blind, [0.0, 0.0])
-    np.testing.assert_allclose(found.best.place, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-6)
+    np.testing.assert_allclose(found.best.coordinates, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-6)
 
 
 def test_nothing_to_fit_does_not_converge():
@@ -119,7 +119,7 @@ def test_slopes_without_bounds_near_a_bound():
 
     for start in (0.9, 0.3, 1e-9, 1e-200):
         found, _ = search(root, [start], low=0.0, high=1.0)
-        assert 0.0 < found.best.place[0] < 1.0
+        assert 0.0 < found.best.coordinates[0] < 1.0
         assert np.isfinite(found.best.slopes).all()
 
 
@@ -129,4 +129,4 @@ def test_a_place_whose_slopes_have_no_finite_squares_is_refused():
         return [x - 1.0, 0.1], [[1e200 if x > 0.5 else 1.0], [0.0]]
 
     found, _ = search(steep, [0.0])
-    assert found.best.place[0] <= 0.5
+    assert found.best.coordinates[0] <= 0.5

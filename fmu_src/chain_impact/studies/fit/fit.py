@@ -133,8 +133,8 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         )
         raise SceneError("; ".join([few, *_left_out(problem, at)]))
     known = information(at.slopes[rows], found.sigma[rows])
-    reached = problem.bounds_reached(at.place, known.alone)
-    values, covariance = problem.values(at.place), known.covariance
+    reached = problem.bounds_reached(at.coordinates, known.alone)
+    values, covariance = problem.values(at.coordinates), known.covariance
     labels = [parameter.label for parameter in problem.parameters]
     columns = freedom_of_columns(problem, at, found.sigma)
     groups = [(problem.group[rows] == group, free) for group, free in columns.items()]
@@ -151,8 +151,10 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         values=dict(zip(labels, values.tolist(), strict=True)),
         standard_errors=dict(zip(labels, (errors * problem.scale(values)).tolist(), strict=True)),
         intervals={
-            label: _interval(one, place, half)
-            for label, one, place, half in zip(labels, problem.parameters, at.place, halves, strict=True)
+            label: _interval(one, coordinate, half)
+            for label, one, coordinate, half in zip(
+                labels, problem.parameters, at.coordinates, halves, strict=True
+            )
         },
         correlation=correlation,
         data=problem.data,
@@ -176,13 +178,13 @@ def _on_bounds(problem: Problem, found: Found) -> Evaluation:
     """
     at = found.search.best
     alone = information(at.slopes[at.usable], found.sigma[at.usable]).alone
-    reached = problem.bounds_reached(at.place, alone)
+    reached = problem.bounds_reached(at.coordinates, alone)
     if not reached:
         return at
-    place = at.place.copy()
+    coordinates = at.coordinates.copy()
     for p, which in reached.items():
-        place[p] = problem.low[p] if which == "lower" else problem.high[p]
-    there = problem.evaluate(place)
+        coordinates[p] = problem.low[p] if which == "lower" else problem.high[p]
+    there = problem.evaluate(coordinates)
     return there if np.array_equal(there.usable, at.usable) else at
 
 
@@ -238,9 +240,9 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
                 raise SceneError(f"{scene.name}: {parameter.name} {reason}")
 
 
-def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, float]:
+def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[float, float]:
     """Return the ends of an interval, given on the scale of the search, as values within the bounds."""
-    ends = np.array([place - half, place + half])
+    ends = np.array([coordinate - half, coordinate + half])
     if parameter.logarithmic:
         ends[np.abs(ends) > LARGEST] *= math.inf
     low, high = (min(max(parameter.value(end), parameter.low), parameter.high) for end in ends.tolist())
@@ -285,7 +287,7 @@ def _notes(
     for p, which in reached.items():
         one = problem.parameters[p]
         notes.append(
-            f"{one.label} is at its {which} bound, {one.value(float(at.place[p])):.6g}: "
+            f"{one.label} is at its {which} bound, {one.value(float(at.coordinates[p])):.6g}: "
             "its standard error and interval do not hold."
         )
     for one in problem.parameters:

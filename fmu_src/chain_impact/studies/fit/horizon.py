@@ -85,7 +85,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
         found, sigma = _one(problem, whole, sigma, horizons[-1], enough=ROUGH, most=ROUGH_STEPS)
         if found.best.usable.sum() >= MANY:
             best = min(best, _squares(found.best, sigma))
-        whole = problem.evaluate(found.best.place)
+        whole = problem.evaluate(found.best.coordinates)
         horizons.append(_next_horizon(problem, whole, horizons[-1], far))
         progress(min(1.0, horizons[-2] / last))
     early = sigma
@@ -110,7 +110,7 @@ def _one(
 ) -> tuple[Search, np.ndarray]:
     """Return the search with the data up to a horizon, and the standard deviations of its residuals."""
     found = minimize(
-        lambda place: problem.evaluate(place, horizon),
+        lambda coordinates: problem.evaluate(coordinates, horizon),
         problem.until(whole, horizon),
         sigma,
         bounds=(problem.low, problem.high),

@@ -57,23 +57,23 @@ def minimize(
     moved = first.slopes[rows].any(axis=0)
     if not moved.any():
         return Search(first, False, 0)
-    kept = {first.place[moved].tobytes(): first}
+    kept = {first.coordinates[moved].tobytes(): first}
 
-    def model(place: np.ndarray) -> Evaluation:
-        key = place.tobytes()
+    def model(coordinates: np.ndarray) -> Evaluation:
+        key = coordinates.tobytes()
         if key not in kept:
-            whole = first.place.copy()
-            whole[moved] = place
+            whole = first.coordinates.copy()
+            whole[moved] = coordinates
             kept[key] = evaluate(whole)
         return kept[key]
 
-    def slopes(place: np.ndarray) -> np.ndarray:
-        return np.asarray(model(place).slopes[np.ix_(rows, moved)] / sigma[rows, None])
+    def slopes(coordinates: np.ndarray) -> np.ndarray:
+        return np.asarray(model(coordinates).slopes[np.ix_(rows, moved)] / sigma[rows, None])
 
     @np.errstate(over="ignore")
-    def residuals(place: np.ndarray) -> np.ndarray:
-        found = model(place)
-        if not found.usable[rows].all() or not np.isfinite(np.square(slopes(place)).sum()):
+    def residuals(coordinates: np.ndarray) -> np.ndarray:
+        found = model(coordinates)
+        if not found.usable[rows].all() or not np.isfinite(np.square(slopes(coordinates)).sum()):
             return np.full(int(rows.sum()), np.inf)
         return np.asarray(found.residuals[rows] / sigma[rows])
 
@@ -81,7 +81,7 @@ def minimize(
 
     found = optimize.least_squares(
         residuals,
-        first.place[moved],
+        first.coordinates[moved],
         slopes,
         bounds=[ends[moved] for ends in bounds],
         x_scale="jac",

@@ -32,7 +32,7 @@ class Evaluation:
     """The model at one set of parameters.
 
     Attributes:
-        place: the coordinates of the parameters on the scale of the search, shape (P,).
+        coordinates: the coordinates of the parameters on the scale of the search, shape (P,).
         residuals: model − measured, shape (M,), in the unit of each value; NaN where the model has no value:
             beyond the horizon, after a fault, or for a missing impact.
         slopes: derivatives of the residuals with respect to the coordinates, shape (M, P); NaN where they do
@@ -40,7 +40,7 @@ class Evaluation:
         runs: the run of each data set.
     """
 
-    place: np.ndarray
+    coordinates: np.ndarray
     residuals: np.ndarray
     slopes: np.ndarray
     runs: tuple[Differentiated, ...]
@@ -148,36 +148,38 @@ class Problem:
             last = max(last, self.scenes[k].simulation.stop_time)
         return LATE * last if data.of_impact.any() else last
 
-    def values(self, place: np.ndarray) -> np.ndarray:
+    def values(self, coordinates: np.ndarray) -> np.ndarray:
         """Return the values of the parameters at some coordinates."""
-        return np.array([one.value(at) for one, at in zip(self.parameters, place.tolist(), strict=True)])
+        return np.array(
+            [one.value(at) for one, at in zip(self.parameters, coordinates.tolist(), strict=True)]
+        )
 
     def scale(self, values: np.ndarray) -> np.ndarray:
         """Return the derivatives of the values with respect to the coordinates, shape (P,)."""
         return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
 
-    def evaluate(self, place: np.ndarray, horizon: float = math.inf) -> Evaluation:
+    def evaluate(self, coordinates: np.ndarray, horizon: float = math.inf) -> Evaluation:
         """Run the models up to a horizon [s], and compare them with the measurements."""
-        values = self.values(place)
+        values = self.values(coordinates)
         scale = self.scale(values)
-        found, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(place)))
+        found, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(coordinates)))
         runs = []
         for k, (mine, part) in enumerate(zip(self.own, self._parts, strict=True)):
             done = self._run(k, values[mine], horizon)
             found[part], slopes[part, mine] = _select(self.data[k], done)
             runs.append(done)
         self.evaluations += 1
-        return self.until(Evaluation(place, found - self.value, slopes * scale, tuple(runs)), horizon)
+        return self.until(Evaluation(coordinates, found - self.value, slopes * scale, tuple(runs)), horizon)
 
-    def bounds_reached(self, place: np.ndarray, errors: np.ndarray) -> dict[int, str]:
+    def bounds_reached(self, coordinates: np.ndarray, errors: np.ndarray) -> dict[int, str]:
         """Return the parameters that are at a bound: index → "lower" or "upper".
 
         Args:
-            place: the coordinates, shape (P,).
+            coordinates: the coordinates of the parameters, shape (P,).
             errors: standard error of each parameter with all others fixed, shape (P,).
         """
-        lower = place - self.low <= self._near(self.low, errors)
-        upper = self.high - place <= self._near(self.high, errors)
+        lower = coordinates - self.low <= self._near(self.low, errors)
+        upper = self.high - coordinates <= self._near(self.high, errors)
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ HUGE = 10.0  # the standard error of a logarithm from which on the sentence give
 
 def unknown(problem: Problem, at: Evaluation, known: Information, reached: Collection[int]) -> Iterator[str]:
     """Yield a sentence for each parameter that the data do not determine, except those at bounds."""
-    values, errors = problem.values(at.place), known.errors
+    values, errors = problem.values(at.coordinates), known.errors
 
     def is_weak(p: int, error: float) -> bool:
         return is_unknown(problem.parameters[p], values[p], error)

@@ -16,13 +16,13 @@ import numpy as np
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
 from chain_impact.progress import log
-from chain_impact.scene.names import SENSITIVITY, Place
+from chain_impact.scene.names import SENSITIVITY, DataPath
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import kernel_for, sizes_of
 from chain_impact.studies.sweep.variation import Variation
+from chain_impact.variables.indices import PEAKS, STOP_PEAKS, word_index
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.places import PEAKS, STOP_PEAKS, word_index
 from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
@@ -38,14 +38,14 @@ class Job:
 
     Attributes:
         prepared: the prepared scene; the runs differ from it only in the values that vary.
-        varied: the places of the parameters in the instance record, in the order of the values; an empty
-            place stands for the stop time.
+        varied: the paths of the parameters in the instance record, in the order of the values; an empty
+            path stands for the stop time.
         kinds: ``real`` or ``enumeration`` for each parameter.
         outputs: names of additional outputs, with their values at the end of each run.
     """
 
     prepared: PreparedScene
-    varied: tuple[Place, ...]
+    varied: tuple[DataPath, ...]
     kinds: tuple[str, ...]
     outputs: tuple[str, ...]
 
@@ -55,8 +55,8 @@ class Job:
         return self.prepared.scene
 
     @property
-    def peaks(self) -> dict[str, Place]:
-        """The first columns: name → place in the instance record."""
+    def peaks(self) -> dict[str, DataPath]:
+        """The first columns: name → path in the instance record."""
         return PEAKS | (STOP_PEAKS if self.scene.chain.stops else {})
 
     @property
@@ -109,7 +109,7 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
     variables = [variation.variable for variation in variations]
     return Job(
         prepared,
-        tuple(variable.set_place for variable in variables),
+        tuple(variable.set_path for variable in variables),
         tuple(variable.type for variable in variables),
         tuple(dict.fromkeys(outputs)),
     )
@@ -154,24 +154,24 @@ class Runner:
         self._columns, self._loads = job.columns, job.loads
         # impulses of walls cost time, so they are computed only if a column needs them
         looked_at = {
-            part for column in (*self._columns.values(), *self._loads.values()) for part in column.place
+            part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
         }
         if "latest" not in looked_at:
             self._instance["latest"]["kept"] = 0
             self._instance["quadrature"]["wanted"] = bool(looked_at & {"impulse", "friction", "load"})
-        in_record = [k for k, place in enumerate(job.varied) if place]
+        in_record = [k for k, path in enumerate(job.varied) if path]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
-        self._places = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
-        places = [
+        self._varied_indices = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
+        paths = [
             *job.peaks.values(),
             ("step", "time"),
-            *(variable.place for variable in self._columns.values()),
-            *(variable.place for variable in self._loads.values()),
+            *(variable.record_path for variable in self._columns.values()),
+            *(variable.record_path for variable in self._loads.values()),
         ]
         kept = [(name, self._dtype[name]) for name in self._dtype.names or () if name != JOINT_FORCE]
         loads = [(f"load[{joint}]", np.dtype(float)) for joint in range(len(self._loads))]
         self._words = np.dtype([*kept, *loads])
-        self._output_indices = np.array([word_index(layout, place) for place in places], np.int64)
+        self._output_indices = np.array([word_index(layout, path) for path in paths], np.int64)
 
     def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
         """Run the chain once for each row of values, shape (R, K); return the rows of results, shape (R,).
@@ -198,8 +198,8 @@ class Runner:
                 raise CancelledError
             done += self._kernel.run_each(
                 self._instance.ctypes.data,
-                self._places.ctypes.data,
-                len(self._places),
+                self._varied_indices.ctypes.data,
+                len(self._varied_indices),
                 words[done:].ctypes.data,
                 stops[done:].ctypes.data,
                 len(rows) - done,
@@ -229,5 +229,5 @@ class Runner:
         """In runs that did not reach the end, set the values at the end to NaN."""
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():
-            if variable.place[0] in {"output", BEHIND}:
+            if variable.record_path[0] in {"output", BEHIND}:
                 rows[name][failed] = np.nan

@@ -30,7 +30,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.places import PEAKS
+from chain_impact.variables.indices import PEAKS
 from chain_impact.variables.prepared import PreparedScene
 
 # P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision

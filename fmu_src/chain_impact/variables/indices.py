@@ -1,4 +1,4 @@
-"""The index of a value in the record of an instance, and the places of outputs for each shape of a scene."""
+"""The index of a value in the record of an instance, and the indices of outputs for each shape of a scene."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.kernel.record.instance import STATE_OUTPUTS, instance_dtype
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import DataPath
 from chain_impact.variables.listing import SHAPES, outputs_of
 from chain_impact.variables.shape import Shape
 from chain_impact.variables.variable import Variable
 
 WORD = 8  # [byte] size of every scalar in the record
-PEAKS: dict[str, Place] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
-"""The largest values of all contacts at walls [N], [m]: column → place in the record."""
-STOP_PEAKS: dict[str, Place] = {
+PEAKS: dict[str, DataPath] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
+"""The largest values of all contacts at walls [N], [m]: column → path in the record."""
+STOP_PEAKS: dict[str, DataPath] = {
     "stop.peak_moment": ("peaks", "moment"),
     "stop.max_penetration": ("peaks", "rotation"),
 }
 """The largest values of all contacts at stops of joints [N·m], [rad], in a scene with stops: column →
-place."""
+path."""
 # layouts are kept, because computing a layout takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 
@@ -40,21 +40,21 @@ class Sizes(NamedTuple):
     knots: int
 
 
-def word_index(dtype: np.dtype, place: Place) -> int:
+def word_index(dtype: np.dtype, path: DataPath) -> int:
     """Return the index of a scalar in a record, counted in words of 8 bytes from the record's start."""
     offset = 0
-    for step in place:
+    for step in path:
         if isinstance(step, str):
             dtype, start = dtype[step], dtype.fields[step][1]  # type: ignore[index]
         else:
             item, (length, *rest) = dtype.base, dtype.shape
             if not 0 <= step < length:
-                raise IndexError(f"{place}: {step} is not below {length}")
+                raise IndexError(f"{path}: {step} is not below {length}")
             dtype = np.dtype((item, tuple(rest)))
             start = step * dtype.itemsize
         offset += start
     if dtype.fields or dtype.itemsize != WORD:
-        raise KeyError(f"{place} is not a scalar")
+        raise KeyError(f"{path} is not a scalar")
     return offset // WORD
 
 
@@ -89,12 +89,12 @@ def log_words(sizes: Sizes) -> LogWords:
     """Return where the log of contacts is in a record of some sizes."""
     layout = layout_of(*sizes)
     counts = ("finished", "count"), ("finished", "collected"), ("touch", "active_count"), ("changes", "count")
-    ended, collected, active, changes = (word_index(layout, place) for place in counts)
+    ended, collected, active, changes = (word_index(layout, path) for path in counts)
     room = layout["finished"]["point"].shape[0]
     return LogWords(ended, collected, active, changes, word_index(layout, ("finished", "point", 0)), room)
 
 
-class OutputPlaces(NamedTuple):
+class OutputIndices(NamedTuple):
     """The indices of the words of the record with outputs, by the outputs' names.
 
     Attributes:
@@ -112,14 +112,14 @@ class OutputPlaces(NamedTuple):
     of_state: bool = False
 
 
-def places_of(found: Iterable[Variable], there: OutputPlaces) -> OutputPlaces:
-    """Return the places of some of the outputs that are ``there``."""
-    places = {one.name: one.place for one in found}
-    motion = {name: there.motion[name] for name in places if name in there.motion}
-    stepwise = {name: there.stepwise[name] for name in places if name in there.stepwise}
+def indices_of(found: Iterable[Variable], every: OutputIndices) -> OutputIndices:
+    """Return the indices of some outputs from those of ``every`` output."""
+    paths = {one.name: one.record_path for one in found}
+    motion = {name: every.motion[name] for name in paths if name in every.motion}
+    stepwise = {name: every.stepwise[name] for name in paths if name in every.stepwise}
     row = np.dtype([(name, np.float64) for name in motion])
-    of_state = not stepwise and all(field in STATE_OUTPUTS for _, field, *_ in places.values())
-    return OutputPlaces(motion, stepwise, row, _words([*motion.values()], stepwise), of_state)
+    of_state = not stepwise and all(field in STATE_OUTPUTS for _, field, *_ in paths.values())
+    return OutputIndices(motion, stepwise, row, _words([*motion.values()], stepwise), of_state)
 
 
 def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.ndarray:
@@ -127,21 +127,21 @@ def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.n
 
 
 @lru_cache(SHAPES)
-def output_places(shape: Shape, sizes: Sizes) -> OutputPlaces:
-    """Return the output places of all scenes of a shape.
+def output_indices(shape: Shape, sizes: Sizes) -> OutputIndices:
+    """Return the indices of the outputs for all scenes of a shape.
 
-    The places are kept, because computing them takes as long as a short simulation.
+    The indices are kept, because computing them takes as long as a short simulation.
     """
     layout = layout_of(*sizes)
     motion: dict[str, int] = {}
     stepwise: dict[str, tuple[int, bool]] = {}
     for name, one in outputs_of(shape).items():
-        word = word_index(layout, one.place)
-        if one.place[0] == "output":
+        word = word_index(layout, one.record_path)
+        if one.record_path[0] == "output":
             motion[name] = word
         else:
             stepwise[name] = word, one.type == "real"
     # all outputs of the motion are kept in the kernel's own order
     row, first = layout["output"], first_word(layout, "output")
     words = _words(range(first, first + row.itemsize // WORD), stepwise)
-    return OutputPlaces(motion, stepwise, row, words)
+    return OutputIndices(motion, stepwise, row, words)

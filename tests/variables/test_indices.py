@@ -1,4 +1,4 @@
-"""The places of outputs in the record: their words contain the results of a run."""
+"""The indices of outputs in the record: their words contain the results of a run."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from chain_impact.variables.prepared import PreparedScene
 @pytest.mark.parametrize("name", ["four_link_box", "sliding_rod", "kneed_leg"])
 def test_the_words_of_the_outputs_are_those_of_the_variables(name):
     prepared = PreparedScene(load_scene(name))
-    motion, stepwise, *_ = prepared.output_places
+    motion, stepwise, *_ = prepared.output_indices
     assert [*motion, *stepwise] == [one.name for one in prepared.outputs]
     words = {one.name: prepared.word(one) for one in prepared.outputs}
     assert motion == {one: words[one] for one in motion}
@@ -24,15 +24,15 @@ def test_the_words_of_the_outputs_are_those_of_the_variables(name):
 def test_scenes_of_one_shape_share_them():
     scene = load_scene("rod_drop")
     other = PreparedScene(scene.with_values({"link[1].length": 0.9}))
-    assert other.output_places is PreparedScene(scene).output_places
+    assert other.output_indices is PreparedScene(scene).output_indices
 
 
 def test_a_row_has_what_the_record_has_at_its_time():
     scene = load_scene("rod_drop").with_values({"simulation.stop_time": 1.0})
     result, instance = simulate(scene), Instance(scene)
     instance.trajectory(result.time, np.zeros(len(result.time), result.prepared.row))
-    for name, word in result.prepared.output_places.motion.items():
+    for name, word in result.prepared.output_indices.motion.items():
         assert result[name][-1] == instance.words[word]
     whole = instance.words.view(np.int64)
-    for name, (word, is_real) in result.prepared.output_places.stepwise.items():
+    for name, (word, is_real) in result.prepared.output_indices.stepwise.items():
         assert result[name][-1] == (instance.words if is_real else whole)[word]
