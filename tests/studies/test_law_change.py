@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import compare, simulate
 from chain_impact.scene.reading import SceneError
-from chain_impact.studies.compare import OVERLAP
+from chain_impact.studies.compare import OVERLAPS
 from chain_impact.studies.compare_plot import conditions, looks_of, message
 from chain_impact.studies.compare_text import advice, head, heading, legend
 from chain_impact.studies.law_change import contact_at, keeps_exponents, law_values, with_law
@@ -109,7 +109,7 @@ def test_a_contact_that_holds_while_the_compared_impact_begins_is_told():
     stop, wall = found["zhang_sharf"].result.impacts[[0, 1]]
     assert (stop["wall"], wall["wall"]) == (4, 1)
     assert not stop["end"] < wall["onset"]
-    assert found["zhang_sharf"].note == OVERLAP
+    assert found["zhang_sharf"].note == OVERLAPS
 
 
 @pytest.mark.parametrize(

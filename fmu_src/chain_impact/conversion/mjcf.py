@@ -79,32 +79,32 @@ class _Reader:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
         texts = (text.data for text in self.spec.texts if text.name == CARRIED)
         self.carried: dict[str, Any] | None = next(map(json.loads, texts), None)
-        own = self.carried is not None
-        self.drives = Drives(mujoco, self.model, start.control, start.activation, own)
+        ours = self.carried is not None
+        self.drives = Drives(mujoco, self.model, start.control, start.activation, ours)
         self.contacts = Contacts(mujoco, self.model, file.stand_ins)
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
         """Return the robot with a given name, else with the name in the file."""
-        model, own = self.model, self.carried is not None
+        model, ours = self.model, self.carried is not None
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
         self.differences += [
             *self.drives.differences,
             *couplings(self.mujoco, model),
             *told_fields(model),
-            *([] if own else [*self.contacts.differences(), *self._others()]),
+            *([] if ours else [*self.contacts.differences(), *self._others()]),
         ]
         return Robot(
             name=self.spec.modelname or name,
             bodies=bodies,
             gravity=np.zeros(3) if weightless else np.array(model.opt.gravity),
-            planes=[] if not self.contacts.works else list(self.contacts.planes(own)),
+            planes=[] if not self.contacts.works else list(self.contacts.planes(ours)),
             tables=(self.carried or {}).get("tables", {}),
             first_link=(self.carried or {}).get("first_link", {}),
             link_tables=(self.carried or {}).get("bodies", ()),
             numbers=(self.carried or {}).get("numbers", {}),
-            notes=[] if own else [*notes, *flag_notes(self.mujoco, model)],
+            notes=[] if ours else [*notes, *flag_notes(self.mujoco, model)],
             differences=self.differences,
         )
 

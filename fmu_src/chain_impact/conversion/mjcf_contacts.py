@@ -67,10 +67,10 @@ class Contacts:
         friction = friction if self.friction is None else self.friction
         return friction if rubs else 0.0
 
-    def planes(self, own: bool) -> Iterator[Plane]:
+    def planes(self, ours: bool) -> Iterator[Plane]:
         """Yield the planes that do not move.
 
-        ``own``: whether this package wrote the file, which then has the friction of planes elsewhere.
+        ``ours``: whether this package wrote the file, which then has the friction of planes elsewhere.
         """
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
@@ -84,7 +84,7 @@ class Contacts:
                 name=model.geom(g).name or f"{g}",
                 point=np.array(data.geom_xpos[g]),
                 normal=np.array(data.geom_xmat[g].reshape(3, 3)[:, 2]),
-                touching=None if own else touching,
+                touching=None if ours else touching,
             )
 
     def shapes(self, b: int) -> list[Shape]:

@@ -48,14 +48,14 @@ class Drives:
     """The actuators of a model; the class collects actuators that no scene can have."""
 
     def __init__(
-        self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray, own: bool
+        self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray, ours: bool
     ) -> None:
         """Find the actuators of a model, with the controls and activations at the start.
 
-        ``own``: whether this package wrote the file.
+        ``ours``: whether this package wrote the file.
         """
         self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
-        self.own = own
+        self.ours = ours
         self.differences: list[Difference] = []
         self.at: dict[int, list[int]] = {}
         self.works = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
@@ -208,7 +208,7 @@ class Drives:
         inputs = {"joint_targets" if one.is_servo else "joint_torques" for one in drives}
         self.differences += self._told(joint, j, drives, stiffness, torque)
         limit = self._limit(joint, j, drives)
-        if limit is not None and not self.own:
+        if limit is not None and not self.ours:
             self._tell_limit(joint, limit)
         if servo and joint.stiffness > 0.0:
             self._tell_joint(joint, "its spring and its servo are one, whose target moves both", Effect.NONE)

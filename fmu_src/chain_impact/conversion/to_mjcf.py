@@ -85,8 +85,8 @@ def _add_walls(world: Element, scene: Scene) -> None:
         normal = plane.normal
         x, y = points.get(name, (normal[0] * plane.offset, normal[1] * plane.offset))
         material = scene.contact.wall.get(name)
-        own = None if material is None else material.friction
-        friction = scene.contact.friction if own is None else own
+        given = None if material is None else material.friction
+        friction = scene.contact.friction if given is None else given
         SubElement(
             world,
             "geom",

@@ -69,16 +69,16 @@ def description_findings(path: Path) -> list[Finding]:
         said = f"fmiVersion = {version!r} must be one of {', '.join(VERSIONS)}: nothing else was checked"
         return [Finding(said, attribute="fmiVersion")]
     variables = variables_of(root)
-    own = [*list_findings(root, variables), *variable_findings(root, variables)]
+    faults = [*list_findings(root, variables), *variable_findings(root, variables)]
     names = {one.name for one in variables} | {alias.get("name", "") for alias in root.iter("Alias")}
     for file, content in terminals.items():
-        own += terminal_findings(content, names, file)
+        faults += terminal_findings(content, names, file)
     # fmpy raises an IndexError or a KeyError for a reference to a missing element
     structure = Structure(root, variables)
     if not (lost := list(structure.lost())):
-        own += structure.findings()
-        own += _of_fmpy(path, known=bool(own))
-    return list(dict.fromkeys(lost + own))  # several references to one thing may have the same fault
+        faults += structure.findings()
+        faults += _of_fmpy(path, known=bool(faults))
+    return list(dict.fromkeys(lost + faults))  # several references to one thing may have the same fault
 
 
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:

@@ -87,7 +87,7 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 
 
 def reference(prepared: PreparedScene) -> Reference:
-    """Simulate a scene at a tolerance of 1e-12 and at its own, up to the time at which the runs differ.
+    """Simulate a scene at a tolerance of 1e-12 and at its own tolerance, until the two runs differ.
 
     If the runs agree only over a small part of the scene's time, this part is simulated with shorter steps.
 
@@ -113,13 +113,13 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     names, whole = [v.name for v in chosen], np.array([v.type != "real" for v in chosen])
     units = np.array([v.unit for v in chosen])
     inputs, tolerance = _inputs(prepared, times), prepared.scene.solver.tolerance
-    (exact, contacts), (own, others) = (
+    (exact, contacts), (usual, others) = (
         _run(
             prepared.scene.with_values({"solver.tolerance": t, "outputs.solver": True}), times, inputs, names
         )
         for t in (EXACT, tolerance)
     )
-    count = min(len(exact), len(own))
+    count = min(len(exact), len(usual))
     # a contact that lasts has NaN as its end
     edges = [table[end] for table in (contacts, others) for end in ("onset", "end")]
     apart = (
@@ -130,7 +130,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     rows = np.flatnonzero(apart & (times[:count] < until))
     largest = np.abs(exact[rows]).max(axis=0, initial=0.0)
     scale = np.array([largest[units == unit].max() for unit in units]) + EXACT
-    deviation = np.abs(own[rows] - exact[rows])
+    deviation = np.abs(usual[rows] - exact[rows])
     astray = (deviation > np.where(whole, 0.0, max(LARGEST, tolerance) * scale)).any(axis=1)
     rows = rows[: np.argmax(astray)] if astray.any() else rows
     worst = deviation[: len(rows)].max(axis=0, initial=0.0)
@@ -198,11 +198,11 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     return {name: np.array([float(f"{x:.{DIGITS}g}") for x in values]) for name, values in signals.items()}
 
 
-def _agreed_until(exact: np.ndarray, own: np.ndarray, close: float) -> float:
+def _agreed_until(exact: np.ndarray, usual: np.ndarray, close: float) -> float:
     """Return the time [s] up to which all onsets of two runs agree within ``close`` [s]."""
-    count = min(len(exact), len(own))
-    first = int(np.argmax(np.append(np.abs(exact[:count] - own[:count]) > close, True)))
-    return float(min([math.inf, *exact[first:], *own[first:]]))
+    count = min(len(exact), len(usual))
+    first = int(np.argmax(np.append(np.abs(exact[:count] - usual[:count]) > close, True)))
+    return float(min([math.inf, *exact[first:], *usual[first:]]))
 
 
 # --- the check -------------------------------------------------------------------------------------------

@@ -128,15 +128,15 @@ class Trial:
         values = self.values()
         for one in self.variables:
             if one.exact and one.start and one.name in values:
-                own = values[one.name]
+                found = values[one.name]
                 said = [one.value(text) for text in one.start]
-                said = said * len(own) if len(said) == 1 else said
-                if len(said) == len(own) and not _all_close(said, own):
-                    first = next(i for i in range(len(own)) if not _close(said[i], own[i]))
-                    place = f"[{first}]" if len(own) > 1 else ""
+                said = said * len(found) if len(said) == 1 else said
+                if len(said) == len(found) and not _all_close(said, found):
+                    first = next(i for i in range(len(found)) if not _close(said[i], found[i]))
+                    place = f"[{first}]" if len(found) > 1 else ""
                     self.found(
                         f"start{place} = {_text(said[first])}, and the FMU itself starts with "
-                        f"{_text(own[first])}",
+                        f"{_text(found[first])}",
                         one,
                         "start",
                     )

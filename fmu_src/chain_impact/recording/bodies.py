@@ -36,8 +36,8 @@ def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
         if (height := values.get(f"link[{link}].height")) is not None:
             places = (corner_of_box(n, values[f"link[{link}].length"], height) for n in range(1, CORNERS + 1))
             discs = [(x, y, values.get("contact.radius", 0.0)) for x, y in places]
-        own = (f"link[{link}].point[{n}]" for n in count(len(discs) + 1))
-        for of in takewhile(lambda one: f"{one}.x" in values, own):
+        names = (f"link[{link}].point[{n}]" for n in count(len(discs) + 1))
+        for of in takewhile(lambda one: f"{one}.x" in values, names):
             x, y, radius = (float(values[f"{of}.{key}"]) for key in ("x", "y", "radius"))
             discs.append((x, y, radius))
         if discs:

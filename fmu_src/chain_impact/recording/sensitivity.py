@@ -62,8 +62,8 @@ class Sensitivities:
     def units(self) -> dict[str, str]:
         """The units: name of a parameter, an output, or a derivative of an output → unit."""
         prepared = self.prepared
-        own = derivatives(prepared.motion, self.varied)
-        variables = (*prepared.parameters, *prepared.inputs, *prepared.outputs, *own)
+        added = derivatives(prepared.motion, self.varied)
+        variables = (*prepared.parameters, *prepared.inputs, *prepared.outputs, *added)
         return {variable.name: variable.unit for variable in variables}
 
     @cached_property

@@ -175,8 +175,8 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
         return []
     wall = scene.wall_names[impacts["wall"][depths.argmax()]]
     material = scene.contact.wall.get(wall)
-    own = material.stiffness if material else None
-    name, stiffness = ("contact", scene.contact.stiffness) if own is None else (f"wall.{wall}", own)
+    given = material.stiffness if material else None
+    name, stiffness = ("contact", scene.contact.stiffness) if given is None else (f"wall.{wall}", given)
     return [
         f"a point goes farther beyond {wall} than the shortest link is long, {shortest:g} m: "
         f"{name}.stiffness = {stiffness:g} [N/m^{scene.contact.exponent:g}] is small for this motion"

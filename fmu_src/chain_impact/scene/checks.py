@@ -216,9 +216,10 @@ def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
 
     A wall with its own sliding coefficient does not use the static coefficient of `contact`.
     """
-    own = material.friction is not None
-    sliding = contact.friction if material.friction is None else material.friction
-    static = 0.0 if own else contact.static_friction
+    if material.friction is None:
+        sliding, static = contact.friction, contact.static_friction
+    else:
+        sliding, static = material.friction, 0.0
     return sliding, static if material.static_friction is None else material.static_friction
 
 

@@ -27,9 +27,9 @@ CLOSED = 1e-9
 
 def value_at_start(signal: Signal, driven: str, stop: float) -> float:
     """Return the value at t = 0 of an input that a signal drives, in a run until ``stop`` [s]."""
-    own, knot = np.zeros((), signal_dtype(1)), np.zeros((), knot_dtype(knots_of(signal)))
-    write_signal({"signal": own, "knot": knot}, 0, signal, driven, stop)
-    d = SimpleNamespace(signals=1, signal=_fields(own), knot=_fields(knot))
+    row, knot = np.zeros((), signal_dtype(1)), np.zeros((), knot_dtype(knots_of(signal)))
+    write_signal({"signal": row, "knot": knot}, 0, signal, driven, stop)
+    d = SimpleNamespace(signals=1, signal=_fields(row), knot=_fields(knot))
     derive_signals(d, 0.0)
     return float(signal_at(d, 0, 0.0)[0])
 
@@ -49,18 +49,18 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
         driven: the input that the row drives.
         stop: the end of the run [s].
     """
-    own = d["signal"]
-    first, order = int(own["first"][j]), int(own["order"][j])
+    fields = d["signal"]
+    first, order = int(fields["first"][j]), int(fields["order"][j])
     rows = slice(first, first + knots_of(signal))
-    own["form"][j], own["shape"][j] = FORMS.index(signal.form), SHAPES.index(signal.shape or SHAPES[0])
-    own["last"][j], own["segment"][j] = rows.stop - 1, first
+    fields["form"][j], fields["shape"][j] = FORMS.index(signal.form), SHAPES.index(signal.shape or SHAPES[0])
+    fields["last"][j], fields["segment"][j] = rows.stop - 1, first
     for key in NUMBERS:
-        own[key][j] = getattr(signal, key) or 0.0
+        fields[key][j] = getattr(signal, key) or 0.0
     if signal.form == "steps":
         d["knot"]["given_time"][rows], d["knot"]["given_value"][rows] = signal.times, signal.values
     if signal.form == "table":
-        times, powers, own["gain"][j] = table_of(signal, driven, order, stop)
-        own["period"][j] = signal.period or 0.0
+        times, powers, fields["gain"][j] = table_of(signal, driven, order, stop)
+        fields["period"][j] = signal.period or 0.0
         d["knot"]["time"][rows], d["knot"]["powers"][rows, : powers.shape[1]] = times, powers
 
 

@@ -27,7 +27,7 @@ from chain_impact.studies.compare_text import report
 from chain_impact.studies.law_change import (
     EXACT,
     LOSSLESS,
-    OVERLAP,
+    OVERLAPS,
     contact_at,
     first_number,
     keeps_exponents,
@@ -240,13 +240,13 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
         result = error.result
     number = None if result is None else first_number(result.scene, result.impacts)
     if result is not None and number is not None:
-        own = result.impacts[number]
-        first = _values_of(result, own)
-        used = contact_at(result.scene, own)
+        impact = result.impacts[number]
+        first = _values_of(result, impact)
+        used = contact_at(result.scene, impact)
         earlier, later = result.impacts[:number], result.impacts[number + 1 : number + 2]
         # a contact that lasts until the end of the run has no end time
-        overlap = later["onset"] <= own["onset"] + first["duration"]
-        notes += [OVERLAP] if overlap.any() or not (earlier["end"] <= own["onset"]).all() else []
+        overlap = later["onset"] <= impact["onset"] + first["duration"]
+        notes += [OVERLAPS] if overlap.any() or not (earlier["end"] <= impact["onset"]).all() else []
     return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
 
 

@@ -19,14 +19,14 @@ EXACT = "zhang_sharf"
 """The law with which the other laws are compared, if it allows the scene's restitution."""
 LOSSLESS = "hertz"
 """The law without losses: the first impact is free if it has the restitution 1 with this law."""
-OVERLAP = "another contact began before the first ended"
+OVERLAPS = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 
 
 def law_names(scene: Scene) -> list[str]:
     """Return the ids of all laws that a scene can have."""
-    own = Path(scene.contact.law_file).stem
-    return [*CONTACT_LAWS, own] if own else list(CONTACT_LAWS)
+    user_law = Path(scene.contact.law_file).stem
+    return [*CONTACT_LAWS, user_law] if user_law else list(CONTACT_LAWS)
 
 
 def needed_exponent(law: str, exponent: float) -> float:
@@ -59,8 +59,8 @@ def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
 
     The law of `contact` does not act at stops with their own law.
     """
-    own = scene.stops.model is not None
-    return next((k for k, row in enumerate(impacts) if not (own and at_stop(scene, row["wall"]))), None)
+    differs = scene.stops.model is not None
+    return next((k for k, row in enumerate(impacts) if not (differs and at_stop(scene, row["wall"]))), None)
 
 
 def first_place(scene: Scene) -> str:

@@ -28,13 +28,13 @@ def fill_signals(d: Any, scene: Scene) -> None:
     """Write the signals of a scene into a new instance."""
     if not scene.signals:
         return
-    shape, own, stop = shape_of(scene), d["signal"], scene.simulation.stop_time
+    shape, fields, stop = shape_of(scene), d["signal"], scene.simulation.stop_time
     paths = {variable.name: variable.record_path for variable in inputs_asked(shape)}
     first, knot = dict[str, int](), 0
     for j, one in enumerate(shape.signals):
-        own["input"][j], own["index"][j] = acting(paths[one.input])
-        own["source"][j] = first.setdefault(one.signal, j)
-        own["order"][j], own["first"][j] = one.order, knot
+        fields["input"][j], fields["index"][j] = acting(paths[one.input])
+        fields["source"][j] = first.setdefault(one.signal, j)
+        fields["order"][j], fields["first"][j] = one.order, knot
         write_signal(d, j, scene.signals[one.signal], one.input, stop)
         knot += one.knots
 

@@ -24,6 +24,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import Chain, Contact, Link, Slider
 from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, Sizes, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
@@ -46,13 +47,26 @@ _GIVEN_IF = {kind.given_if for _, kinds in PARAMETERS for kind in kinds if kind.
 """The conditions under which the record has a separate field for a given value."""
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
 """The tables of the scene whose numbers can be written again without the other tables."""
-_DECISIVE = [
-    str(kind.path[-1])
-    for of, kinds in PARAMETERS
-    for kind in kinds
-    if of == "link" and kind.path and kind.path[0] == "chain" and (kind.hint or kind.if_missing)
-]
-"""The keys of a link whose values determine which variables exist."""
+
+
+def _decisive(table: type, path: DataPath) -> list[str]:
+    """Return the keys of a table whose values determine the layout of the record, or which variables exist.
+
+    These are all keys but those of the parameters that every scene with the table has.
+    """
+    numbers = {
+        kind.path[-1]
+        for _, kinds in PARAMETERS
+        for kind in kinds
+        if kind.path and kind.path[:-1] == path and not (kind.hint or kind.if_missing)
+    }
+    return [key.name for key in keys(table) if key.name not in numbers]
+
+
+_OF_CONTACT = _decisive(Contact, ("contact",))
+_OF_LINK = _decisive(Link, ("chain", "links", AT))
+_OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
+"""The decisive keys; a slider's angle decides which points can move along the normal of a wall."""
 
 
 def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> np.ndarray:
@@ -95,25 +109,24 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     for name in ("box", "walls", "stops", "inputs", "signals", "outputs", "derived_paths"):
         if getattr(before, name) is not getattr(scene, name):
             return None
-    if before.contact is not scene.contact and _kind_of_contact(before) != _kind_of_contact(scene):
-        return None
-    if before.chain is not scene.chain and _kind_of_chain(before) != _kind_of_chain(scene):
+    if _differ(before.contact, scene.contact, _OF_CONTACT) or _chains_differ(before.chain, scene.chain):
         return None
     return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
 
 
-def _kind_of_contact(scene: Scene) -> tuple[Any, ...]:
-    """Return the values of the contact on which the layout of the record or the variables depend."""
-    contact = scene.contact
-    return id(contact.wall), contact.points, contact.law_file, contact.friction, contact.static_friction
+def _chains_differ(one: Chain, other: Chain) -> bool:
+    """Return whether two chains differ in more than numbers."""
+    if one is other:
+        return False
+    if one.base != other.base or len(one.links) != len(other.links):
+        return True
+    pairs = zip(one.links, other.links, strict=True)
+    return any(_differ(*pair, _OF_LINK) for pair in pairs) or _differ(one.slider, other.slider, _OF_SLIDER)
 
 
-def _kind_of_chain(scene: Scene) -> tuple[Any, ...]:
-    """Return the values of the chain on which the layout of the record or the variables depend."""
-    links, slider = scene.chain.links, scene.chain.slider
-    ends = slider and (slider.min, slider.max, slider.friction, slider.force_limit, slider.angle)
-    kinds = [[getattr(link, name) for name in _DECISIVE] for link in links]
-    return scene.chain.base, kinds, scene.chain.sites, ends
+def _differ(one: Any, other: Any, names: Sequence[str]) -> bool:
+    """Return whether two tables differ in the values of some keys."""
+    return one is not other and any(getattr(one, name) != getattr(other, name) for name in names)
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:

@@ -162,10 +162,10 @@ def block(
         when: conditions for all kinds, in addition to their own.
         common: other attributes that all kinds have.
     """
-    own = {"of": of, "owner": owner if terminal else "", **common}
+    common = {"of": of, "owner": owner if terminal else "", **common}
     prefix = f"{owner}." if owner else ""
     return Block(
-        of, tuple(replace(row, name=prefix + row.name, when=(*when, *row.when), **own) for row in rows)
+        of, tuple(replace(row, name=prefix + row.name, when=(*when, *row.when), **common) for row in rows)
     )
 
 

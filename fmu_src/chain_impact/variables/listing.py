@@ -142,12 +142,9 @@ def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Element
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:
-    """Return the lists of choices: contact laws in the order of their numbers, a user's law last.
-
-    And methods.
-    """
+    """Return the lists of choices: contact laws, a user's law last, and methods of the solver."""
     laws = [Item(law.id, law.source) for law in CONTACT_LAWS.values()]
     if scene.contact.law_file:
-        own = read_law(Path(scene.contact.law_file))
-        laws.append(Item(own.id, own.summary))
+        law = read_law(Path(scene.contact.law_file))
+        laws.append(Item(law.id, law.summary))
     return {LAWS: tuple(laws), METHODS: _METHODS}

@@ -61,8 +61,8 @@ def _rows(text: str) -> Iterator[list[str]]:
         cells = [cell.strip() for cell in line.split("|")]
         name, unit, said, *others = cells + [""] * (COLUMNS - len(cells))
         for j, axis in enumerate(AXES if "{axis}" in line else ("",)):
-            own = (cell.replace("{axis}", axis).replace("{j}", str(j)) for cell in others)
-            yield [name.replace("{axis}", axis), unit, said, *own, axis]
+            filled = (cell.replace("{axis}", axis).replace("{j}", str(j)) for cell in others)
+            yield [name.replace("{axis}", axis), unit, said, *filled, axis]
 
 
 def _attribute(text: str, unit: str) -> tuple[str, Any]:

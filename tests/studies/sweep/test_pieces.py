@@ -107,7 +107,7 @@ def test_a_kernel_for_the_sizes_of_a_scene_gives_the_same_bits(model):
     scene = load_scene(model)
     variations = variations_of(scene, {"contact.restitution": "0.3:0.7:100"})
     job, values = job_of(scene, variations, ()), grid(variations, scene.name).values(0, 100)
-    assert Runner(job, own=True).run(values).tobytes() == Runner(job).run(values).tobytes()
+    assert Runner(job, own_kernel=True).run(values).tobytes() == Runner(job).run(values).tobytes()
 
 
 @pytest.mark.parametrize(("runs", "own"), [(9, False), (10, True)])

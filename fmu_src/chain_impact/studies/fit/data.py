@@ -297,7 +297,7 @@ class _Book:
             return self._scene.wall_names.index(cell)
         points = sorted({point for point, _ in candidates(self._scene)})
         labels = [*self._scene.point_names.values()]
-        names = {own: number for number, own in self._scene.point_names.items() if labels.count(own) == 1}
+        names = {label: k for k, label in self._scene.point_names.items() if labels.count(label) == 1}
         if name == POINT and cell in names:
             return names[str(cell)]
         allowed = (

@@ -147,7 +147,7 @@ def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> d
     rank = singular > 1e-12 * max(singular.max(initial=0.0), 1e-300)
     leverage = (left[:, rank] ** 2).sum(axis=1)
     mine = {group: problem.group[rows] == group for group, _ in _estimated(problem)}
-    return {group: float(own.sum() - leverage[own].sum()) for group, own in mine.items()}
+    return {group: float(rows.sum() - leverage[rows].sum()) for group, rows in mine.items()}
 
 
 def _first_sigma(problem: Problem) -> np.ndarray:

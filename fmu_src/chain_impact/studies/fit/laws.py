@@ -32,8 +32,8 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     Raises:
         SceneError: when no law can be fitted.
     """
-    own = scenes[0].contact
-    laws = [own.model, *(law for law in law_names(scenes[0]) if law != own.model)]
+    contact = scenes[0].contact
+    laws = [contact.model, *(law for law in law_names(scenes[0]) if law != contact.model)]
     first, found = None, []
     for k, law in enumerate(laws):
         one, note = None, ""
@@ -43,12 +43,12 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
             except SceneError as error:
                 note = note if one else str(error).removeprefix(f"{scenes[0].name}: ")
                 continue
-            exponent = needed_exponent(law, own.exponent)
-            note = f"n = {exponent:g}" if exponent != own.exponent else ""
+            exponent = needed_exponent(law, contact.exponent)
+            note = f"n = {exponent:g}" if exponent != contact.exponent else ""
             if one.converged:
                 break
         found.append(LawFit(law, one, note))
-        first = first or (one if law == own.model else None)
+        first = first or (one if law == contact.model else None)
     most = max((int(one.fit.used.sum()) for one in found if one.fit), default=0)
     if not most:
         raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {found[0].note}")

@@ -70,7 +70,7 @@ class Problem:
             if this is larger.
         group: index of each value's column in ``names``, shape (M,).
         names: the names of the columns.
-        own: for each data set, the indices of the parameters on which its model depends.
+        used: for each data set, the indices of the parameters on which its model depends.
         evaluations: the number of runs with derivatives.
     """
 
@@ -97,16 +97,16 @@ class Problem:
         self.low, self.high = np.array([one.ends for one in self.parameters]).T
         self.size = self._sizes()
         self.evaluations = 0
-        self.own = [
+        self.used = [
             [p for p, one in enumerate(self.parameters) if one.run in (None, k)]
             for k in range(len(self.data))
         ]
         try:
             self._runs = [
                 DifferentiatedRun(
-                    scene, [self.parameters[p].name for p in own], one.outputs, one.inputs, interpolation
+                    scene, [self.parameters[p].name for p in used], one.outputs, one.inputs, interpolation
                 )
-                for scene, one, own in zip(self.scenes, self.data, self.own, strict=True)
+                for scene, one, used in zip(self.scenes, self.data, self.used, strict=True)
             ]
         except SimulationError as error:
             raise SceneError(f"{self.scenes[0].name}: {error}") from None
@@ -164,7 +164,7 @@ class Problem:
         scale = self.scale(values)
         found, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(coordinates)))
         runs = []
-        for k, (mine, part) in enumerate(zip(self.own, self._parts, strict=True)):
+        for k, (mine, part) in enumerate(zip(self.used, self._parts, strict=True)):
             done = self._run(k, values[mine], horizon)
             found[part], slopes[part, mine] = _select(self.data[k], done)
             runs.append(done)

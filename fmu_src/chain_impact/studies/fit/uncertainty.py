@@ -105,11 +105,11 @@ def small_sample(
     doubt, growth = np.zeros(len(variance)), np.zeros(len(variance))
 
     def part(matrix: np.ndarray) -> np.ndarray:
-        own = np.diag(covariance @ matrix @ covariance)
-        return np.divide(own, variance, out=np.zeros(len(own)), where=variance > 0.0)
+        part_of_column = np.diag(covariance @ matrix @ covariance)
+        return np.divide(part_of_column, variance, out=np.zeros(len(variance)), where=variance > 0.0)
 
-    for mine, own in groups:
-        known, free = information(slopes[mine], sigma[mine]).matrix, max(own, LEAST_FREEDOM)
+    for mine, degrees in groups:
+        known, free = information(slopes[mine], sigma[mine]).matrix, max(degrees, LEAST_FREEDOM)
         doubt += part(known) ** 2 / free
         growth += 4.0 / free * part(known - known @ covariance @ known).clip(0.0)
     freedom = np.divide(1.0, doubt, out=np.full(len(doubt), math.inf), where=doubt > 0.0)

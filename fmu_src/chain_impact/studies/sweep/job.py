@@ -124,7 +124,7 @@ def has_own_kernel(job: Job) -> bool:
     if job.differentiated:
         return False
     try:
-        Runner(job, own=True)
+        Runner(job, own_kernel=True)
     except BuildError as error:
         name = job.scene.name
         log.warning("%s: no kernel for its sizes, so the sweep takes longer: %s", name, error)
@@ -135,20 +135,20 @@ def has_own_kernel(job: Job) -> bool:
 class Runner:
     """The computation of blocks of a job's runs in the kernel, with one instance, in one thread."""
 
-    def __init__(self, job: Job, *, own: bool = False) -> None:
+    def __init__(self, job: Job, *, own_kernel: bool = False) -> None:
         """Load or compile the kernel.
 
         Args:
             job: the job of the runs.
-            own: whether the kernel is for scenes of exactly these sizes; such a kernel gives the same bits in
-                less time.
+            own_kernel: whether the kernel is for scenes of exactly these sizes; such a kernel gives the same
+                bits in less time.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
         varied = job.differentiated
         self._instance = job.prepared.new_instance(varied)
-        sizes = sizes_of(self._instance) if own and not varied else None
+        sizes = sizes_of(self._instance) if own_kernel and not varied else None
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads

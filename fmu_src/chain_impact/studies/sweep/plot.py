@@ -257,13 +257,13 @@ def _curves(
     for axes, quantity in zip(panels, quantities, strict=True):
         shown = quantity.of(found)
         for name, colour in zip(choice.shown(choice.values) if choice else [None], COLOURS, strict=False):
-            own = np.flatnonzero(found[choice.name] == name) if choice else np.arange(len(found))
-            own = own[np.argsort(values[own], kind="stable")]
-            label = f"{name} (failed)" if choice and found.failed[own].all() else name
+            rows = np.flatnonzero(found[choice.name] == name) if choice else np.arange(len(found))
+            rows = rows[np.argsort(values[rows], kind="stable")]
+            label = f"{name} (failed)" if choice and found.failed[rows].all() else name
             marks: dict[str, Any] = {}
-            if len(own) <= 40:  # noqa: PLR2004 - few values are drawn with markers
+            if len(rows) <= 40:  # noqa: PLR2004 - few values are drawn with markers
                 marks = {"marker": "o", "markersize": 3.0}
-            axes.plot(values[own], shown[own], color=colour, label=label, linewidth=1.4, **marks)
+            axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
         failed = values[found.failed]
         if len(failed):
             axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)

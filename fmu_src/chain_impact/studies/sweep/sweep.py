@@ -108,8 +108,8 @@ def sweep(
         if target and not dataset:
             stack.enter_context(_interruptible(target, head, rows, done, design))
         many = scheduler is None and left >= OWN_KERNEL_FROM
-        own = many and not missing_compilers() and has_own_kernel(job)
-        work = Work(job, design, dataset.path.resolve() if dataset else None, own)
+        own_kernel = many and not missing_compilers() and has_own_kernel(job)
+        work = Work(job, design, dataset.path.resolve() if dataset else None, own_kernel)
         if scheduler is None or not spans:
             pieces = run_in_threads(work, spans, threads)
         else:

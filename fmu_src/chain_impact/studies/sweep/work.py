@@ -70,13 +70,13 @@ class Work:
         job: the data that the runs share.
         design: the values of each run.
         folder: the folder for Parquet files; None if rows are returned.
-        own: whether the kernel is for exactly the sizes of this scene.
+        own_kernel: whether the kernel is for exactly the sizes of this scene.
     """
 
     job: Job
     design: Design
     folder: Path | None = None
-    own: bool = False
+    own_kernel: bool = False
 
     def runner(self) -> Runner:
         """Return the runner for the runs of a piece.
@@ -84,7 +84,7 @@ class Work:
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
-        return Runner(self.job, own=self.own)
+        return Runner(self.job, own_kernel=self.own_kernel)
 
     def do(self, piece: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Made, float]:
         """Compute some runs; return the rows or the file's name, and the computing time [s].
