@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.text import Text
 
-from chain_impact.pictures.dark import luminance
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import fit_legends, legend_above
 from chain_impact.pictures.pages import SIZE
@@ -281,22 +280,6 @@ def test_a_legend_in_two_rows_is_read_row_by_row():
         places = {text.get_text(): text.get_window_extent() for text in texts}
         assert sorted(names, key=lambda name: (-round(places[name].y0), places[name].x0)) == names
         assert 1 < len({round(box.x0) for box in places.values()}) < len(names)
-
-
-def test_axes_of_a_dark_style_have_texts_and_a_total_that_can_be_seen():
-    with matplotlib.style.context("dark_background"):
-        axes = Figure().add_subplot()
-        (own,) = axes.plot([0.0, 1.0], [0.0, 1.0], color="navy")
-        recorded("rod_drop").plot(kind="energy", ax=axes)
-    assert own.get_color() == "navy"
-    own.remove()
-    assert {to_hex(text.get_color()) for text in axes.get_legend().get_texts()} == {"#ffffff"}
-    total = next(line for line in axes.lines if line.get_label() == "total")
-    assert to_hex(total.get_color()) == "#ffffff"
-    assert all(luminance(line.get_color()) > 0.29 for line in axes.lines)
-    assert all(luminance(handle.get_color()) > 0.29 for handle in axes.get_legend().legend_handles)
-    (rest,) = axes.patches
-    assert max(rest.get_facecolor()[:3]) < 0.2  # shaded, not white
 
 
 def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():

@@ -3,13 +3,12 @@
 from chain_impact.pictures.bars import bars_size, fill_bars
 from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
-from chain_impact.pictures.impact import SIZE as IMPACT_SIZE, draw_loop, fill_impact
+from chain_impact.pictures.impact import SIZE as IMPACT_SIZE, fill_impact, fill_loop_axes
 from chain_impact.pictures.motion import draw_chain
 from chain_impact.pictures.overview import fill, fill_axes
 from chain_impact.pictures.pages import NoRoomError, check_alone, drawn
 from chain_impact.pictures.room import draw_walls
 from chain_impact.pictures.sizes import MM
-from chain_impact.pictures.style import styled
 
 __all__ = [
     "IMPACT_SIZE",
@@ -19,7 +18,6 @@ __all__ = [
     "check_alone",
     "curves_size",
     "draw_chain",
-    "draw_loop",
     "draw_walls",
     "drawn",
     "fill",
@@ -28,6 +26,6 @@ __all__ = [
     "fill_curve_axes",
     "fill_curves",
     "fill_impact",
+    "fill_loop_axes",
     "fill_sensitivities",
-    "styled",
 ]

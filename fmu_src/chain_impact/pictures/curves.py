@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import ExitStack
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.dark import lighter_on_dark
+from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.over_time import mark_impacts
@@ -79,7 +78,6 @@ def seen(recording: Recording, curves: Curves) -> list[str]:
     return [f"impact {curves.number} of {len(recording.impacts)}, {recording.toucher(impact)} at {wall}"]
 
 
-@styled({})
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
     """Draw each panel into the given axes.
 
@@ -90,14 +88,15 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
     count = len(curves.panels)
     if len(given) != count:
         raise ValueError(f"ax: there are {len(given)} axes for {plural(count, 'unit')} of curves")
-    with ExitStack() as stack:
-        for axes in given:
-            stack.enter_context(lighter_on_dark(axes))
-        draw_all(given, recording, curves)
+    with drawn_into(given):
+        draw_all(given, recording, curves, beside=False)
+        fit_into_figure(given)
 
 
-def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None:
-    """Draw the panels into the axes of a grid."""
+def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, beside: bool = True) -> None:
+    """Draw the panels into the axes of a grid; ``beside``: whether names may be at the side of a panel."""
+    page = grid[0].get_figure(root=True)
+    wide = beside and page is not None and not is_narrow(page)
     start, factor, label = 0.0, 1.0, "time [s]"
     if curves.onset is not None:
         start, factor = curves.onset, 1e3
@@ -124,7 +123,10 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves) -> None
         axes.set_xlabel(label)
         axes.margins(y=0.08)
         give_ticks(axes)
-        name_curves(axes, len(names))
+        if wide and len(names) <= SIDE:
+            axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
+        else:
+            legend_above(axes)
 
 
 def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor: float) -> None:
@@ -150,12 +152,3 @@ def axis_label(names: Sequence[str], unit: str) -> str:
     last = {name.rpartition(".")[2] for name in names}
     shared = last.pop() if len(last) == 1 else ""
     return f"{shared} [{unit}]".lstrip() if unit else shared
-
-
-def name_curves(axes: Axes, count: int) -> None:
-    """Write the names of the curves beside their panel if there is room, else above the panel."""
-    page = axes.get_figure(root=True)
-    if page is not None and not is_narrow(page) and count <= SIDE:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
-        return
-    legend_above(axes)

@@ -1,23 +1,90 @@
-"""Colours for axes with a dark ground: the colours of pictures are chosen for a white page."""
+"""Dark grounds: the colours of pictures are chosen for a white page, and change to suit a dark one."""
 
 from __future__ import annotations
 
 import colorsys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib.artist import Artist
+from matplotlib.axis import Axis
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import Collection
-from matplotlib.colors import to_rgba
+from matplotlib.colors import Colormap, ListedColormap, to_rgb, to_rgba
+from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.text import Annotation, Text
 
 DARK = 0.18  # the luminance of a ground below which white has more contrast to it than black
 LEAST = 0.3  # the least luminance of a colour on a dark ground: on black it has the contrast 7
 GAMMA = 2.2  # the exponent of a screen
 COLOURED = 0.15  # the saturation above which a colour is not a grey
+# the exponent for greys: their distance from the ground grows, because near black less of it is seen
+APART = 0.8
+TIME = "time"  # the name of the colour map that lines use, too; other maps keep their colours
+Colour = tuple[float, float, float, float]
+
+
+class Ground(NamedTuple):
+    """The colours of a dark style: of the ground, which replaces white, and of text, which replaces black."""
+
+    ground: Any
+    text: Any
+
+    def suited(self, colour: Any) -> Colour:
+        """Return the colour that replaces a colour for a white page, with the same opacity."""
+        red, green, blue, alpha = to_rgba(colour)
+        if colorsys.rgb_to_hsv(red, green, blue)[1] >= COLOURED:
+            return lighter(colour)
+        part = (1.0 - (red + green + blue) / 3.0) ** APART
+        low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
+        red, green, blue = (low + part * (high - low)).tolist()
+        return red, green, blue, alpha
+
+    def suit(self, artists: Iterable[Artist]) -> None:
+        """Give artists that were drawn for a white page the colours for this ground.
+
+        An axis comes after its ticks, as in ``findobj``.
+        """
+        for artist in artists:
+            if isinstance(artist, Line2D):
+                marker = artist.get_markerfacecolor(), artist.get_markeredgecolor()
+                artist.set_color(self.suited(artist.get_color()))
+                artist.set_markerfacecolor(self._suited_or_none(marker[0]))
+                artist.set_markeredgecolor(self._suited_or_none(marker[1]))
+            elif isinstance(artist, Collection | AxesImage):
+                self._suit_mapped(artist)
+            elif isinstance(artist, Patch):
+                colours = artist.get_facecolor(), artist.get_edgecolor()
+                artist.set_facecolor(self.suited(colours[0]))
+                artist.set_edgecolor(self.suited(colours[1]))
+            elif isinstance(artist, Text):
+                artist.set_color(self.suited(artist.get_color()))
+                if isinstance(artist, Annotation) and artist.arrow_patch is not None:
+                    self.suit([artist.arrow_patch])
+            elif isinstance(artist, Axis):  # also for ticks that are made later
+                artist.set_tick_params(which="both", color=self.text, labelcolor=self.text)
+
+    def _suited_or_none(self, colour: Any) -> Any:
+        return colour if isinstance(colour, str) and colour == "none" else self.suited(colour)
+
+    def _suit_mapped(self, artist: Collection | AxesImage) -> None:
+        """Change the colours of an artist that may have a colour map."""
+        if artist.get_array() is not None:
+            artist.set_cmap(self._suited_map(artist))
+        elif isinstance(artist, Collection):
+            colours = artist.get_facecolor(), artist.get_edgecolor()
+            artist.set_facecolor([self.suited(one) for one in np.asarray(colours[0])])
+            artist.set_edgecolor([self.suited(one) for one in np.asarray(colours[1])])
+
+    def _suited_map(self, artist: ScalarMappable) -> Colormap:
+        """Return the colour map for an artist: for the time with other colours, else for missing values."""
+        own = artist.get_cmap()
+        if own.name == TIME:
+            return ListedColormap([self.suited(own(one)) for one in range(own.N)], TIME)
+        return own.with_extremes(bad=self.suited(own.get_bad()))
 
 
 def luminance(colour: Any) -> float:
@@ -26,39 +93,15 @@ def luminance(colour: Any) -> float:
     return float(np.array(to_rgba(colour)[:3]) ** GAMMA @ [0.2126, 0.7152, 0.0722])
 
 
-def lighter(colour: Any) -> tuple[float, float, float, float]:
-    """Return a colour of the same hue with a luminance of at least LEAST; greys stay as they are."""
+def is_dark(ground: Any) -> bool:
+    """Return whether a ground is dark; a ground that is transparent is not."""
+    return to_rgba(ground)[3] > 0.0 and luminance(ground) < DARK
+
+
+def lighter(colour: Any) -> Colour:
+    """Return a colour of the same hue with a luminance of at least LEAST."""
     red, green, blue, alpha = to_rgba(colour)
-    if colorsys.rgb_to_hsv(red, green, blue)[1] < COLOURED or luminance(colour) >= LEAST:
-        return red, green, blue, alpha
     shares = np.linspace(0.0, 1.0, 41)
     mixed = [(*(part + share * (1.0 - part) for part in (red, green, blue)), alpha) for share in shares]
     r, g, b, a = next(one for one in mixed if luminance(one) >= LEAST)
     return r, g, b, a
-
-
-@contextmanager
-def lighter_on_dark(axes: Axes) -> Iterator[None]:
-    """Lighten the colours of all that is drawn in this context, if the ground of the axes is dark."""
-    there = set(axes.findobj())
-    yield
-    if luminance(axes.get_facecolor()) >= DARK:
-        return
-    for artist in set(axes.findobj()) - there:
-        if isinstance(artist, Line2D):
-            artist.set_color(lighter(artist.get_color()))
-        elif isinstance(artist, Collection):
-            artist.set_edgecolor([lighter(one) for one in np.asarray(artist.get_edgecolor())])
-        elif isinstance(artist, Patch):
-            artist.set_facecolor(lighter(artist.get_facecolor()))
-
-
-def suit_legend(axes: Axes) -> None:
-    """Give the legend of a motion, which has a white ground, a white ground, too, if the page is dark."""
-    legend, page = axes.get_legend(), axes.get_figure(root=True)
-    if legend is None or page is None or luminance(page.get_facecolor()) >= DARK:
-        return
-    legend.set_frame_on(True)
-    legend.get_frame().set(facecolor="white", edgecolor="none", alpha=1.0)
-    for text in legend.get_texts():
-        text.set_color("black")

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
+from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.pages import settle
 from chain_impact.pictures.style import (
@@ -123,6 +124,13 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
     legend_above(axes)
     if not len(x):
         say_impulse(axes)
+
+
+def fill_loop_axes(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
+    """Draw force over penetration into given axes."""
+    with drawn_into([axes]):
+        draw_loop(axes, impact, course, at_stop=at_stop)
+        fit_into_figure([axes])
 
 
 def say_impulse(axes: Axes) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -69,10 +68,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
     for name, colour in ENERGY_COLOURS.items():
         energy = recording.energies.get(name, np.zeros(len(recording.time)))
         if name != "supplied" or energy.any():
-            look: dict[str, Any] = {"color": colour, "linewidth": 1.0}
-            if name == "total":  # black cannot be seen on a black page
-                look = {"color": mpl.rcParams["text.color"], "linewidth": 2.0}
-            axes.plot(recording.time, energy, label=name, **look)
+            axes.plot(recording.time, energy, color=colour, label=name, linewidth=1 + (name == "total"))
     for name, colour in PARTS.items():
         if (energy := recording.energies.get(name, np.zeros(1))).any():
             axes.plot(recording.time, energy, "--", color=colour, label=name, linewidth=1)

@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from chain_impact.pictures.dark import lighter_on_dark, suit_legend
+from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.labels import Ink, listed
-from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.motion import draw_motion, number_rings
 from chain_impact.pictures.over_time import (
@@ -124,7 +123,6 @@ def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> st
     return f"Impacts without room for their numbers: {SEPARATOR.join(parts)}" if parts else ""
 
 
-@styled({})
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     """Draw some panels into given axes: one axes, or one for each panel.
 
@@ -134,25 +132,19 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     shown, given = chosen(recording, panels), np.ravel(axes).tolist()
     if len(shown) != len(given):
         raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
-    for name, one in zip(shown, given, strict=True):
-        if name == "motion":
+    with drawn_into(given):
+        for name, one in zip(shown, given, strict=True):
             PANELS[name](one, recording)
-            continue
-        with lighter_on_dark(one):
-            PANELS[name](one, recording)
-        time = shown_time(recording)
-        one.set_xlim(time.start, max(time.end, time.start + 1e-9))
-        one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
-    for page in {one.get_figure(root=True) for one in given}:
-        own = {name: one for name, one in zip(shown, given, strict=True) if one.get_figure(root=True) is page}
-        page.draw_without_rendering()
-        fit_legends(page, [*own.values()])
-        if "motion" in own:
-            suit_legend(own["motion"])
-        ink = Ink(page)
-        for name, write in NUMBERS.items():
-            if name in own:
-                write(own[name], recording, ink)
+            if name != "motion":
+                time = shown_time(recording)
+                one.set_xlim(time.start, max(time.end, time.start + 1e-9))
+                one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
+        fit_into_figure(given)
+        for page in {one.get_figure(root=True) for one in given}:
+            ink = Ink(page)
+            for name, one in zip(shown, given, strict=True):
+                if name in NUMBERS and one.get_figure(root=True) is page:
+                    NUMBERS[name](one, recording, ink)
 
 
 def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:

@@ -6,7 +6,7 @@ import math
 import os
 import warnings
 from bisect import bisect_left
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import combinations
@@ -21,7 +21,7 @@ from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.sizes import LEAST, Size, page_size
-from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, Page, save, styled
+from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, Page, save, styled, suit_page
 
 SIZE = (FULL, 5.4)  # [inch] the default width and height of a page
 LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
@@ -79,6 +79,7 @@ def drawn(
         return None
     page = Page(figsize=inches)
     filled(page)
+    suit_page(page)
     return page
 
 
@@ -197,13 +198,13 @@ def meet(one: Bbox, two: Bbox) -> bool:
     return bool(one.x1 > two.x0)
 
 
-def break_labels(page: Figure) -> bool:
+def break_labels(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break labels that are longer than their axes, and give axes fewer numbers if these would overlap.
 
-    Returns whether a label was broken.
+    By default of all axes of the page. Returns whether a label was broken.
     """
     before = labels_of(page)
-    for axes in page.axes:
+    for axes in page.axes if wanted is None else wanted:
         label, inside = axes.yaxis.label, axes.get_window_extent()
         if label.get_window_extent().height > LONGER * inside.height:
             label.set_text(label.get_text().replace(" [", "\n["))

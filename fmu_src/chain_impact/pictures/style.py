@@ -21,6 +21,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, MaxNLocator
 
+from chain_impact.pictures.dark import TIME, Ground, is_dark
 from chain_impact.system import written_whole
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
@@ -39,7 +40,7 @@ FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
 # SHADE: the fraction of the text colour in the shade of a rest; LINE: in the line of an impact
 SHADE, LINE = 0.05, 0.1
 # the colour map viridis without its end, which is too pale on white
-TIME_COLOURS = LinearSegmentedColormap.from_list("time", mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
+TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 
 STYLE: Any = {
     "font.size": 9,
@@ -69,7 +70,7 @@ COLOURS: Any = {
         *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
     )
 }
-"""Settings that apply in any style, because the colours of pictures are chosen for a white page."""
+"""Settings with which everything is drawn: as for a white page, also if ``suit_page`` then makes it dark."""
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The kinds of settings that have an effect when a page is drawn."""
 DPI = 160
@@ -108,18 +109,18 @@ class Page(Figure):
             super().__init__(**{"layout": "constrained"} | options)
             new_canvas: Any = FigureCanvasAgg  # matplotlib has no type information for the canvas
             new_canvas(self)  # keeps its renderer; the usual canvas makes one each time a text is measured
-            self._settings = {
+            self.settings = {
                 key: value for key, value in mpl.rcParams.items() if key.partition(".")[0] in DRAWING
             }
 
     def draw(self, renderer: Any) -> None:
         """Draw with the settings for which the page was arranged, because they determine fonts and ticks."""
-        with mpl.rc_context(self._settings):
+        with mpl.rc_context(self.settings):
             super().draw(renderer)
 
     def savefig(self, *args: Any, **options: Any) -> None:
         """Write a file with fonts that journals accept."""
-        with mpl.rc_context(self._settings):
+        with mpl.rc_context(self.settings):
             super().savefig(*args, **options)
 
     def _repr_png_(self) -> bytes:
@@ -127,6 +128,17 @@ class Page(Figure):
         file = BytesIO()
         self.savefig(file, format="png", dpi="figure")
         return file.getvalue()
+
+
+def suit_page(page: Figure) -> None:
+    """Give a page, which is drawn for white paper, the colours of the style in use if this is dark."""
+    ground = Ground(mpl.rcParams["figure.facecolor"], mpl.rcParams["text.color"])
+    if not is_dark(ground.ground):
+        return
+    ground.suit(page.findobj())
+    page.set_facecolor(ground.ground)
+    if isinstance(page, Page):
+        page.settings |= {name: mpl.rcParams[name] for name in COLOURS} | {"savefig.facecolor": "auto"}
 
 
 def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
@@ -266,6 +278,7 @@ def save(
     with written_whole(Path(path)) as fresh:
         page = Page(figsize=size, dpi=DPI)
         fill(page)
+        suit_page(page)
         told = words_of(page) if Path(path).suffix == ".png" else None
         page.savefig(fresh, dpi="figure", metadata=told)
 

@@ -153,8 +153,7 @@ class Pictured(Recording):
             fill = partial(pictures.fill_impact, recording=self, number=number, course=course)
             return pictures.drawn(fill, path, size, pictures.IMPACT_SIZE)
         pictures.check_alone(path, size)
-        with pictures.styled({}):
-            pictures.draw_loop(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
+        pictures.fill_loop_axes(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
         return ax
 
     def plot_sensitivities(

@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
+from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.pages import check_alone, drawn
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
@@ -55,9 +56,10 @@ def plot_comparison(
     if ax is None:
         return drawn(partial(fill, comparison=comparison), path, size, SIZE)
     check_alone(path, size)
-    with styled({}):
+    with drawn_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
         ax.legend(handles=told_apart(ax))
+        fit_into_figure([ax])
     return ax
 
 

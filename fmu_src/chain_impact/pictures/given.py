@@ -1,0 +1,92 @@
+"""Drawing into axes of a user: in the colours of the user's style, and within the user's figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+
+from chain_impact.pictures.dark import Ground, is_dark
+from chain_impact.pictures.legends import fit_legends
+from chain_impact.pictures.pages import break_labels
+from chain_impact.pictures.style import COLOURS, styled
+
+TIMES = 3  # the number of times that axes are moved: with other axes their texts may get other sizes
+LEAST_SIDE = 0.2  # the least width or height of moved axes, over the width or height before
+SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
+
+
+@contextmanager
+def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
+    """Draw into a user's axes in this context; on a dark ground, the colours are changed at the end."""
+    grounds = {
+        one: Ground(one.get_facecolor(), one.xaxis.label.get_color())
+        for one in axes
+        if is_dark(one.get_facecolor())
+    }
+    before = {one: set(one.findobj()) for one in grounds}
+    for one in grounds:
+        one.set_facecolor("white")
+    with styled(COLOURS if grounds else {}):
+        yield
+    for one, ground in grounds.items():
+        ground.suit([one.patch, *(set(one.findobj()) - before[one]), one.xaxis, one.yaxis])
+
+
+def fit_into_figure(axes: Sequence[Axes]) -> None:
+    """Make axes smaller whose legends and labels are cut off by the edge of the figure, or by other axes.
+
+    A figure that arranges its axes by itself does so when it is drawn.
+    """
+    for page in {page for one in axes if (page := one.get_figure(root=True)) is not None}:
+        own = [one for one in axes if one.get_figure(root=True) is page]
+        page.draw_without_rendering()
+        fit_legends(page, own)
+        break_labels(page, own)
+        if page.get_layout_engine() is not None:
+            page.draw_without_rendering()
+            fit_legends(page, own)
+            continue
+        for _ in range(TIMES):
+            for one in own:
+                _fit(one, page)
+            fit_legends(page, own)
+
+
+def _fit(axes: Axes, page: Figure) -> None:
+    """Make axes smaller where they or their texts are beyond their room."""
+    box, room = axes.get_tightbbox(), _room(axes, page)
+    if box is None:
+        return
+    (left, low), (right, high) = axes.get_position(original=True).transformed(page.transFigure).get_points()
+    width, height = LEAST_SIDE * (right - left), LEAST_SIDE * (high - low)
+    left, low = left + max(0.0, room.x0 - box.x0), low + max(0.0, room.y0 - box.y0)
+    right, high = right - max(0.0, box.x1 - room.x1), high - max(0.0, box.y1 - room.y1)
+    if right - left >= width and high - low >= height:
+        moved = Bbox([[left, low], [right, high]]).transformed(page.transFigure.inverted())
+        axes.set_position(moved, which="both")
+
+
+def _room(axes: Axes, page: Figure) -> Bbox:
+    """Return the room of axes with their texts [pixels]: the figure up to the neighbours of the axes."""
+    own = axes.get_position(original=True)
+    space = SPACE * page.dpi / 72.0
+    (left, low), (right, high) = page.bbox.padded(-space).get_points()
+    for other in page.axes:
+        beside, texts = other.get_position(original=True), other.get_tightbbox()
+        if other is axes or texts is None:
+            continue
+        if beside.x0 < own.x1 and own.x0 < beside.x1:
+            if beside.y0 >= own.y1:
+                high = min(high, texts.y0 - space)
+            elif beside.y1 <= own.y0:
+                low = max(low, texts.y1 + space)
+        elif beside.y0 < own.y1 and own.y0 < beside.y1:
+            if beside.x0 >= own.x1:
+                right = min(right, texts.x0 - space)
+            elif beside.x1 <= own.x0:
+                left = max(left, texts.x1 + space)
+    return Bbox([[left, low], [right, high]])
