@@ -46,6 +46,17 @@ def test_a_label_stands_on_the_side_it_is_meant_for(axes):
     assert below.y1 < axes.transData.transform((0.5, 0.8))[1]
 
 
+def test_a_wide_label_leaves_the_best_position_of_the_next_place_free(axes):
+    axes.axhline(0.5, color="black")
+    below = (0.0, -1.0)
+    wide, other = Label("7, 10 + 4 more", (0.5, 0.5), below), Label("2", (0.45, 0.5), below)
+    assert place_labels(axes, [wide, other], Ink(axes.figure), lines=True) == []
+    first, second = axes.texts
+    assert second.get_text() == "2"
+    assert second.get_window_extent().y1 > axes.transData.transform((0.0, 0.5))[1] - 25.0  # at its place
+    assert not first.get_window_extent().overlaps(second.get_window_extent())
+
+
 def test_a_label_meets_no_line(axes):
     axes.plot([0.0, 1.0], [0.55, 0.55], color="0.8", linewidth=1.0)
     axes.set(ylim=(0.0, 1.0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,10 +17,12 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] distance from a place to its label
-# factors on this distance that are tried
-FARTHER = (1.0, 1.2, 1.3, 1.4, 1.75, 2.1, 2.5)
+# factors on this distance that are tried first; farther away, a line shows to which place a label belongs
+NEARBY = (1.0, 1.2)
+# factors on this distance that are tried beyond, if no label has a line
+UNLED = (1.3, 1.5, 1.8)
 # factors on this distance that are tried if a line connects label and place
-FAR = (3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
+FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 # directions that are tried: parts of a turn away from the best direction of a label, a turn being PARTS
 PARTS = 16
 TURNS = (0, *(sign * part for part in range(1, PARTS // 2) for sign in (1, -1)), PARTS // 2)
@@ -105,7 +108,7 @@ def place_labels(
         lines: whether a label may be far from its place, connected by a line.
         look: properties of the text, with matplotlib's names.
     """
-    steps = np.array(FARTHER + FAR * lines)
+    steps = np.array(NEARBY + (FAR if lines else UNLED))
     probe = axes.text(0.0, 0.0, "", **look)  # measures texts
 
     @functools.cache
@@ -114,23 +117,41 @@ def place_labels(
         probe.set_text(words)
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
-    left = []
-    for label in labels:
+    left, homes = [], np.array([_home(axes, one, half_size(one.short or one.text)) for one in labels])
+    for k, label in enumerate(labels):
         sizes = {words: half_size(words) for words in (label.text, label.short) if words}
-        if not _place(axes, label, sizes, ink, steps, **look):
+        if not _place(axes, label, homes[k + 1 :], sizes, ink=ink, steps=steps, **look):
             left.append(label)
     probe.remove()
     return left
 
 
+def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
+    """Return the best position of a label: two corners of a box in pixels, shape (2, 2)."""
+    page = axes.get_figure(root=True)
+    assert page is not None
+    middle = axes.transData.transform(label.place) + np.array(label.away) * (CLOSE * page.dpi / 72.0 + half)
+    return np.array([middle - half, middle + half])
+
+
 def _place(
-    axes: Axes, label: Label, sizes: dict[str, np.ndarray], ink: Ink, steps: np.ndarray, **look: Any
+    axes: Axes,
+    label: Label,
+    homes: np.ndarray,
+    sizes: dict[str, np.ndarray],
+    *,
+    ink: Ink,
+    steps: np.ndarray,
+    **look: Any,
 ) -> bool:
     """Write one of some texts at the first free position; return whether there is one.
+
+    A text covers the best position of another label only if there is no other position.
 
     Args:
         axes: the axes inside which the text stays.
         label: the place, and the best direction from it.
+        homes: the best positions of the labels that are written later, shape (H, 2, 2).
         sizes: the texts, the best first → half of the width and of the height of each [pixels].
         ink: the used pixels of the page.
         steps: factors on the distance from the place that are tried, in this order.
@@ -146,10 +167,12 @@ def _place(
         "va": "center",
         "in_layout": False,
     }
-    for words, half in sizes.items():
+    for (words, half), spared in product(sizes.items(), (homes, homes[:0])):
         ways = _directions(label.away) * (steps[:, None, None] * CLOSE * point + half)
         low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
         is_inside = ((low >= inside.min) & (high <= inside.max)).all(axis=-1)
+        for home in spared:
+            is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
         free = ink.were_free(low[is_inside], high[is_inside])
         for step, turn in tried[free].tolist():
