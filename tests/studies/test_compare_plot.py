@@ -33,6 +33,14 @@ def drawn(comparison):
     return page
 
 
+def test_the_legend_takes_no_width_from_the_panels(comparison):
+    page = drawn(comparison)
+    (legend,) = page.legends
+    boxes = [axes.get_tightbbox() for axes in page.axes]
+    assert sum(box.width for box in boxes) > 0.9 * page.bbox.width
+    assert legend.get_window_extent().y1 <= min(box.y0 for box in boxes)
+
+
 @pytest.mark.full("takes long")
 def test_every_law_has_a_look_and_twins_share_one(comparison):
     labels = [re.sub(r" \(.*", "", look["label"]) for look in looks_of(comparison).values()]

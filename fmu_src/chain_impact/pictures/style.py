@@ -25,7 +25,7 @@ from chain_impact.pictures.dark import TIME, Ground, is_dark
 from chain_impact.system import written_whole
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
-BLUE, VERMILLION, PURPLE, BROWN = "#0072b2", "#d55e00", "#cc79a7", "#7a4b2a"
+BLUE, VERMILLION, PURPLE, BROWN, VIOLET = "#0072b2", "#d55e00", "#cc79a7", "#7a4b2a", "#7a3fa8"
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """The colours of curves.
 
@@ -234,9 +234,14 @@ def write_foot(page: Figure, text: str) -> Text | None:
 
 
 def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
-    """Put a legend for all axes at the foot of the page, above other texts there."""
-    low = _foot(page)
-    legend = page.legend(handles=list(handles), loc="lower center", bbox_to_anchor=(0.5, low), **look)
+    """Put a legend for all axes at the foot of the page, above other texts there, in as few rows as fit."""
+    low, room = _foot(page), (page.get_figwidth() - 2.0 * LEFT) * page.dpi
+    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, low), "columnspacing": 1.2}
+    for columns in range(len(handles), 0, -1):
+        legend = page.legend(handles=list(handles), ncols=columns, **place, **look)
+        if columns == 1 or legend.get_window_extent().width <= room:
+            break
+        legend.remove()
     _reserve(page, 0.0, low + legend.get_window_extent().height / page.bbox.height)
 
 

@@ -36,7 +36,7 @@ from chain_impact.recording.text import plural
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
-SIZE = (11.0, 4.5)  # [inch] default size of the page
+SIZE = (10.0, 4.8)  # [inch] default size of the page
 NAMED = 6  # largest number of laws that get a colour
 FINE = 400  # number of penetrations at which a band is computed
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
@@ -66,15 +66,12 @@ def plot_comparison(
 @styled()
 def fill(page: Figure, comparison: LawRuns) -> None:
     """Draw the two panels on an empty page."""
-    looks, narrow = looks_of(comparison), is_narrow(page)
+    looks = looks_of(comparison)
     headline(page, message(comparison), conditions(comparison, looks))
-    loops, energy = page.subplots(*((2, 1) if narrow else (1, 2)))
+    loops, energy = page.subplots(*((2, 1) if is_narrow(page) else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
-    if narrow:
-        legend_at_foot(page, told_apart(energy))
-    else:
-        page.legend(handles=told_apart(energy), loc="outside right center")
+    legend_at_foot(page, told_apart(energy))
 
 
 def message(comparison: LawRuns) -> str:
@@ -199,7 +196,7 @@ def band_label(comparison: LawRuns, band: Sequence[str]) -> str:
     found = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(found, key=lambda law: comparison[law].restitution)
     told = " to ".join(f"{law} (e′ = {comparison[law].restitution:.2f})" for law in (order[0], order[-1]))
-    return f"{plural(len(band), 'other law')}:\n{told.replace(' to ', ' to' + chr(10))}"
+    return f"{plural(len(band), 'other law')}: {told}"
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:

@@ -274,7 +274,7 @@ def _curves(
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
         if is_narrow(page):
-            legend_at_foot(page, handles, title=choice.name, ncols=2)
+            legend_at_foot(page, handles, title=choice.name)
         else:
             page.legend(handles, labels, loc="outside right center", title=choice.name)
 
