@@ -32,7 +32,9 @@ def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
 
 
 def test_around_an_impact_time_is_that_after_its_onset(result):
-    page = result.plot(curves="contact[4].y_min.force", around=2, title=None)
+    page = result.plot(curves="contact[4].y_min.force", around=2)
+    assert page.get_suptitle().endswith(" hits y_min, impact 2 of 2")
+    assert "grey: impacts; dotted: the end" in page.axes[0].get_xlabel()
     (axes,) = page.axes
     end, line = axes.lines
     time, force, impact = line.get_xdata(), line.get_ydata(), result.impacts[1]
@@ -42,7 +44,6 @@ def test_around_an_impact_time_is_that_after_its_onset(result):
     assert (time[0], time[-1]) == pytest.approx((-0.5 * lasting, 2.0 * lasting))
     assert (force[(time < 0.0) | (time > lasting)] == 0.0).all()
     assert force.max() == pytest.approx(impact["peak_force"], rel=1e-4)
-    assert page.get_suptitle() == ""
 
 
 def test_a_curve_that_lies_on_another_is_dashed(result):

@@ -6,7 +6,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.pictures.message import conditions
 from chain_impact.pictures.over_time import ROWS
-from chain_impact.pictures.style import GREY, SEPARATOR, VERMILLION
+from chain_impact.pictures.style import GREY, INK, SEPARATOR
 from tests.helpers.friction import pendulum, sled, thrown
 from tests.pictures.pictures import drawn, recorded
 
@@ -34,7 +34,7 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
         wide = bar.get_height() > 0.5
         assert wide == (phase["mode"] == 0)
     assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks", "slides"]
-    assert VERMILLION != GREY
+    assert INK != GREY
 
 
 @pytest.mark.full("takes long")

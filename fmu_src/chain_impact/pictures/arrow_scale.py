@@ -37,24 +37,26 @@ class ArrowScale:
         return self.length(force) > LEAST * self.side
 
     def marks(self) -> list[tuple[float, str]]:
-        """Return place [m] and text of each power of ten on the ruler, the largest first; "" without room."""
+        """Return place [m] and text of the powers of ten on the ruler that have room, the largest first."""
         found: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST * self.side
         for force in 10.0 ** (highest - np.arange(DECADES)):
             at = self.length(float(force))
             if at < FROM * whole:
                 break
-            has_room = at <= free - APART * whole
-            found.append((at, EngFormatter("N", places=0)(float(force)) if has_room else ""))
-            free = at if has_room else free
+            if at <= free - APART * whole:
+                found.append((at, EngFormatter("N", places=0)(float(force))))
+                free = at
         return found
 
     def draw(self, axes: Axes, corner: np.ndarray, colour: str) -> None:
-        """Draw the ruler to the right of a corner [m], with a mark for each power of ten."""
+        """Draw the ruler to the right of a corner [m], with marks, and the word for its quantity."""
         left, y = corner
         look: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 7}
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
-        axes.plot([left, left + LONGEST * self.side], [y, y], **marks)
+        end = left + LONGEST * self.side
+        axes.plot([left, end], [y, y], **marks)
+        axes.annotate("force", (end, y), (4.0, 0.0), ha="left", va="center", **look)
         for at, text in self.marks():
             axes.plot([left + at], [y], "|", **marks)
-            axes.annotate(text, (left + at, y), (0.0, TICK + 1.5), ha="center", va="bottom", **look)
+            axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), ha="center", va="top", **look)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import DOT, mark_impacts
+from chain_impact.pictures.over_time import DOT, impact_lines, mark_impacts
 from chain_impact.pictures.style import (
     GREY,
     INK,
@@ -63,11 +63,10 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
         axes.tick_params(labelbottom=True)
         give_ticks(axes)
     for axes in panels[-across:]:
-        axes.set_xlabel("time [s]")
-    if across == 1:
-        legend_at_foot(page, panels[0].get_legend_handles_labels()[0])
-    else:
-        panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
+        axes.set_xlabel(
+            "; ".join(filter(None, ("time [s]", impact_lines(recording, *recording.time[[0, -1]]))))
+        )
+    legend_at_foot(page, panels[0].get_legend_handles_labels()[0])
     page.supxlabel("\n".join(found.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True)
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import write_head
-from chain_impact.pictures.over_time import mark_impacts
+from chain_impact.pictures.over_time import impact_lines, mark_impacts
 from chain_impact.pictures.pages import settle
 from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled
@@ -57,7 +57,7 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
     """
     check_curves(curves)
     if title is not None:
-        write_head(page, recording, title, *seen(recording, curves))
+        write_head(page, recording, title or title_of(recording, curves))
     panels = curves.panels
     grid = page.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     draw_all(list(grid), recording, curves)
@@ -69,13 +69,13 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
     settle(page)
 
 
-def seen(recording: Recording, curves: Curves) -> list[str]:
-    """Return a list with words for the impact in view; an empty list for a view of the whole run."""
+def title_of(recording: Recording, curves: Curves) -> str:
+    """Return words for the impact in view; "", the run's summary, for a view of the whole run."""
     if not curves.number:
-        return []
-    impact = recording.impacts[curves.number - 1]
-    wall = recording.wall_names[impact["wall"]]
-    return [f"impact {curves.number} of {len(recording.impacts)}, {recording.toucher(impact)} at {wall}"]
+        return ""
+    impact, count = recording.impacts[curves.number - 1], len(recording.impacts)
+    hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
+    return f"{recording.name}: {hit}, impact {curves.number} of {count}"
 
 
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
@@ -101,13 +101,15 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
     if curves.onset is not None:
         start, factor = curves.onset, 1e3
         label = f"time after the onset at {curves.onset:.6f} s [ms]"
-        if np.isfinite(recording.impacts["end"][curves.number - 1]):
-            label += "; dotted: the end"
     time, shown = factor * (curves.time - start), shown_time(recording)
     ends = time[[0, -1]]
     if curves.onset is None:
         ends = np.array([shown.start, shown.end])
-        label = "; ".join(filter(None, (label, shown.told)))
+        label = "; ".join(filter(None, (label, impact_lines(recording, *ends), shown.told)))
+    else:
+        is_known = np.isfinite(recording.impacts["end"][curves.number - 1])
+        others = impact_lines(recording, *(start + ends / factor))
+        label = "; ".join(filter(None, (label, others, "dotted: the end" if is_known else "")))
     for axes, names in zip(grid, curves.panels, strict=True):
         mark_impacts(axes, recording, start, factor)
         if curves.number:

@@ -301,7 +301,7 @@ class Film:
         self.tip.set_data(*points[-1:].T)
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
-        self.rate.set_color(FORCE if rate < SLOW else MUTED)
+        self.rate.set_color(INK if rate < SLOW else MUTED)
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
         yield from (self.trace, self.tail, *self.patches, self.ranges)

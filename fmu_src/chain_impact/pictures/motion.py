@@ -22,7 +22,6 @@ from chain_impact.pictures.style import (
     INK,
     PURPLE,
     TIME_COLOURS,
-    VERMILLION,
     force_text,
     give_ticks,
 )
@@ -155,7 +154,7 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
             place = place - wall.clearance(*place) * np.array(wall.normal)
         places.append(place)
     if places:
-        look: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": VERMILLION}
+        look: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": INK}
         axes.plot(*np.transpose(places), **look, zorder=5.5, label="sticks")
 
 

@@ -19,12 +19,13 @@ from chain_impact.pictures.style import (
     BROWN,
     GREEN,
     GREY,
+    INK,
     LINE,
     ORANGE,
     PALETTE,
     PURPLE,
     TIME_COLOURS,
-    VERMILLION,
+    VIOLET,
     faint,
     give_ticks,
     is_full,
@@ -35,12 +36,13 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import place_of
 from chain_impact.recording.text import speed_unit
 
-ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
+ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VIOLET}
 ENERGY_COLOURS |= {"supplied": PURPLE}
 PARTS = {"friction": BROWN}
 """Energies that are parts of other energies → colours."""
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 TOLD = 5  # the largest number of points with individual colours, so that the legend has room
+POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)  # orange is the potential energy
 NUMBERED = 60  # the largest number of impacts that get numbers
 SHORT = 0.002  # the longest phase of dry friction that cannot be seen, over the time
 SEEN = 0.01  # the least duration of a contact that gets a band, over the shown time
@@ -92,7 +94,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
         if (place := place_of(phase, recording.wall_names, recording.point_names)) in shown:
             row, sticks = shown.index(place), phase["mode"] == STICKS
-            colour, height = (VERMILLION, 0.62) if sticks else (GREY, 0.16)
+            colour, height = (INK, 0.62) if sticks else (GREY, 0.16)
             axes.barh(row, length, height, left=phase["start"], color=colour)
     page = axes.get_figure(root=True)
     # names are on the left of the panel, which has the rest of the width
@@ -103,7 +105,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     held = phases["mode"] == STICKS
-    handles: list[Any] = [Patch(color=VERMILLION, label="sticks")] if held.any() else []
+    handles: list[Any] = [Patch(color=INK, label="sticks")] if held.any() else []
     # contacts slide for an instant before they stick, which cannot be seen
     long = phase_lengths(recording) > SHORT * (recording.time[-1] - recording.time[0])
     if (long & ~held).any() or not handles:
@@ -134,6 +136,12 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
     axes.vlines(
         onsets, 0.0, 1.0, faint(axes, LINE), linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform()
     )
+
+
+def impact_lines(recording: Recording, start: float, end: float) -> str:
+    """Return words for the lines of ``mark_impacts`` between two times [s]; "" if there is none."""
+    onsets = recording.impacts["onset"]
+    return "grey: impacts" if ((onsets >= start) & (onsets <= end)).any() else ""
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
@@ -208,7 +216,7 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
     told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])
     groups = [
         (member[-1], colour, np.array([one == member for one in members]))
-        for member, colour in zip(told, PALETTE, strict=False)
+        for member, colour in zip(told, POINT_COLOURS, strict=False)
     ]
     others = np.array([one not in told for one in members], bool)
     groups = [("others", GREY, others), *groups] if others.any() else groups

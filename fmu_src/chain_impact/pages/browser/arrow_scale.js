@@ -30,7 +30,7 @@ export class ArrowScale {
     return this.#lengthOnScale(force) >= LEAST_ARROW;
   }
 
-  /** Return the powers of ten on the ruler: `at`, the distance [pixels] from its foot, and `text` for numbers with room. */
+  /** Return the powers of ten on the ruler that have room: `at`, the distance [pixels] from its foot, and `text`. */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));
     let free = Infinity;
@@ -39,7 +39,7 @@ export class ArrowScale {
       if (at < MARKS_FROM) return [];
       const text = forceText(force, 0);
       const half = (LETTER * text.length) / 2;
-      if (at + half > free) return [{ at, text: "" }];
+      if (at + half > free) return [];
       free = at - half - NUMBERS_APART;
       return [{ at, text }];
     });

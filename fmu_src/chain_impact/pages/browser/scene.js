@@ -184,9 +184,10 @@ export class Scene {
     this.ground.line([[left, y], [left + longest, y]]).addClass("bar ruler");
     marks.forEach(({ at, text }) => {
       this.ground.line([[left + at, y - 4], [left + at, y + 4]]).addClass("bar");
-      if (text) this.ground.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
+      this.ground.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
     });
     this.ground.polygon([[left + longest + 7, y], [left + longest, y - 4], [left + longest, y + 4]]).addClass("ruler-head");
+    this.ground.plain("force").attr({ x: left + longest + 12, y: y + 4 }).addClass("ruler-name");
   }
 
   /** Draw the legend of the two kinds of arrows. */
