@@ -1,10 +1,16 @@
 """The layout of an instance: the offsets of all fields in the record."""
 
+import inspect
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from chain_impact.compilation import compilers
+from chain_impact.compilation.affine import COUNTS
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
-from chain_impact.variables.indices import WORD
+from chain_impact.variables.indices import HEAD, WORD, Sizes
 
 # links N, candidates C, elements F, loads L, channels K, sites P
 SIZES = [
@@ -60,3 +66,12 @@ def test_without_dry_friction_there_is_no_room_for_it():
     for part in ("element", "changes"):
         sizes = [np.prod(dtype.shape) for dtype, *_ in instance_dtype(3, 12)[part].fields.values()]
         assert set(sizes) <= {0, 1}
+
+
+def test_all_readers_of_the_sizes_have_them_in_the_order_of_the_record():
+    head = list(instance_dtype(1, 0).names[:HEAD])
+    assert head == [*COUNTS, "skewed", "slides", "tangents"]
+    assert tuple(inspect.signature(instance_dtype).parameters) == Sizes._fields == COUNTS
+    assert [f"chain_{name}" for name in head[:-1]] == [*compilers._SIZES]
+    header = Path(compilers.__file__).parent / "c_interface/common/instance.h"
+    assert re.findall(r"enum { SIZES = (\d+) }", header.read_text(encoding="utf-8")) == [str(HEAD)]

@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from tests.helpers import driven
+from tests.helpers.chain_model import Ramp
 
 TURN = 2.0 * math.pi
 
@@ -64,11 +65,10 @@ def test_the_ball_bounces_with_the_published_periods(acceleration, period):
 
 
 def test_the_belt_agrees_with_an_independent_integration():
-    stop, press = 1.0, BELT.signals["press"]
+    stop, press = 1.0, Ramp(BELT.signals["press"])
 
     def height(time):
-        x = min(time / press.duration, 1.0)
-        return press.final * x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
+        return float(press.at(np.asarray(time))[0])
 
     result = simulate(BELT, stop, tolerance=1e-12, output_step=0.005)
     phases, changes = driven.belt(stop, BELT.signals["belt"].value, height)

@@ -15,8 +15,8 @@ from chain_impact.conversion.flat import TINY, Plan
 from chain_impact.conversion.joints import PARALLEL, Chosen, above
 from chain_impact.conversion.points import OUTLINED, Ball, balls_of, outermost, reach, tables_of
 from chain_impact.conversion.robot import Plane, Robot, Shape
+from chain_impact.kernel.initialize import OVERLAP
 from chain_impact.kernel.rows.geometry import NORMALS, WALLS
-from chain_impact.scene.checks import START_TOLERANCE
 
 Points = list[dict[str, Any]]
 """The tables of the points of a link."""
@@ -163,7 +163,7 @@ class Walls:
         for name, point, normal in self.walls:
             free = float(normal @ (at - point))
             deep = table["radius"] - free
-            if deep <= START_TOLERANCE:
+            if deep <= OVERLAP:
                 continue
             what = f"point {table.get('name', '')} starts {deep:.4g} m deep in {name}".replace("  ", " ")
             hinge = self.chosen.hinges[i].joint.name

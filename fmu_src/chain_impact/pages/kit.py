@@ -89,6 +89,7 @@ def kit(scene: Scene) -> dict[str, Any]:
         "signals": kit_of_signals(scene),
         "driven": [words(("output", "signal", AT, order)) for order in range(3)],
         "places": {name: {"word": words(path), "real": _is_real(path)} for name, path in PATHS.items()},
+        "sizes": COUNTS,
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
         "points": [words(("output", "point_position", AT, axis)) for axis in (0, 1)],

@@ -13,6 +13,7 @@ from typing import Any
 
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.initialize import OVERLAP
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint
@@ -25,8 +26,6 @@ from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 PACKAGE = __name__.partition(".")[0]
-# [m] the largest penetration at the start that counts as round-off; a deeper point is refused
-START_TOLERANCE = 1e-12
 
 
 def check(scene: Contents) -> None:
@@ -246,7 +245,7 @@ def check_start(scene: Contents) -> None:
     for point, (x, y, radius) in candidates.items():
         for name, wall in walls.items():
             depth = radius - wall.clearance(x, y)
-            if depth > START_TOLERANCE:
+            if depth > OVERLAP:
                 where = scene.point_label(point)
                 place = f"{where} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
                 beyond = name not in WALLS and all(
@@ -262,7 +261,7 @@ def check_joint_angles(scene: Contents) -> None:
     for i, (low, high) in scene.chain.joint_ranges.items():
         joint = angles[i] - angles[i - 1]
         beyond = max(low - joint, joint - high)
-        if beyond > START_TOLERANCE:
+        if beyond > OVERLAP:
             stop = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"
             where = f"joint {i} at {joint:.6g} rad is {beyond:.6g} rad beyond its {stop} rad"
             raise SceneError(f"initial: {where}; must be within{_turns_hint(joint, low, high)}")
@@ -316,7 +315,7 @@ def base_hints(scene: Contents) -> list[str]:
     return [
         f"{where} {depth:.6g} m beyond the wall {name}, which cannot touch it: is it where it should be?"
         for name, depth in deep.items()
-        if depth > START_TOLERANCE
+        if depth > OVERLAP
     ]
 
 

@@ -21,15 +21,12 @@ from chain_impact.results.result import Result
 from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
-from chain_impact.variables.indices import WORD, log_words
+from chain_impact.variables.indices import HEAD, WORD, log_words
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared_scene
 from chain_impact.variables.variable import Variable
 
-# number of words at the start of a record that determine its layout: the numbers of links, candidates,
-# elements, loads, channels, sites, signals and knots, two flags, and the number of tangent instances
-SIZES = 11
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
 # largest number of rows, and largest number of bytes, that the kernel fills in one call
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
@@ -195,7 +192,7 @@ class Instance:
     def is_sound(self, words: np.ndarray) -> bool:
         """Return whether the words of a record are a valid record for this kernel."""
         # the kernel relies on the sizes at the start of the record
-        same_sizes = words[:SIZES].tobytes() == self.words[:SIZES].tobytes()
+        same_sizes = words[:HEAD].tobytes() == self.words[:HEAD].tobytes()
         return same_sizes and bool(self._kernel.sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:
@@ -369,7 +366,7 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
 
 def sizes_of(block: np.ndarray) -> tuple[int, ...]:
     """Return the sizes at the start of a record, without the number of tangent instances."""
-    return tuple(block.view(np.int64)[: SIZES - 1].tolist())
+    return tuple(block.view(np.int64)[: HEAD - 1].tolist())
 
 
 def load_kernel(library: Path) -> ctypes.CDLL:

@@ -25,6 +25,9 @@ STOP_PEAKS: dict[str, DataPath] = {
 path."""
 # layouts are kept, because computing a layout takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
+HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
+"""The number of words at the start of a record that determine its layout: its sizes, two flags, and the
+number of tangent instances."""
 
 
 class Sizes(NamedTuple):

@@ -181,7 +181,7 @@ function recordOf(kit, parts, rows, values, asked) {
   };
   const put = (name, value, index = 0) => write(kit.places[name].word, value, kit.places[name].real, index);
   const each = (name, all) => all.forEach((value, index) => put(name, value, index));
-  ["links", "candidates", "elements", "loads", "channels", "sites", "signals", "knots"].forEach((name, k) => put(name, sizes[k]));
+  kit.sizes.forEach((name, k) => put(name, sizes[k]));
   put("skewed", Number(chain.links.some(({ center_of_mass_offset: offset }) => offset !== 0)));
   put("slides", Number(chain.slider !== undefined));
   each("site_link", sites.map(({ link }) => link));
