@@ -17,7 +17,7 @@ import numpy as np
 
 from chain_impact.scene.names import SLIDER_STOPS
 from chain_impact.scene.scene import Scene
-from tests.helpers.chain_model import ChainModel, DataPath, DryFriction, Inputs, Touch, chained, relative
+from tests.helpers.chain_model import ChainModel, DryFriction, Inputs, Place, Touch, chained, relative
 from tests.helpers.derivatives import Derivatives, _Run
 
 
@@ -26,7 +26,7 @@ def motion(scene: Scene, times: Sequence[float], tolerance: float = 1e-13) -> De
     return _Run(BodyModel(scene), tolerance).to(times)
 
 
-class BodyPlace(DataPath):
+class BodyPlace(Place):
     """The place of a chain with the points of links, which come after the ends of links."""
 
     chain: BodyModel
@@ -150,11 +150,11 @@ class BodyModel(ChainModel):
             y[:, first : first + 2] = self.line * self.value("initial.slider_velocity")[:, None]
         return y
 
-    def answers(self, place: DataPath, columns: np.ndarray) -> np.ndarray:
+    def answers(self, place: Place, columns: np.ndarray) -> np.ndarray:
         back = self.ways.swapaxes(1, 2)
         return self.ways @ np.linalg.solve(back @ place.mass @ self.ways, back @ columns)
 
-    def pull(self, place: DataPath, point: int, direction: np.ndarray) -> np.ndarray:
+    def pull(self, place: Place, point: int, direction: np.ndarray) -> np.ndarray:
         if point <= self.links:
             return super().pull(place, point, direction)
         s = point - self.links - 1
@@ -220,7 +220,7 @@ class BodyModel(ChainModel):
     def point_accelerations(self, look: SimpleNamespace) -> np.ndarray:
         return self.accelerations(look.place, look.acceleration)
 
-    def accelerations(self, place: DataPath, acceleration: np.ndarray) -> np.ndarray:
+    def accelerations(self, place: Place, acceleration: np.ndarray) -> np.ndarray:
         """Return the accelerations of all points for q̈."""
         assert isinstance(place, BodyPlace)
         alpha, square = (
@@ -253,14 +253,14 @@ class BodyFriction(DryFriction):
             e = self.first_joint + chain.links
             self.sliding[e] = self.static[e] = chain.value("slider.friction")
 
-    def row(self, place: DataPath, e: int) -> np.ndarray:
+    def row(self, place: Place, e: int) -> np.ndarray:
         if e != self.first_joint + self.chain.links:
             return super().row(place, e)
         result = np.zeros((self.chain.lanes, self.chain.links + 2), complex)
         result[:, :2] = self.chain.line
         return result
 
-    def acceleration(self, place: DataPath, acceleration: np.ndarray, e: int) -> np.ndarray:
+    def acceleration(self, place: Place, acceleration: np.ndarray, e: int) -> np.ndarray:
         if e >= self.first_joint:
             return (self.row(place, e) * acceleration).sum(1)
         moves = self.chain.accelerations(place, acceleration)
