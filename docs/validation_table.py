@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 
-from generate import DOCS, table  # adds the folder of the tests to Python's path
+from generate import DOCS  # adds the folder of the tests to Python's path
+from markdown_text import table
 
 from chain_impact.scene.scene import model_names
 from tests.helpers.validation import PROBLEMS, Figure, Problem
