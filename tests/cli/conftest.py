@@ -29,3 +29,9 @@ def terminal(monkeypatch):
         return text
 
     return terminal
+
+
+@pytest.fixture(params=["scene", "FMU"])
+def source(request, fmu):
+    """Return the four-link box as a scene and as an FMU."""
+    return fmu if request.param == "FMU" else "four_link_box"

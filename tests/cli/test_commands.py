@@ -2,132 +2,23 @@
 
 import csv
 import json
-import os
 import re
 import shlex
-import subprocess
-import sys
-import zipfile
 from importlib import import_module
 from importlib.metadata import version
-from pathlib import Path
 
 import matplotlib as mpl
 import pytest
 from matplotlib import pyplot
 
 from chain_impact import CONTACT_LAWS, cli, load_scene, simulate
-from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.run import record_fmu
-from chain_impact.scene.models import model_names, models_folder
 from chain_impact.simulation import instance
 from chain_impact.studies.accuracy import differences
 from chain_impact.variables.prepared import PreparedScene
+from tests.cli.results import PNG, impact_lines, program, read_csv
 
 LITTLE_WORK = "solver.work_limit=1500"  # work units: enough for the first flight, too few for the impacts
-PNG = b"\x89PNG\r\n\x1a\n"
-ROD = models_folder() / "rod_drop"
-
-
-def impact_lines(text):
-    return [line.split() for line in text.splitlines() if re.match(r"\s*\d+ +\d+\.\d{6} ", line)]
-
-
-def read_csv(path):
-    with path.open(newline="", encoding="utf-8") as file:
-        names, *rows = csv.reader(file)
-    return names, [[float(cell) for cell in row] for row in rows]
-
-
-def program(*arguments, **settings):
-    """Run ``chain-impact`` as a program of its own."""
-    command = [sys.executable, "-m", "chain_impact.cli", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, **settings)
-
-
-@pytest.fixture(params=["scene", "FMU"])
-def source(request, fmu):
-    """Return the four-link box as a scene and as an FMU."""
-    return fmu if request.param == "FMU" else "four_link_box"
-
-
-# --- build -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize(
-    ("scene", "option"), [("rod_drop", "-o"), (ROD, "--output"), (ROD / "scene.toml", "-o")], ids=str
-)
-def test_build_puts_the_fmu_of_a_scene_into_the_folder(run, here, option, scene):
-    code, said, errors = run("build", scene, option, "out/deep")
-    assert (code, errors) == (0, "")
-    assert said.splitlines()[0] == "FMU      out/deep/RodDrop.fmu"
-    assert zipfile.is_zipfile(here / "out" / "deep" / "RodDrop.fmu")
-    assert [path.name for path in (here / "out" / "deep").iterdir()] == ["RodDrop.fmu"]
-
-
-@pytest.mark.parametrize(
-    ("options", "other"), [("--target native", "--fmi 3"), ("--fmi 3", "--fmi 2"), ("", "--target native")]
-)
-def test_build_takes_a_scene_by_default_and_says_which_option_makes_the_other_kind(run, here, options, other):
-    said = run("build", *options.split())[1]
-    assert said.splitlines()[0] == "FMU      build/FourLinkBox.fmu"
-    assert said.endswith(f": {other}\n")
-    assert run("build", "rod_drop", *options.split(), *other.split())[0] == 0
-
-
-def test_build_for_another_platform(run, here, monkeypatch):
-    asked = []
-
-    def library(links, platform, **_):
-        asked.append(platform)
-        path = here / f"kernel.{platform}"
-        path.write_text(platform)
-        return path
-
-    monkeypatch.setattr("chain_impact.fmu.build.kernel_library", library)
-    assert run("build", "rod_drop", "--platform", "linux64,win64", "--target", "pythonfmu")[0] == 0
-    assert sorted(asked) == ["linux64", "win64"]
-    names = zipfile.ZipFile("build/RodDrop.fmu").namelist()
-    assert {name.split("/")[1] for name in names if name.startswith("binaries/")} == {"linux64", "win64"}
-
-
-def test_build_and_simulate_writes_three_files_and_a_summary(run, here):
-    code, said, errors = run("build", "rod_drop", "--simulate")
-    assert (code, errors) == (0, "")
-    files = {"FMU": "fmu", "results": "csv", "picture": "png"}
-    named = [line for line in said.splitlines() if line.startswith(tuple(files))]
-    assert named == [f"{name:9}build/RodDrop.{suffix}" for name, suffix in files.items()]
-    assert {path.name for path in (here / "build").iterdir()} == {f"RodDrop.{one}" for one in files.values()}
-    assert (here / "build" / "RodDrop.png").read_bytes().startswith(PNG)
-    assert read_csv(here / "build" / "RodDrop.csv")[1][-1][0] == 2.0
-    assert len(impact_lines(said)) == 30
-    assert "RodDrop  0 … 2 s, 30 impacts" in said
-    assert re.search(r"^energy +3\.02\d+ J at the start = .* J left \+ .* J dissipated$", said, re.M)
-    assert re.search(r"^balance +off by at most \d\.\de-\d+ J\b", said, re.M)
-
-
-def test_build_fmu_py_is_build(here):
-    script = Path(__file__).parents[2] / "build_fmu.py"
-    done = subprocess.run(
-        [sys.executable, script, "no_scene"], capture_output=True, text=True, check=False, cwd=here
-    )
-    assert done.returncode == 2
-    assert done.stderr.startswith("chain-impact: no_scene: cannot be read")
-
-
-def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
-    def kernel_library(*_, **__):
-        raise BuildError("could not compile the kernel: zig cc said:\nld: out of memory")
-
-    monkeypatch.setattr(instance, "kernel_library", kernel_library)
-    monkeypatch.setattr(instance, "_loaded", {})
-    monkeypatch.setattr("chain_impact.fmu.build.kernel_library", kernel_library)
-    for verb in ("build", "simulate"):
-        code, _, said = run(verb)
-        assert code == 3
-        assert said == "chain-impact: could not compile the kernel: zig cc said:\nld: out of memory\n"
-    assert [path for path in here.rglob("*") if path.is_file()] == []
 
 
 # --- simulate --------------------------------------------------------------------------------------------
@@ -333,89 +224,6 @@ def test_compare_prints_a_row_for_each_law_and_advice_and_writes_what_was_asked_
     assert (here / "laws.png").read_bytes().startswith(PNG)
     with (here / "laws.csv").open(newline="", encoding="utf-8") as file:
         assert [row["law"] for row in csv.DictReader(file)] == list(CONTACT_LAWS)
-
-
-# --- info ------------------------------------------------------------------------------------------------
-
-
-def info(run, source):
-    """Return the lines with values and the lines of the variables.
-
-    Each line is whole at any terminal width.
-    """
-    code, said, errors = run("info", source)
-    assert (code, errors) == (0, "")
-    values, listing = said.split("\nVariables of the FMU\n")
-    head, *rows = listing.splitlines()
-    assert head.split() == ["name", "causality", "variability", "unit", "meaning"]
-    return values, {line.split()[0]: line for line in rows}
-
-
-FACTS = {
-    "pinned_arm": """PinnedArm  Two-link arm pinned at the origin
-  contact.points = [1, 2]  # derived: all that move
-  link[2].mass = 0.6
-  link[2].center_of_mass = 0.2  # derived: length / 2
-  box.x_max = 0.3""",
-    "four_link_box": """FourLinkBox  Four-link chain, free base
-  FMI version = 2.0
-  platforms = linux64
-  simulation.stop_time = 2.0
-  link[2].mass = 1.0
-  contact.model = zhang_sharf""",
-}
-
-
-@pytest.mark.parametrize("scene", FACTS)
-def test_info_has_values_and_every_variable(run, fmu, scene):
-    values, lines = info(run, fmu if scene == "four_link_box" else scene)
-    first, *rest = FACTS[scene].splitlines()
-    assert values.startswith(first)
-    assert {*rest} <= {*values.splitlines()}
-    assert scene != "pinned_arm" or "x_min" not in values
-    variables = PreparedScene(load_scene(scene)).variables
-    assert lines.keys() == {variable.name for variable in variables}
-    for variable in variables:
-        line = lines[variable.name]
-        assert line.split()[1:3] == [variable.causality, variable.variability]
-        assert line.endswith(variable.description)
-
-
-@pytest.mark.full("more cases", but=1)
-def test_what_info_prints_can_be_set(run, source):
-    lines = info(run, source)[0].splitlines()[1:]
-    named = [line.strip().replace(" = ", "=", 1) for line in lines if re.search(r"[\[.]", line.split("=")[0])]
-    settings = [part for setting in named for part in ("--set", setting)]
-    assert len(named) > 30
-    assert run("simulate", source, *settings) == run("simulate", source)
-
-
-def test_info_lists_models_and_laws(run):
-    for what, names in (("models", model_names()), ("laws", CONTACT_LAWS)):
-        code, said, _ = run("info", "--list", what)
-        assert code == 0
-        assert [line.split()[0] for line in said.splitlines()] == list(names)
-        assert all(len(line.split()) > 2 for line in said.splitlines())
-
-
-def test_signs_are_printed_as_they_are_or_as_question_marks_where_the_console_has_few(run, here):
-    """Check the output of main() on consoles with and without Unicode signs."""
-    text, odd = (ROD / "scene.toml").read_text("utf-8"), 'description = "[bold] λ [/] b"'
-    (here / "odd.toml").write_text(re.sub('description = ".*"', odd, text), encoding="utf-8")
-    assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] λ [/] b\n")
-    done = program("info", "odd.toml", env=os.environ | {"PYTHONIOENCODING": "ascii:strict"})
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("RodDrop  [bold] ? [/] b\n")
-
-
-@pytest.mark.full("takes long")
-def test_info_into_a_closed_pipe_is_quiet(fmu):
-    """Check the command `chain-impact info | head -1`."""
-    for source in ("rod_drop", str(fmu)):
-        command = [sys.executable, "-m", "chain_impact.cli", "info", source]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-            process.stdout.close()
-            assert process.stderr.read() == b""
 
 
 # --- arguments, and what all commands share --------------------------------------------------------------

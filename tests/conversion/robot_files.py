@@ -1,5 +1,11 @@
 """Small robot files, each with one feature that a plain chain of links does not have."""
 
+import pytest
+
+from chain_impact import SceneError
+from chain_impact.conversion.convert import of_robot
+from chain_impact.conversion.planar import Choices
+
 ARM = """
 <mujoco model="{name}">
   <option {option}>{flags}</option>
@@ -140,3 +146,18 @@ TWO = (
     joint("end", "lower", "tool", ".3 0 0", kind="fixed"),
 )
 """An arm of two links."""
+
+
+def read(tmp_path, text, **choices):
+    """Return the scene of a robot file with a text, and the messages about it."""
+    file = tmp_path / ("robot.xml" if "<mujoco" in text else "robot.urdf")
+    file.write_text(text, encoding="utf-8")
+    return of_robot(file, Choices(**choices))
+
+
+def refused(tmp_path, text, **choices):
+    """Return the error of a robot file with a text, one line."""
+    with pytest.raises(SceneError) as caught:
+        read(tmp_path, text, **choices)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)

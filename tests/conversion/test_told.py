@@ -6,29 +6,13 @@ import warnings
 import numpy as np
 import pytest
 
-from chain_impact import SceneError
 from chain_impact.cli import main
-from chain_impact.conversion.convert import of_robot
-from chain_impact.conversion.planar import Choices
-from tests.conversion.robot_files import TWO, arm, drives, joint, key, link, urdf
+from tests.conversion.robot_files import TWO, arm, drives, joint, key, link, read, refused, urdf
 from tests.tiers import needs_interop
 
 pytestmark = needs_interop
 
 FLOOR = '<geom name="floor" type="plane" size="3 3 .1" {}/>'
-
-
-def read(tmp_path, text, **choices):
-    file = tmp_path / ("robot.xml" if "<mujoco" in text else "robot.urdf")
-    file.write_text(text, encoding="utf-8")
-    return of_robot(file, Choices(**choices))
-
-
-def refused(tmp_path, text, **choices):
-    with pytest.raises(SceneError) as caught:
-        read(tmp_path, text, **choices)
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
 
 
 def test_disabled_contacts_and_limits_are_not_in_the_scene(tmp_path):
@@ -268,89 +252,6 @@ def test_files_that_nothing_needs_may_be_absent(tmp_path):
     )
     assert "a body has no mass but that of absent meshes: shell" in refused(tmp_path, only)
 
-
-def limited(low, high, effort=5):
-    return {
-        "kind": "revolute",
-        "more": f'<limit lower="{low}" upper="{high}" effort="{effort}" velocity="2"/>',
-    }
-
-
-def test_equal_limits_name_the_joint_and_what_converts(tmp_path):
-    parts = [link("u"), link("l"), joint("a", "base", "u", **limited(0, 0)), joint("b", "u", "l", ".3 0 0")]
-    told = refused(tmp_path, urdf(*parts))
-    assert "joint a: its limits are equal, 0 rad, so it cannot move" in told
-    assert "--joints b takes joints that make a chain" in told
-    scene, _ = read(tmp_path, urdf(*parts), joints=["b"])
-    assert len(scene.chain.links) == 1
-    parts[2] = joint("a", "base", "u", **limited(1, -1))
-    assert "joint a: its lower limit, 1 rad, is above its upper limit, -1 rad" in refused(
-        tmp_path, urdf(*parts)
-    )
-
-
-def test_an_effort_of_zero_is_told(tmp_path):
-    parts = [link("u"), joint("a", "base", "u", **limited(-1, 1, effort=0))]
-    scene, done = read(tmp_path, urdf(*parts))
-    assert scene.chain.links[0].joint_torque_limit is None
-    assert "joint a: limit of the effort 0: is taken as none" in done.left_out
-
-
-def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
-    parts = [link("u").replace('ixx=".01"', 'ixx=".05"'), joint("a", "base", "u")]
-    told = "link u: its moments of inertia, 0.02, 0.02 and 0.05 kg.m2, are those of no body"
-    assert told in read(tmp_path, urdf(*parts))[1].differs
-
-
-@pytest.mark.parametrize(
-    ("parts", "said"),
-    [
-        (['<joint name="a" type="fixed"/>'], "joint a: has no parent, must have one as in"),
-        ([link("u"), joint("a", "base", "u", axis="0 0 0")], "robot.urdf: joint a: its axis is 0 0 0"),
-        ([link("u", mass="1kg"), joint("a", "base", "u")], "link u cannot be read: could not convert"),
-        ([link("u"), link("u"), joint("a", "base", "u")], "a link has 2 times the name u"),
-        ([link("u"), joint("a", "base", "u"), joint("b", "base", "u")], "link u is the child of two joints"),
-        ([link("u"), joint("a", "u", "u")], "joints make a ring of u; each link must lead back to base"),
-    ],
-)
-def test_a_urdf_that_makes_no_sense_is_refused_with_the_place(tmp_path, parts, said):
-    assert said in refused(tmp_path, urdf(*parts))
-
-
-def test_unreadable_colours_and_absent_meshes_of_urdf_do_not_matter(tmp_path):
-    mesh, colour = '<geometry><mesh filename="no.dae"/></geometry>', '<color rgba="red"/>'
-    seen = f'<visual>{mesh}<material name="m">{colour}</material></visual>'
-    scene, done = read(
-        tmp_path,
-        urdf(
-            link("u", more=seen), joint("a", "base", "u"), '<material name="n"><color rgba="x"/></material>'
-        ),
-    )
-    assert len(scene.chain.links) == 1
-    assert done.left_out == ["shapes 1 mesh: touch nothing in the file, and are not in the scene"]
-
-
-def test_what_urdf_does_not_know_is_told(tmp_path):
-    extra = '<gazebo reference="u"><mu1>2</mu1></gazebo>'
-    text = urdf(
-        link("u", more="<contact><stiffness value='3'/></contact>"),
-        joint("a", "base", "u", more="<calibration rising='1'/>"),
-        extra,
-    )
-    _, done = read(tmp_path, text)
-    assert set(done.left_out) == {
-        "element gazebo u: is not in the scene: mu1",
-        "link u: contact: is not in the scene",
-        "joint a: calibration rising 1: is not in the scene",
-    }
-
-
-@pytest.mark.parametrize(
-    "part", ["<xacro:include filename='x'/>", '<link name="${prefix}l"/>'], ids=["element", "text"]
-)
-def test_of_a_xacro_file_it_is_said_to_run_xacro(tmp_path, part):
-    told = refused(tmp_path, urdf(*TWO, part, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
-    assert "run xacro first" in told
     generated, _ = read(tmp_path, urdf(*TWO, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
     assert len(generated.chain.links) == 2
 
@@ -369,79 +270,6 @@ def test_a_proposal_converts(tmp_path):
     assert len(scene.chain.links) == len(names) == 3
     told = refused(tmp_path, urdf(*parts), joints=["j2", "j4", "j6", "j7"])
     assert "joints j6 and j7 have the same axis; --joints j2,j4,j7 takes" in told
-
-
-def cart(axis="1 0 0", more="", **parts):
-    rail = f'<joint name="rail" type="slide" axis="{axis}" {more}/><joint name="a"'
-    return arm(**parts).replace('<joint name="a"', rail)
-
-
-def test_a_slide_that_is_not_in_the_plane_or_not_before_the_hinges_is_refused_with_a_proposal(tmp_path):
-    assert "joint rail slides" in (told := refused(tmp_path, cart("0 1 0")))
-    assert "--joints a,b takes joints" in told
-    finger = '<body pos=".3 0 0"><joint name="finger" type="slide" axis="1 0 0"/><geom size=".02"/></body>'
-    text = arm().replace('<site name="tip" pos=".3 0 0"/>', f'<site name="tip" pos=".3 0 0"/>{finger}')
-    assert "joint finger slides" in (told := refused(tmp_path, text))
-    assert "--joints a,b takes joints" in told
-
-
-def test_of_joints_about_several_axes_a_slide_and_its_hinges_are_proposed(tmp_path):
-    text = cart().replace('<joint name="b" axis="0 1 0"', '<joint name="b" axis="0 0 1"')
-    assert "--joints rail,a takes" in refused(tmp_path, text)
-
-
-def test_a_slide_is_a_slider_with_what_its_joint_and_drives_have(tmp_path):
-    text = cart(
-        "-3 0 0",
-        'ref=".2" range="-.4 .9" limited="true" stiffness="8" springref=".5" damping=".7" frictionloss=".3"',
-        rest=drives('<position joint="rail" kp="40" kv="2" forcerange="-6 6"/>', '<motor joint="a"/>')
-        + key(qpos=".3 .1 0", qvel=".5 0 0", ctrl=".6 0"),
-        b='ref="20"',
-    )
-    scene, done = read(tmp_path, text)
-    slider, start = scene.chain.slider, scene.initial
-    assert slider.angle == pytest.approx(math.pi)
-    assert (slider.mass, slider.friction, slider.force_limit) == (0.0, 0.3, 6.0)
-    assert (slider.stiffness, slider.damping) == pytest.approx((48.0, 2.7))
-    # positions of the file minus 0.3 m, the initial position
-    assert (slider.min, slider.max) == pytest.approx((-0.7, 0.6))
-    assert slider.rest_position == pytest.approx((8 * 0.5 + 40 * 0.6) / 48 - 0.3)
-    assert start.position == pytest.approx((0.2 - 0.3, 1.5))
-    assert start.slider_velocity == 0.5
-    assert scene.inputs.joint_targets
-    assert scene.inputs.joint_torques
-    assert not scene.inputs.slider_force
-    assert "joint rail: limits are soft in MuJoCo; a scene has its own, in [contact]" in done.differs
-    motor, _ = read(tmp_path, cart(rest=drives('<motor joint="rail" gear="10" ctrlrange="-1 1"/>')))
-    assert motor.inputs.slider_force
-    assert motor.chain.slider.force_limit == 10.0
-
-
-def test_a_slide_that_starts_beyond_its_limit_starts_there(tmp_path):
-    scene, done = read(tmp_path, cart(more='range=".1 .9" limited="true"'))
-    assert scene.initial.position == pytest.approx((0.1, 1.5))
-    assert (scene.chain.slider.min, scene.chain.slider.max) == pytest.approx((0.0, 0.8))
-    assert (
-        "joint rail: starts at its stop, 0.1 m from the start of the file, which is beyond" in done.warnings
-    )
-
-
-def test_the_armature_of_a_slide_that_rises_is_told_as_a_weight(tmp_path):
-    scene, done = read(tmp_path, cart("0 0 1", 'armature=".5"'))
-    assert scene.chain.slider.mass == 0.5
-    told = "joint rail: its armature, 0.5 kg, is part of the mass of the carriage, which has weight"
-    assert told in done.warnings
-    assert told in read(tmp_path, cart("1 0 0", 'armature=".5"'))[1].differs
-
-
-def test_equal_limits_of_a_slide_are_refused_with_its_unit(tmp_path):
-    parts = [link("u"), link("l"), joint("b", "u", "l", ".3 0 0")]
-    parts.append(
-        joint(
-            "s", "base", "u", kind="prismatic", axis="1 0 0", more='<limit lower="0" upper="0" effort="1"/>'
-        )
-    )
-    assert "joint s: its limits are equal, 0 m, so it cannot move" in refused(tmp_path, urdf(*parts))
 
 
 def test_the_command_tells_warnings_first_and_quietly_nothing(tmp_path, capfd):

@@ -1,0 +1,95 @@
+"""`info`: values and variables, lists, and where it prints."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from chain_impact import CONTACT_LAWS, load_scene
+from chain_impact.scene.models import model_names, models_folder
+from chain_impact.variables.prepared import PreparedScene
+from tests.cli.results import program
+
+ROD = models_folder() / "rod_drop"
+
+
+def info(run, source):
+    """Return the lines with values and the lines of the variables.
+
+    Each line is whole at any terminal width.
+    """
+    code, said, errors = run("info", source)
+    assert (code, errors) == (0, "")
+    values, listing = said.split("\nVariables of the FMU\n")
+    head, *rows = listing.splitlines()
+    assert head.split() == ["name", "causality", "variability", "unit", "meaning"]
+    return values, {line.split()[0]: line for line in rows}
+
+
+FACTS = {
+    "pinned_arm": """PinnedArm  Two-link arm pinned at the origin
+  contact.points = [1, 2]  # derived: all that move
+  link[2].mass = 0.6
+  link[2].center_of_mass = 0.2  # derived: length / 2
+  box.x_max = 0.3""",
+    "four_link_box": """FourLinkBox  Four-link chain, free base
+  FMI version = 2.0
+  platforms = linux64
+  simulation.stop_time = 2.0
+  link[2].mass = 1.0
+  contact.model = zhang_sharf""",
+}
+
+
+@pytest.mark.parametrize("scene", FACTS)
+def test_info_has_values_and_every_variable(run, fmu, scene):
+    values, lines = info(run, fmu if scene == "four_link_box" else scene)
+    first, *rest = FACTS[scene].splitlines()
+    assert values.startswith(first)
+    assert {*rest} <= {*values.splitlines()}
+    assert scene != "pinned_arm" or "x_min" not in values
+    variables = PreparedScene(load_scene(scene)).variables
+    assert lines.keys() == {variable.name for variable in variables}
+    for variable in variables:
+        line = lines[variable.name]
+        assert line.split()[1:3] == [variable.causality, variable.variability]
+        assert line.endswith(variable.description)
+
+
+@pytest.mark.full("more cases", but=1)
+def test_what_info_prints_can_be_set(run, source):
+    lines = info(run, source)[0].splitlines()[1:]
+    named = [line.strip().replace(" = ", "=", 1) for line in lines if re.search(r"[\[.]", line.split("=")[0])]
+    settings = [part for setting in named for part in ("--set", setting)]
+    assert len(named) > 30
+    assert run("simulate", source, *settings) == run("simulate", source)
+
+
+def test_info_lists_models_and_laws(run):
+    for what, names in (("models", model_names()), ("laws", CONTACT_LAWS)):
+        code, said, _ = run("info", "--list", what)
+        assert code == 0
+        assert [line.split()[0] for line in said.splitlines()] == list(names)
+        assert all(len(line.split()) > 2 for line in said.splitlines())
+
+
+def test_signs_are_printed_as_they_are_or_as_question_marks_where_the_console_has_few(run, here):
+    """Check the output of main() on consoles with and without Unicode signs."""
+    text, odd = (ROD / "scene.toml").read_text("utf-8"), 'description = "[bold] λ [/] b"'
+    (here / "odd.toml").write_text(re.sub('description = ".*"', odd, text), encoding="utf-8")
+    assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] λ [/] b\n")
+    done = program("info", "odd.toml", env=os.environ | {"PYTHONIOENCODING": "ascii:strict"})
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("RodDrop  [bold] ? [/] b\n")
+
+
+@pytest.mark.full("takes long")
+def test_info_into_a_closed_pipe_is_quiet(fmu):
+    """Check the command `chain-impact info | head -1`."""
+    for source in ("rod_drop", str(fmu)):
+        command = [sys.executable, "-m", "chain_impact.cli", "info", source]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            process.stdout.close()
+            assert process.stderr.read() == b""

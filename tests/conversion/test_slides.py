@@ -1,0 +1,83 @@
+"""Slides of robot files become the slider of a scene, or are refused with a proposal."""
+
+import math
+
+import pytest
+
+from tests.conversion.robot_files import arm, drives, joint, key, link, read, refused, urdf
+from tests.tiers import needs_interop
+
+pytestmark = needs_interop
+
+
+def cart(axis="1 0 0", more="", **parts):
+    rail = f'<joint name="rail" type="slide" axis="{axis}" {more}/><joint name="a"'
+    return arm(**parts).replace('<joint name="a"', rail)
+
+
+def test_a_slide_that_is_not_in_the_plane_or_not_before_the_hinges_is_refused_with_a_proposal(tmp_path):
+    assert "joint rail slides" in (told := refused(tmp_path, cart("0 1 0")))
+    assert "--joints a,b takes joints" in told
+    finger = '<body pos=".3 0 0"><joint name="finger" type="slide" axis="1 0 0"/><geom size=".02"/></body>'
+    text = arm().replace('<site name="tip" pos=".3 0 0"/>', f'<site name="tip" pos=".3 0 0"/>{finger}')
+    assert "joint finger slides" in (told := refused(tmp_path, text))
+    assert "--joints a,b takes joints" in told
+
+
+def test_of_joints_about_several_axes_a_slide_and_its_hinges_are_proposed(tmp_path):
+    text = cart().replace('<joint name="b" axis="0 1 0"', '<joint name="b" axis="0 0 1"')
+    assert "--joints rail,a takes" in refused(tmp_path, text)
+
+
+def test_a_slide_is_a_slider_with_what_its_joint_and_drives_have(tmp_path):
+    text = cart(
+        "-3 0 0",
+        'ref=".2" range="-.4 .9" limited="true" stiffness="8" springref=".5" damping=".7" frictionloss=".3"',
+        rest=drives('<position joint="rail" kp="40" kv="2" forcerange="-6 6"/>', '<motor joint="a"/>')
+        + key(qpos=".3 .1 0", qvel=".5 0 0", ctrl=".6 0"),
+        b='ref="20"',
+    )
+    scene, done = read(tmp_path, text)
+    slider, start = scene.chain.slider, scene.initial
+    assert slider.angle == pytest.approx(math.pi)
+    assert (slider.mass, slider.friction, slider.force_limit) == (0.0, 0.3, 6.0)
+    assert (slider.stiffness, slider.damping) == pytest.approx((48.0, 2.7))
+    # positions of the file minus 0.3 m, the initial position
+    assert (slider.min, slider.max) == pytest.approx((-0.7, 0.6))
+    assert slider.rest_position == pytest.approx((8 * 0.5 + 40 * 0.6) / 48 - 0.3)
+    assert start.position == pytest.approx((0.2 - 0.3, 1.5))
+    assert start.slider_velocity == 0.5
+    assert scene.inputs.joint_targets
+    assert scene.inputs.joint_torques
+    assert not scene.inputs.slider_force
+    assert "joint rail: limits are soft in MuJoCo; a scene has its own, in [contact]" in done.differs
+    motor, _ = read(tmp_path, cart(rest=drives('<motor joint="rail" gear="10" ctrlrange="-1 1"/>')))
+    assert motor.inputs.slider_force
+    assert motor.chain.slider.force_limit == 10.0
+
+
+def test_a_slide_that_starts_beyond_its_limit_starts_there(tmp_path):
+    scene, done = read(tmp_path, cart(more='range=".1 .9" limited="true"'))
+    assert scene.initial.position == pytest.approx((0.1, 1.5))
+    assert (scene.chain.slider.min, scene.chain.slider.max) == pytest.approx((0.0, 0.8))
+    assert (
+        "joint rail: starts at its stop, 0.1 m from the start of the file, which is beyond" in done.warnings
+    )
+
+
+def test_the_armature_of_a_slide_that_rises_is_told_as_a_weight(tmp_path):
+    scene, done = read(tmp_path, cart("0 0 1", 'armature=".5"'))
+    assert scene.chain.slider.mass == 0.5
+    told = "joint rail: its armature, 0.5 kg, is part of the mass of the carriage, which has weight"
+    assert told in done.warnings
+    assert told in read(tmp_path, cart("1 0 0", 'armature=".5"'))[1].differs
+
+
+def test_equal_limits_of_a_slide_are_refused_with_its_unit(tmp_path):
+    parts = [link("u"), link("l"), joint("b", "u", "l", ".3 0 0")]
+    parts.append(
+        joint(
+            "s", "base", "u", kind="prismatic", axis="1 0 0", more='<limit lower="0" upper="0" effort="1"/>'
+        )
+    )
+    assert "joint s: its limits are equal, 0 m, so it cannot move" in refused(tmp_path, urdf(*parts))

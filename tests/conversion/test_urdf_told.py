@@ -1,0 +1,92 @@
+"""What the conversion of URDF tells, and what it refuses."""
+
+import pytest
+
+from tests.conversion.robot_files import TWO, joint, link, read, refused, urdf
+from tests.tiers import needs_interop
+
+pytestmark = needs_interop
+
+
+def limited(low, high, effort=5):
+    return {
+        "kind": "revolute",
+        "more": f'<limit lower="{low}" upper="{high}" effort="{effort}" velocity="2"/>',
+    }
+
+
+def test_equal_limits_name_the_joint_and_what_converts(tmp_path):
+    parts = [link("u"), link("l"), joint("a", "base", "u", **limited(0, 0)), joint("b", "u", "l", ".3 0 0")]
+    told = refused(tmp_path, urdf(*parts))
+    assert "joint a: its limits are equal, 0 rad, so it cannot move" in told
+    assert "--joints b takes joints that make a chain" in told
+    scene, _ = read(tmp_path, urdf(*parts), joints=["b"])
+    assert len(scene.chain.links) == 1
+    parts[2] = joint("a", "base", "u", **limited(1, -1))
+    assert "joint a: its lower limit, 1 rad, is above its upper limit, -1 rad" in refused(
+        tmp_path, urdf(*parts)
+    )
+
+
+def test_an_effort_of_zero_is_told(tmp_path):
+    parts = [link("u"), joint("a", "base", "u", **limited(-1, 1, effort=0))]
+    scene, done = read(tmp_path, urdf(*parts))
+    assert scene.chain.links[0].joint_torque_limit is None
+    assert "joint a: limit of the effort 0: is taken as none" in done.left_out
+
+
+def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
+    parts = [link("u").replace('ixx=".01"', 'ixx=".05"'), joint("a", "base", "u")]
+    told = "link u: its moments of inertia, 0.02, 0.02 and 0.05 kg.m2, are those of no body"
+    assert told in read(tmp_path, urdf(*parts))[1].differs
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        (['<joint name="a" type="fixed"/>'], "joint a: has no parent, must have one as in"),
+        ([link("u"), joint("a", "base", "u", axis="0 0 0")], "robot.urdf: joint a: its axis is 0 0 0"),
+        ([link("u", mass="1kg"), joint("a", "base", "u")], "link u cannot be read: could not convert"),
+        ([link("u"), link("u"), joint("a", "base", "u")], "a link has 2 times the name u"),
+        ([link("u"), joint("a", "base", "u"), joint("b", "base", "u")], "link u is the child of two joints"),
+        ([link("u"), joint("a", "u", "u")], "joints make a ring of u; each link must lead back to base"),
+    ],
+)
+def test_a_urdf_that_makes_no_sense_is_refused_with_the_place(tmp_path, parts, said):
+    assert said in refused(tmp_path, urdf(*parts))
+
+
+def test_unreadable_colours_and_absent_meshes_of_urdf_do_not_matter(tmp_path):
+    mesh, colour = '<geometry><mesh filename="no.dae"/></geometry>', '<color rgba="red"/>'
+    seen = f'<visual>{mesh}<material name="m">{colour}</material></visual>'
+    scene, done = read(
+        tmp_path,
+        urdf(
+            link("u", more=seen), joint("a", "base", "u"), '<material name="n"><color rgba="x"/></material>'
+        ),
+    )
+    assert len(scene.chain.links) == 1
+    assert done.left_out == ["shapes 1 mesh: touch nothing in the file, and are not in the scene"]
+
+
+def test_what_urdf_does_not_know_is_told(tmp_path):
+    extra = '<gazebo reference="u"><mu1>2</mu1></gazebo>'
+    text = urdf(
+        link("u", more="<contact><stiffness value='3'/></contact>"),
+        joint("a", "base", "u", more="<calibration rising='1'/>"),
+        extra,
+    )
+    _, done = read(tmp_path, text)
+    assert set(done.left_out) == {
+        "element gazebo u: is not in the scene: mu1",
+        "link u: contact: is not in the scene",
+        "joint a: calibration rising 1: is not in the scene",
+    }
+
+
+@pytest.mark.parametrize(
+    "part", ["<xacro:include filename='x'/>", '<link name="${prefix}l"/>'], ids=["element", "text"]
+)
+def test_of_a_xacro_file_it_is_said_to_run_xacro(tmp_path, part):
+    told = refused(tmp_path, urdf(*TWO, part, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
+    assert "run xacro first" in told
