@@ -50,6 +50,19 @@ def test_balls_stops_and_chains_without_walls_have_nothing_to_tell(model):
     assert told == []
 
 
+def test_a_rod_that_touches_with_one_point_is_no_ball():
+    soft = {"contact.points": [0], "contact.stiffness": 10.0}
+    told, _ = said(load_scene("rod_drop").with_values(soft))
+    assert len(told) == 1
+    assert "a point goes farther beyond y_min than the shortest link is long, 0.6 m" in told[0]
+
+
+def test_a_ball_goes_deeper_than_its_radius():
+    told, _ = said(load_scene("elastic_ball").with_values({"contact.model": "hertz", "contact.stiffness": 1e3}))
+    assert len(told) == 1
+    assert "a point goes farther beyond y_min than the radius of the ball, 0.1 m" in told[0]
+
+
 def test_a_run_that_stops_tells_it_too():
     with pytest.raises(SimulationError), pytest.warns(SceneWarning, match="goes farther beyond y_min"):
         simulate(load_scene("four_link_box").with_values({**SOFT, "solver.work_limit": 1000}))

@@ -160,24 +160,34 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return a sentence on a wall in which a point went deeper than the length of the shortest link.
+    """Return a sentence on a wall in which a point went deeper than the smallest body is large.
 
-    Such a wall does not act as a wall. The sentence names the wall with the largest penetration. A chain of
-    one link that touches with only one point is a ball: the length of its link has no meaning.
+    Such a wall does not act as a wall. The sentence names the wall with the largest penetration.
     """
-    links = scene.chain.links
-    if len(links) == len(scene.contact.points) == 1:
-        return []
     walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)
-    shortest = min(link.length for link in links)
-    if depths.max(initial=0.0) <= shortest:
+    smallest, body = smallest_body(scene)
+    if depths.max(initial=0.0) <= smallest:
         return []
     wall = scene.wall_names[impacts["wall"][depths.argmax()]]
     material = scene.contact.wall.get(wall)
     given = material.stiffness if material else None
     name, stiffness = ("contact", scene.contact.stiffness) if given is None else (f"wall.{wall}", given)
     return [
-        f"a point goes farther beyond {wall} than the shortest link is long, {shortest:g} m: "
+        f"a point goes farther beyond {wall} than {body}, {smallest:g} m: "
         f"{name}.stiffness = {stiffness:g} [N/m^{scene.contact.exponent:g}] is small for this motion"
     ]
+
+
+def smallest_body(scene: Scene) -> tuple[float, str]:
+    """Return the size of the smallest body [m], and words for it: the shortest link, or the radius of a ball.
+
+    A free chain of one link that touches only at its centre of mass is a ball: the length of its link has no
+    meaning, and without a radius the ball has no size.
+    """
+    link, points = min(scene.chain.links, key=lambda one: one.length), scene.touching_points
+    ends = {0.0: 0, link.length: 1}
+    centre = ends.get(link.center_of_mass) if link.center_of_mass_offset == 0.0 else None
+    if scene.chain.base == "free" and len(scene.chain.links) == 1 and points == (centre,):
+        return scene.contact.radius or np.inf, "the radius of the ball"
+    return link.length, "the shortest link is long"

@@ -17,7 +17,7 @@ from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import in_order
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
-from chain_impact.recording.summary import hints
+from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
 from chain_impact.scene.checks import warn
 from chain_impact.scene.reading import SceneError
@@ -157,7 +157,7 @@ def simulate(
         rerun=Rerun(prepared, driven),
     )
     # few runs have a penetration so deep that a warning is possible
-    if found["max_penetration"].max(initial=0.0) > min([link.length for link in scene.chain.links]):
+    if found["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
         warn(scene.name, hints(scene, found))
     if instance.record["moved"]["contradiction"]:
         warn(scene.name, instance.contradictions)
