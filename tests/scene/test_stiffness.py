@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from chain_impact import simulate, sphere_plane_stiffness
+from chain_impact import SceneWarning, simulate, sphere_plane_stiffness
 from tests.helpers.problems import struck_ball
 
 STEEL = 207e9, 0.3
@@ -59,3 +59,9 @@ def test_what_is_no_material_is_refused(changed, message):
     values = {"radius": RADIUS, "young_1": 1e9, "poisson_1": 0.3, "young_2": 1e9, "poisson_2": 0.3}
     with pytest.raises(ValueError, match=message):
         sphere_plane_stiffness(**values | changed)
+
+
+def test_a_modulus_in_gigapascals_is_asked_about():
+    with pytest.warns(SceneWarning, match=r"^young_1 = 207 Pa is softer than a gel: is it in GPa\?$") as told:
+        sphere_plane_stiffness(RADIUS, 207, 0.3, 207e9, 0.3)
+    assert told[0].filename == __file__

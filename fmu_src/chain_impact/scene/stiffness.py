@@ -1,8 +1,12 @@
 """Contact stiffness from material and shape."""
 
 import math
+import warnings
+
+from chain_impact.scene.reading import SceneWarning
 
 INCOMPRESSIBLE = 0.5  # Poisson's ratio
+SOFTEST = 1e3  # [Pa] Young's modulus of very soft gels; a smaller number is probably in GPa
 
 
 def sphere_plane_stiffness(
@@ -19,6 +23,9 @@ def sphere_plane_stiffness(
         young_2: E₂ of the plane [Pa].
         poisson_2: ν₂ of the plane.
 
+    Warns:
+        SceneWarning: when a Young's modulus is so small that it is probably in GPa.
+
     Raises:
         ValueError: when a value is out of range.
     """
@@ -28,5 +35,9 @@ def sphere_plane_stiffness(
     for name, value in (("poisson_1", poisson_1), ("poisson_2", poisson_2)):
         if not -1.0 < value <= INCOMPRESSIBLE:
             raise ValueError(f"{name} = {value} must be > -1 and <= 0.5")
+    for name, value in (("young_1", young_1), ("young_2", young_2)):
+        if value < SOFTEST:
+            hint = f"{name} = {value:g} Pa is softer than a gel: is it in GPa?"
+            warnings.warn(hint, SceneWarning, stacklevel=2)
     compliance = (1.0 - poisson_1**2) / young_1 + (1.0 - poisson_2**2) / young_2
     return 4.0 / 3.0 * math.sqrt(radius) / compliance
