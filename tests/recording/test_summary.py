@@ -25,6 +25,9 @@ def test_energy_supplied_is_in_the_ledger():
         "energy   1 J at the start + 2.25 J supplied = 3 J left + 0.5 J dissipated",
         "balance  off by at most 2.5e-01 J: an energy check, no bound on positions or times",
     ]
+    columns["supplied"] = [0.0, -5.44]
+    first, _ = energy_lines({name: np.array(values) for name, values in columns.items()})
+    assert first.startswith("energy   1 J at the start - 5.44 J supplied =")
 
 
 def test_a_long_list_of_impacts_ends_with_how_many_more():

@@ -58,7 +58,9 @@ def test_a_rod_that_touches_with_one_point_is_no_ball():
 
 
 def test_a_ball_goes_deeper_than_its_radius():
-    told, _ = said(load_scene("elastic_ball").with_values({"contact.model": "hertz", "contact.stiffness": 1e3}))
+    told, _ = said(
+        load_scene("elastic_ball").with_values({"contact.model": "hertz", "contact.stiffness": 1e3})
+    )
     assert len(told) == 1
     assert "a point goes farther beyond y_min than the radius of the ball, 0.1 m" in told[0]
 

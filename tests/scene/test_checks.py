@@ -1,6 +1,7 @@
 """Refused scenes and their messages: values, keys, walls, starts inside walls."""
 
 import math
+import re
 import warnings
 from pathlib import Path
 
@@ -94,6 +95,18 @@ def test_a_pinned_base_beyond_a_wall_is_warned_of():
     with warnings.catch_warnings():
         warnings.simplefilter("error", SceneWarning)
         arm.with_values({"box.x_max": 0.0})
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"link[1].length": 500.0}, "link[1].length = 500 m is long for link[1].mass = 1 kg: is it in mm?"),
+        ({"gravity.y": -9810.0}, "m/s² is a thousand times as strong as on earth: is it in mm?"),
+    ],
+)
+def test_lengths_in_millimetres_are_asked_about(changes, told):
+    with pytest.warns(SceneWarning, match=re.escape(told)):
+        load_scene("pinned_arm").with_values({"box.x_max": None, **changes})
 
 
 # --- walls at any angle ----------------------------------------------------------------------------------

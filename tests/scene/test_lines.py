@@ -1,5 +1,7 @@
 """Errors of a scene file name the line, and a correct entry."""
 
+import re
+
 import pytest
 
 from chain_impact import SceneError, load_scene, parse_scene
@@ -107,3 +109,15 @@ def test_a_reversed_wall_is_asked_about():
     with pytest.raises(SceneError, match=r"in the wall x_min; must be outside$"):
         load_scene("four_link_box").with_values({"box.x_min": 2.5})
     assert parse_scene(text.replace("-1.0]", "1.0]"), "ball.toml").walls
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        ("length = 0.2", "length = 0.2\nlength = 0.3", "; length is given twice"),
+        ("points = [0]", "points = [0]\nwall.y_min.restitution = 0.4", "; wall.y_min.restitution is given"),
+    ],
+)
+def test_a_key_that_is_given_twice_is_named(before, after, told):
+    with pytest.raises(SceneError, match=re.escape(told)):
+        parse_scene(TEXT.replace(before, after), "file.toml")

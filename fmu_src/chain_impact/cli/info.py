@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         shown = {"name", "description"}  # attributes that the headline shows
         derived = scene.derived
         facts += [
-            (name, f"{_as_set(value)}  # derived: {derived[name]}" if name in derived else _as_set(value))
+            (name, f"{_rounded(value)}  # derived: {derived[name]}" if name in derived else _as_set(value))
             for name, value in scene.values.items()
             if name not in shown and value not in (None, "", ())
         ]
@@ -90,7 +90,12 @@ def _as_set(value: object) -> object:
 def _start_and_rule(variable: Any) -> object:
     """Return the start value, and the rule by which it follows from other values if it is not set."""
     _, follows, rule = (variable.description or "").partition(UNLESS_SET)
-    return f"{_start(variable)}  # derived: {rule}" if follows else _start(variable)
+    return f"{_rounded(float(variable.start))}  # derived: {rule}" if follows else _start(variable)
+
+
+def _rounded(value: object) -> object:
+    """Return a derived value without the round-off of its last digits."""
+    return f"{value:.15g}" if isinstance(value, float) else _as_set(value)
 
 
 def _start(variable: Any) -> object:

@@ -36,7 +36,8 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
     total, dissipated = energies["total"], energies["dissipated"]
     supplied = energies.get("supplied", 0.0 * total)
     balance = total + dissipated - supplied
-    given = f" + {supplied[-1]:.6g} J supplied" if supplied.any() else ""
+    sign = "-" if supplied[-1] < 0.0 else "+"
+    given = f" {sign} {abs(supplied[-1]):.6g} J supplied" if supplied.any() else ""
     rest = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
     yield f"energy   {total[0]:.6g} J at the start{given} = {rest}"
     off = abs(balance - balance[0]).max()

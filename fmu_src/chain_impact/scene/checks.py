@@ -26,6 +26,10 @@ from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 PACKAGE = __name__.partition(".")[0]
+# a link that is longer [m], and lighter for its length [kg/m], than any arm or pole; a rope is as light, and
+# 0.5 m in mm would be as long
+LONG, LIGHT = 20.0, 0.2
+IN_MM = (9e3, 1.05e4)  # [m/s²] gravity on earth, if it is in mm/s²
 
 
 def check(scene: Contents) -> None:
@@ -82,7 +86,7 @@ def check_together(scene: Contents) -> None:
             raise SceneError(f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}")
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
-            least = f"{low + 2 * contact.radius} [m], which is {axis}_min + 2 contact.radius"
+            least = f"{low + 2 * contact.radius:.15g} [m], which is {axis}_min + 2 contact.radius"
             raise SceneError(f"box.{axis}_max = {high} must be > {least}")
 
 
@@ -247,12 +251,18 @@ def check_start(scene: Contents) -> None:
             depth = radius - wall.clearance(x, y)
             if depth > OVERLAP:
                 where = scene.point_label(point)
-                place = f"{where} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
+                place = f"{where} at {_position(x, y)} is {depth:.6g} m deep in"
                 beyond = name not in WALLS and all(
                     wall.clearance(*at) < 0.0 for *at, _ in candidates.values()
                 )
                 asked = "; no point is: is its normal reversed?" if beyond and not angle_hints(scene) else ""
                 raise SceneError(f"initial: {place} the wall {name}; must be outside{asked}")
+
+
+def _position(x: float, y: float) -> str:
+    """Return a position as text; a coordinate that is round-off is 0."""
+    x, y = (0.0 if abs(one) <= OVERLAP else one for one in (x, y))
+    return f"({x:.6g}, {y:.6g}) m"
 
 
 def check_joint_angles(scene: Contents) -> None:
@@ -299,7 +309,20 @@ def hints(scene: Contents) -> list[str]:
     if step > stop:
         longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
         found.append(f"{longer}: there are two rows only, the start and the end")
-    return [*found, *base_hints(scene)]
+    return [*found, *size_hints(scene), *base_hints(scene)]
+
+
+def size_hints(scene: Contents) -> list[str]:
+    """Return questions about the unit of lengths that are probably in millimetres."""
+    links, pull = scene.chain.links, math.hypot(*scene.gravity)
+    found = [
+        f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg"
+        for i, link in enumerate(links, 1)
+        if link.length > LONG and link.mass < LIGHT * link.length
+    ][:1]
+    if IN_MM[0] < pull < IN_MM[1]:
+        found.append(f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth")
+    return [f"{one}: is it in mm?" for one in found]
 
 
 def base_hints(scene: Contents) -> list[str]:
@@ -311,7 +334,7 @@ def base_hints(scene: Contents) -> list[str]:
         return []
     x, y = scene.base_at_start
     deep = {name: -wall.clearance(x, y) for name, wall in scene.walls_at_start.items()}
-    where = f"initial: the pinned base at ({x:.6g}, {y:.6g}) m is"
+    where = f"initial: the pinned base at {_position(x, y)} is"
     return [
         f"{where} {depth:.6g} m beyond the wall {name}, which cannot touch it: is it where it should be?"
         for name, depth in deep.items()

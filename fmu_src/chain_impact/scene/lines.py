@@ -72,9 +72,14 @@ def fault_hint(text: str, fault: str) -> str:
     named = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()
     line = lines[int(named[1]) - 1] if named and int(named[1]) <= len(lines) else ""
-    if head := _HEAD.match(line):
+    key, head = _KEY.match(line), _HEAD.match(line)
+    if "overwrite" in fault and key:
+        return f"; {'.'.join(map(str, _steps(key[1])))} is given twice"
+    if head:
         name = ".".join(map(str, _steps(head[2])))
-        return f"; of several, each begins with [[{name}]]" if name in LISTS and head[1] == "[" else ""
+        if name in LISTS and head[1] == "[":
+            return f"; of several, each begins with [[{name}]]"
+        return ""
     if degrees := _DEGREES.search(line):
         return f'; an angle in degrees is text: "{degrees[1] or degrees[2]} deg"'
     return comma_in(text, fault)

@@ -35,7 +35,7 @@ def test_data_model_residuals_and_impacts(found):
 
 def test_the_headline_has_what_was_found(found):
     page = found.plot()
-    assert page.get_suptitle() == heading(found)
+    assert page.get_suptitle() == heading(found, ": ")
     told = "\n".join(text.get_text() for text in page.texts)
     assert all(name in told for name in FREE)
 

@@ -89,7 +89,7 @@ def fill(page: Figure, fit: Estimates) -> None:
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
-    headline(page, heading(fit), SEPARATOR.join([*told[:MOST_TOLD], *more]))
+    headline(page, heading(fit, ": "), SEPARATOR.join([*told[:MOST_TOLD], *more]))
 
 
 def _model(fit: Estimates, k: int) -> Result:

@@ -41,11 +41,11 @@ def report(fit: Estimates) -> Iterator[str | Table]:
             yield f"{equal} laws fit equally well, with ΔAIC < {EQUAL:g}: these data cannot tell them apart."
 
 
-def heading(fit: Estimates) -> str:
-    """Return the heading: the names of the scene, the law and the data."""
+def heading(fit: Estimates, mark: str = "  ") -> str:
+    """Return the heading: the name of the scene, then behind a mark the names of the law and the data."""
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     return (
-        f"{fit.scene.name}  {f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
+        f"{fit.scene.name}{mark}{f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
         f"{plural(len(fit.parameters), 'free parameter')}"
     )
 
