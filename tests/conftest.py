@@ -40,7 +40,7 @@ SLOWEST = (
 # file → other file with which the file shares a process, because both use the same results
 WITH = {
     f"tests/pictures/test_{name}.py": "tests/pictures/test_overview.py"
-    for name in ("motion", "over_time", "room")
+    for name in ("committed_pictures", "motion", "over_time", "room")
 }
 
 
