@@ -41,6 +41,7 @@ def points(picture):
     return max((group for group in marks if group), key=len)
 
 
+@pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("model", model_names())
 def test_the_drawing_names_points_walls_and_the_first_angle(model):
     scene, picture = load_scene(model), drawn(load_scene(model))

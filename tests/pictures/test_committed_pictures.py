@@ -23,7 +23,7 @@ def lines(words):
     return [line for line in told if not NUMBERS.fullmatch(line) and not line.startswith(LEFT_OUT)]
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", sorted({*model_names()} - OTHERS))
 def test_the_picture_of_a_model_says_what_the_code_says(model):
     now = words_of(drawn(recorded(model))[0])

@@ -193,7 +193,7 @@ SIZES = [(model, width) for model in BUSY for width in WIDTHS]
 SIZES += [(model, width) for model in model_names() if model not in BUSY for width in (WIDTHS[0], WIDTHS[2])]
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(("model", "width"), SIZES)
 def test_texts_fit_a_page_of_any_width(model, width):
     """84, 120 and 190 mm, the widths of journals: the layout is made for the width, not scaled."""

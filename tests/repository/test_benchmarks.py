@@ -165,6 +165,7 @@ def test_the_measured_impacts_support_no_compliance_along_the_wall():
 # --- the measured arm ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("takes long")
 def test_the_friction_of_a_made_up_arm_is_found_again(charts, tmp_path):
     module = charts("measured_arm")
     true = {"link[1].joint_friction": 0.2, "link[2].joint_friction": 0.1, "link[2].joint_damping": 0.02}

@@ -134,7 +134,7 @@ OBSERVED = ("output", "latest", "step", "quadrature.dense", "limits", "finished"
 GARBAGE = 1.7e11
 
 
-@pytest.mark.full("more cases", but=2)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("seeds", SEEDS.values(), ids=SEEDS)
 def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
     differ = []

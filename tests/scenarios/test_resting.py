@@ -48,6 +48,7 @@ def test_friction_at_rest_does_no_work(kind):
     check_rest([run(kind, seed, SHORT) for seed in CREPT[kind]])
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", ["pendulum", "double_pendulum", "rigid_pendulum"])
 def test_an_hour_of_rest_is_held(kind):
     found = [run(kind, seed, LONG) for seed in range(20)]
