@@ -137,10 +137,10 @@ def draw(page: Any, record: dict) -> None:
     )
     headline(
         page,
-        f"Another law or stiffness errs by {number(wrong, 1)} mm or more, the solver by "
-        f"{number(right['tip'], 1)} mm in {1e3 * right['seconds']:.1g} ms",
-        f"{PROBLEM.title}  ·  the right model: zhang_sharf with the stiffness of steel  ·  errors to "
-        f"{PROBLEM.times[0]} s  ·  numbers at points: tolerances",
+        "Error of the tip [mm] by law, stiffness and tolerance, over CPU time [ms]",
+        f"{PROBLEM.title}  ·  right: zhang_sharf with the stiffness of steel  ·  to {PROBLEM.times[0]} s: "
+        f"another law or stiffness {number(wrong, 1)} mm or more, solver {number(right['tip'], 1)} mm in "
+        f"{1e3 * right['seconds']:.1g} ms  ·  numbers at points: tolerances",
     )
     page.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
 

@@ -282,10 +282,10 @@ def draw(page: Any, record: Any) -> None:
     ]
     headline(
         page,
-        f"MuJoCo creeps on a slope by {creep / 1e3:.2g} mm/s, with noslip not at all; "
-        f"for a thrown chain it takes {min(factors):.2g} to {max(factors):.2g} times our time at equal error",
-        f"elliptic cones  ·  factors: {CREEPS.removeprefix('MuJoCo ')}, steps of {1e3 * SHOWN:g} ms  ·  "
-        "errors: each against its own converged run",
+        "Dry friction: drift on a slope [µm/s], and errors of a thrown chain, over CPU time [ms]",
+        f"elliptic cones  ·  errors: each against its own converged run  ·  {CREEPS} with steps of "
+        f"{1e3 * SHOWN:g} ms: drift {creep / 1e3:.2g} mm/s, {min(factors):.2g} to {max(factors):.2g} times "
+        "our time at equal error",
     )
     handles = {
         label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)

@@ -230,9 +230,9 @@ def draw(page: Any, record: Any) -> None:
     full = [title_of(method) for method in ("ours auto", *ADAPTIVE) if done[method] == cells]
     headline(
         page,
-        f"{', '.join(full)} complete all {cells} cells, RK4 with steps of 1 ms only {done['RK4 0.001 s']}",
+        "Completed runs and their cost, by stiffness [N/m$^{1.5}$] and restitution",
         f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  counts: completed cells  ·  "
-        "cost: CPU time",
+        f"cost: CPU time  ·  all {cells} cells: {', '.join(full)}",
     )
     names, shades = list(OUTCOMES), ListedColormap(list(OUTCOMES.values()))
     norm, cost = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)), LogNorm(1.0, DEAREST)

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
-from chain_impact.pictures.style import BLACK, DPI, GREY, PALETTE, STYLE, headline
+from chain_impact.pictures.style import BLACK, DPI, GREY, PALETTE, STYLE, headline, legend_at_foot
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.scene.tables import Contact
 from chain_impact.simulation.simulate import simulate
@@ -33,7 +33,7 @@ NAMED = {
 LONGEST = 200.0  # duration of a free impact, over the elastic contact time, at which the simulation stops
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
 HEIGHT = 1e-3  # m, distance from the wall at the start of a free impact
-FROM, NEAR = 0.5, 0.05  # restitution above which, and error within which, the headline counts a law
+FROM, NEAR = 0.5, 0.05  # restitution above which, and error within which, a law is counted
 
 
 def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
@@ -106,10 +106,10 @@ def draw(path: Path) -> None:
         error.set(ylim=(-0.15, 0.15))
         headline(
             page,
-            f"{near} of {total} laws realise restitutions from {FROM} to 1 within {NEAR}",
-            "free impacts of 1 kg at 1 m/s",
+            "Realised and prescribed restitution of all laws that are a force",
+            f"free impacts of 1 kg at 1 m/s  ·  within {NEAR} for e from {FROM} to 1: {near} of {total} laws",
         )
-        page.legend(loc="outside right center")
+        legend_at_foot(page, value.get_legend_handles_labels()[0])
         page.savefig(path, dpi="figure")
 
 

@@ -46,13 +46,14 @@ def triple_pendulum(page: Figure) -> None:
         below.plot(time, off[-1], color=colour, linewidth=1.2)
     above.plot([], [], ".", color=BLACK, label="measured")
     above.legend(loc="upper right")
-    above.set(ylabel="angle from the vertical, rad")
-    below.set(xlabel="time, s", ylabel="difference,\nmrad", xlim=(0, time[-1]))
+    above.set(ylabel="angle from the vertical [rad]")
+    below.set(xlabel="time [s]", ylabel="difference\n[mrad]", xlim=(0, time[-1]))
     below.grid(visible=True)
     headline(
         page,
-        f"In 5 s the simulated angles come {np.abs(off).max():.0f} mrad away from the measured ones",
-        "triple pendulum of Kaheman et al. 2023, with the parameters that its authors estimated",
+        "Triple pendulum: measured and simulated angles [rad]",
+        "of Kaheman et al. 2023, with the parameters that its authors estimated  ·  largest difference: "
+        f"{np.abs(off).max():.0f} mrad",
     )
 
 
@@ -63,15 +64,16 @@ def golf_ball(page: Figure) -> None:
     height, delay = page.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     height.plot(result.time, result["point[0].y"], color=BLUE, linewidth=1.4)
     height.plot(heard, 0 * heard, "v", color=VERMILLION, markersize=6, clip_on=False, label="heard")
-    height.set(ylabel="height, m", ylim=(0, 0.85))
+    height.set(ylabel="height [m]", ylim=(0, 0.85))
     height.legend(loc="upper right")
     delay.plot(heard, late, "v", color=VERMILLION, markersize=5, clip_on=False)
-    delay.set(xlabel="time, s", ylabel="delay, ms", xlim=(0, result.time[-1]), ylim=(0, 80))
+    delay.set(xlabel="time [s]", ylabel="delay [ms]", xlim=(0, result.time[-1]), ylim=(0, 80))
     delay.grid(visible=True)
     headline(
         page,
-        f"The ninth impact is heard {late[-1]:.0f} ms later than the heights of first bounces predict",
-        "dropped from 0.8 m, mean of four drops; rigid floor, restitution 0.893 at all impacts",
+        "Golf ball: heard and simulated impacts, height [m] and delay [ms]",
+        "dropped from 0.8 m, mean of four drops  ·  rigid floor, restitution 0.893 at all impacts  ·  "
+        f"ninth impact: {late[-1]:.0f} ms later",
     )
 
 
@@ -85,19 +87,20 @@ def steel_bar(page: Figure) -> None:
     force.plot(1e3 * result.time, result["contact[0].y_min.force"], color=BLUE, linewidth=1.4)
     touching = theory > 0
     force.plot(1e3 * (times + first)[touching], theory[touching], ".", color=BLACK, markersize=4)
-    force.set(xlabel="time, ms", ylabel="force, N", xlim=(0, 3), ylim=(0, None))
+    force.set(xlabel="time [ms]", ylabel="force [N]", xlim=(0, 3), ylim=(0, None))
     some = np.linspace(0.1, 0.5, 33)
     found = [bar.restitution(impulse(bar.chain(scene, 20, 1e-8))) for bar in map(Bar, some)]
     lengths.plot(some, found, color=BLUE, linewidth=1.4, label="chain of 20 links")
     few = (0.3, 0.4, 0.5)
     exact = [bar.restitution(bar.impact(times)[1]) for bar in map(Bar, few)]
     lengths.plot(few, exact, ".", color=BLACK, markersize=7, label="Euler–Bernoulli beam")
-    lengths.set(xlabel="length of the bar, m", ylabel="restitution without vibration", ylim=(0, 1.02))
+    lengths.set(xlabel="length of the bar [m]", ylabel="restitution without vibration", ylim=(0, 1.02))
     lengths.legend(loc="lower left")
     headline(
         page,
-        f"A bar of 0.4 m touches {len(result.impacts)} times; its vibration takes a quarter of the rebound",
-        "steel bar, 12 mm thick, drops flat at 0.5 m/s on an elastic support under one end",
+        "Steel bar of 0.4 m: force [N] over time, and restitution over length",
+        "12 mm thick, drops flat at 0.5 m/s on an elastic support under one end  ·  "
+        f"{len(result.impacts)} contacts",
     )
 
 

@@ -32,6 +32,7 @@ KINDS = {
     "an initial angle": tuple(f"initial.angle[{i}]" for i in range(1, 5)),
     "gravity": ("gravity.y",),
 }
+TITLE = "Effect of 1 % of each parameter: on the tip [m] and on peak forces [%]"
 CONDITIONS = "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most"
 COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
 LEAST = 1e-6  # m, lower limit of the axis
@@ -55,12 +56,11 @@ def moved(result: Result) -> dict[str, np.ndarray]:
 
 
 def message(result: Result) -> str:
-    """Return the headline: the ratio of the parameters' influences at the end."""
+    """Return words for the ratio of the parameters' influences at the end."""
     ends = {kind: size[-1] for kind, size in moved(result).items()}
     most, least = max(ends, key=ends.get), min(ends, key=ends.get)
     ratio = float(f"{ends[most] / ends[least]:.2g}")
-    moves = f"1 % of {most} moves the tip {ratio:.0f} times as far as 1 % of {least}"
-    return f"After {len(result.impacts)} impacts {moves}"
+    return f"after {len(result.impacts)} impacts, the effect of {most} is {ratio:.0f} times that of {least}"
 
 
 def draw_motion(axes: Axes, result: Result) -> None:
@@ -101,7 +101,7 @@ def draw(path: Path) -> None:
         motion, forces = page.subplots(1, 2, width_ratios=(1.25, 1.0))
         draw_motion(motion, result)
         draw_forces(forces, result)
-        headline(page, message(result), CONDITIONS)
+        headline(page, TITLE, f"{CONDITIONS}; {message(result)}")
         page.savefig(path, dpi="figure")
 
 

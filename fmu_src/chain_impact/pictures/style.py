@@ -235,11 +235,11 @@ def write_foot(page: Figure, text: str) -> Text | None:
 
 def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
     """Put a legend for all axes at the foot of the page, above other texts there, in as few rows as fit."""
-    low, room = _foot(page), (page.get_figwidth() - 2.0 * LEFT) * page.dpi
+    low, room, count = _foot(page), (page.get_figwidth() - 2.0 * LEFT) * page.dpi, len(handles)
     place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, low), "columnspacing": 1.2}
-    for columns in range(len(handles), 0, -1):
-        legend = page.legend(handles=list(handles), ncols=columns, **place, **look)
-        if columns == 1 or legend.get_window_extent().width <= room:
+    for rows in range(1, max(count, 1) + 1):
+        legend = page.legend(handles=list(handles), ncols=max(1, -(-count // rows)), **place, **look)
+        if rows >= count or legend.get_window_extent().width <= room:
             break
         legend.remove()
     _reserve(page, 0.0, low + legend.get_window_extent().height / page.bbox.height)
