@@ -35,6 +35,7 @@ from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_en
 from chain_impact.kernel.forces.friction import clear_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
 from chain_impact.kernel.forces.inputs import ensure_inputs
+from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.rows.compliance import geared_accelerations
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
 from chain_impact.kernel.rows.geometry import clearance
@@ -113,6 +114,7 @@ def state_rate(d, y, rate):
         loaded_rate(d, y, 0.0, rate)
 
 
+@inlined
 def located_rate(d, y, rate):
     """Set rate = f(y), as ``state_rate`` does, for the located points."""
     ensure_inputs(d, y)

@@ -201,6 +201,16 @@ def test_an_overdue_event_is_where_the_clearance_falls(rate, curvature):
     np.testing.assert_allclose(d.search.clear_end, phi(d, motion, expected)[0], rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("seed", [28, 53])
+def test_the_search_ends_where_newtons_method_stays(seed, monkeypatch):
+    """An end of the bracket may be the root, which bisection would approach in fifty evaluations."""
+    d, _ = moving(seed)
+    places, locate_at = [], crossing.locate_at
+    monkeypatch.setattr(crossing, "locate_at", lambda d, theta: (places.append(theta), locate_at(d, theta)))
+    assert crossing.find_crossing(d) > 0.0
+    assert len(places) < 25
+
+
 def test_a_regularized_contact_ends_at_the_root_of_u():
     rng = np.random.default_rng(4)
     _, d = chain(rng, 2)

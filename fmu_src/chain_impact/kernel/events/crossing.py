@@ -217,10 +217,11 @@ def find_root(d, c, a, b):
             high = theta
         if value == 0.0 or high - low <= resolution:
             break
-        guess = next_guess(low, high, theta - value / slope, tries)
+        guess = theta - value / slope
         if abs(guess - theta) <= 0.25 * resolution:
+            # the bracket may end here, so that bisection would only approach this point
             break
-        theta = guess
+        theta = next_guess(low, high, guess, tries)
         locate_at(d, theta)
         u, slope = sundman_u_now(d, d.work.y)
         set_clearance(d, c, u, slope)

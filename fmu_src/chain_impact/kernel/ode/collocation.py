@@ -244,9 +244,10 @@ def extrapolate_polynomial(d, h, size):
     for i in range(RADAU_STAGES):
         for j in range(size):
             own.stages[i, j] = 0.0
-        at = base + h * NODES[i] / span
-        for m in range(max(1, dropped), RADAU_STAGES + 1):
-            weight = lagrange(dropped, m, at) - lagrange(dropped, m, base)
+    for m in range(max(1, dropped), RADAU_STAGES + 1):
+        before = lagrange(dropped, m, base)
+        for i in range(RADAU_STAGES):
+            weight = lagrange(dropped, m, base + h * NODES[i] / span) - before
             for j in range(size):
                 own.stages[i, j] += weight * own.last[m - 1, j]
 

@@ -205,7 +205,11 @@ def set_scales(d, y, scale, contacts):
 
 def clear_faded(d, y):
     """Set coordinates and rates that are smaller than FADED to 0."""
+    count = 0
     for j in range(dissipated_at(d.links)):
+        count += 0.0 < abs(y[j]) < FADED
+    # without branches the loop above is fast, and most states have no such component
+    for j in range(dissipated_at(d.links) if count > 0 else 0):
         # only the value becomes 0; derivatives in a tangent instance stay
         if 0.0 < abs(y[j]) < FADED:
             y[j] = 0.0
