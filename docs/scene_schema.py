@@ -15,6 +15,7 @@ from chain_impact.scene.limits import Derived, keys, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Initial, Wall
+from chain_impact.scene.unit_text import in_brackets
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 ALTERNATIVES = {Wall: ("angle", "normal"), Initial: ("angles", "joint_angles")}
@@ -65,7 +66,7 @@ def _key(entry: Any) -> dict[str, Any]:
         inner = _table(entry_type(entry.type))
         return {"type": "object", "description": inner["description"], "additionalProperties": inner}
     rule = entry.metadata
-    text = rule["description"] + (f" [{rule['unit']}]" if rule["unit"] not in ("", "1") else "")
+    text = rule["description"] + in_brackets(rule["unit"])
     default = rule["default"]
     if isinstance(default, Derived):
         text += f"; default: {default.text}"

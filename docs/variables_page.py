@@ -11,6 +11,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.scene.names import AXES, INPUTS_OF
 from chain_impact.scene.scene import load_scene, scene_keys
+from chain_impact.scene.unit_text import unit_text
 from chain_impact.variables.kind import ALWAYS, LINE, Kind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
@@ -39,7 +40,7 @@ def _variables(meaning: str, kinds: Sequence[Kind]) -> str:
     names = ", ".join(code(name) for name in dict.fromkeys(kind.pattern for kind in kinds))
     if meaning.startswith(SCENE_KEY):
         return f"- {meaning}: {names}"
-    units = ", ".join(unit for unit in dict.fromkeys(kind.unit for kind in kinds) if unit not in ("", "1"))
+    units = ", ".join(unit for unit in dict.fromkeys(unit_text(kind.unit) for kind in kinds) if unit)
     return f"- {names}: {meaning}" + (f" [{units}]" if units else "")
 
 

@@ -131,7 +131,7 @@ def test_of_upright_axes_gravity_is_borne_by_the_joints():
     found, done = scene(arm(hinge("a", (0.0, 0.0, 1.0)), hinge("b", (0.0, 0.0, 1.0))))
     assert found.gravity == (0.0, 0.0)
     assert found.initial.angles == (0.0, 0.0)
-    assert "gravity: its part along the axes, 9.81 m/s2, is borne by the joints" in done.notes
+    assert "gravity: its part along the axes, 9.81 m/s², is borne by the joints" in done.notes
 
 
 def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():

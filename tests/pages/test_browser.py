@@ -365,15 +365,15 @@ def test_a_joint_with_stops_has_an_arc_and_its_impacts_are_told_in_the_units_of_
     assert page.locator("polyline.range-mark").count() == 2
     assert page.locator(".stop-dot").count() == 0, "in flight"
     rows = page.locator("tbody tr").all_inner_texts()
-    assert all(text in rows[0] for text in ("joint_min", "rad/s", "N\u202fm"))
+    assert all(text in rows[0] for text in ("joint_min", "rad/s", "N·m"))
     wall = next(row for row in rows if "x_max" in row)
     assert "m/s" in wall
-    assert "N\u202fm" not in wall
+    assert "N·m" not in wall
     page.get_by_role("button", name="Go to impact 1, ").click()
     for _ in range(4):
         press(page, "ArrowRight")
     assert page.locator(".stop-dot").count() == 1
-    assert page.locator(".force-text").text_content().endswith("N\u202fm")
+    assert page.locator(".force-text").text_content().endswith("N·m")
     assert page.inner_text("#caption").startswith("Impact 1 of ")
     assert ": joint 2 at joint_min, " in page.inner_text("#caption")
     assert "joint 2 at joint_min" in page.text_content("#close-what")

@@ -69,7 +69,7 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
     assert head.startswith("PinnedArm  peak_force = 1015.53 N (impact 1, point 2 at x_max")
     assert max(map(len, rows[:-1])) <= 80
     assert rows[-1] == "without effect: link[2].joint_rest_angle, initial.y"
-    assert "0 + 0.01 N.m " in next(row for row in rows if row.startswith("joint[1].torque"))
+    assert "0 + 0.01 N·m " in next(row for row in rows if row.startswith("joint[1].torque"))
     assert "<table>" in found._repr_html_()
     found.plot(tmp_path / "bars.svg")
     for size in (None, (84 / 25.4, 4.5)):

@@ -220,7 +220,7 @@ def test_an_unknown_name_is_a_key_that_is_missing():
             "chain.links = [{length = 2.0, massa = 3.0}]",
             "link[1].massa (massa in [[chain.links]]) is unknown",
         ),
-        ("gravity = [0.0, inf]", "gravity.y (entry 2 of gravity) = inf must be a finite number [m/s2]"),
+        ("gravity = [0.0, inf]", "gravity.y (entry 2 of gravity) = inf must be a finite number [m/s²]"),
         (
             "walls = [{name = 'a', point = [0, '1']}]",
             "wall.a.y (entry 2 of point in [[walls]]) = '1' must be",

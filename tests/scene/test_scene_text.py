@@ -40,7 +40,7 @@ def test_stops_and_materials_are_in_the_repr():
     assert "at x_max e = 0.25, K = 1e+06" in text
     line = next(line for line in text.splitlines() if line.startswith("  stops"))
     assert line.split(maxsplit=1)[1] == (
-        "zhang_sharf, e = 0.5, K = 10000 N.m/rad^1.5; joint 1 ≤ 3 rad, joint 2 0 to 2 rad"
+        "zhang_sharf, e = 0.5, K = 10000 N·m/rad^1.5; joint 1 ≤ 3 rad, joint 2 0 to 2 rad"
     )
 
 

@@ -62,9 +62,9 @@ def test_laws_are_compared_at_a_stop(up):
     found = compare(scene, laws=["flores", "zhang_sharf", "newton_impact"])
     assert found.at_stop
     assert found.contact.restitution == 0.5
-    assert " kg m² at " in heading(found)
+    assert " kg·m² at " in heading(found)
     assert heading(found).endswith("rad/s")
-    assert head(found)[2:4] == ("peak, kN m", "depth, mrad")
+    assert head(found)[2:4] == ("peak, kN·m", "depth, mrad")
     run, first = found["zhang_sharf"], impacts(up)[0]
     assert run.stiffness == 1e4
     # the loop consists of samples in time: the largest sample is near the peak

@@ -84,5 +84,5 @@ def test_sensitivities_tell_changes_at_the_end():
     head, row = cells(forms(found))
     assert head[:3] == ["parameter", "value", "change"]
     change = 0.01 * -9.81 * result.sensitivity("point[1].y", "gravity.y")[-1]
-    assert row == ["gravity.y", "-9.81 m/s2", "+ 1 %", *row[3:]]
+    assert row == ["gravity.y", "-9.81 m/s²", "+ 1 %", *row[3:]]
     assert float(row[head.index("point[1].y [m]")]) == pytest.approx(change, rel=1e-2)

@@ -17,6 +17,7 @@ from chain_impact.recording.stick_slip import phase_cells
 from chain_impact.recording.summary import LISTED, energy_lines, impact_list, load_lines
 from chain_impact.recording.text import Table as TextTable, plural
 from chain_impact.scene.tables import Box
+from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import (
     advice,
@@ -72,7 +73,7 @@ def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
     yield "\n[bold]Variables of the FMU[/]"
     table = table_of(("name", "causality", "variability", "unit", "meaning"))
     for v in variables:
-        cells = (v.name, v.causality, v.variability, v.unit or "", v.description or "")
+        cells = (v.name, v.causality, v.variability, unit_text(v.unit), v.description or "")
         table.add_row(*map(escape, cells))
     yield table
 

@@ -181,7 +181,7 @@ class _Conversion:
         along = float(np.dot(gravity, self.plan.axis))
         if abs(along) > TINY:
             self.notes.append(
-                f"gravity: its part along the axes, {abs(along):.6g} m/s2, is borne by the joints"
+                f"gravity: its part along the axes, {abs(along):.6g} m/s², is borne by the joints"
             )
         moving = [*(self.carriage if self.chosen.base == "slider" else ()), *chain(*self.parts)]
         bodies = [self.robot.bodies[b] for b in moving if self.robot.bodies[b].mass > 0.0]

@@ -218,7 +218,7 @@ def _differences(scene: Scene) -> Iterator[str]:
             yield f"{name}: in MuJoCo it does not limit spring and damper"
     for i, link in enumerate(links, 1):
         if link.inertia < LEAST_INERTIA:
-            yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg.m2, the least"
+            yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg·m², the least"
 
 
 def _left_out(scene: Scene) -> Iterator[str]:

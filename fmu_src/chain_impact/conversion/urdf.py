@@ -215,7 +215,7 @@ def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
         low, middle, high = np.linalg.eigvalsh(body.inertia)
         if low + middle < high * (1.0 - ROUND) or low < -ROUND * high:
             text = (
-                f"its moments of inertia, {low:.4g}, {middle:.4g} and {high:.4g} kg.m2, are those of no body"
+                f"its moments of inertia, {low:.4g}, {middle:.4g} and {high:.4g} kg·m², are those of no body"
             )
             around = frozenset([b, -1])
             yield Difference(
@@ -261,7 +261,7 @@ def _limits(joint: Any) -> Iterator[Difference]:
     if limit is None or joint.type not in KINDS:
         return
     turns = KINDS[joint.type] == "hinge"
-    rate, force = ("rad/s", "N.m") if turns else ("m/s", "N")
+    rate, force = ("rad/s", "N·m") if turns else ("m/s", "N")
     damped = joint.dynamics is not None and bool(joint.dynamics.damping)
     left_out: dict[str, Any] = {
         f"limit of the velocity, {limit.velocity or 0.0:.6g} {rate}: is not in the scene": limit.velocity,

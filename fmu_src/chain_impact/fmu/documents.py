@@ -12,6 +12,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.recording.text import html_table
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.unit_text import unit_text
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
@@ -78,11 +79,11 @@ def page(prepared: PreparedScene, fmi: int) -> str:
         return [variable for variable in variables if variable.causality == causality]
 
     settable = [
-        (v.name, prepared.start_text(v), v.unit, v.variability, v.allowed, v.description)
+        (v.name, prepared.start_text(v), unit_text(v.unit), v.variability, v.allowed, v.description)
         for v in of("parameter")
     ]
-    inputs = [(v.name, v.unit, v.description) for v in of("input")]
-    outputs = [(v.name, v.unit, v.variability, v.description) for v in of("output")]
+    inputs = [(v.name, unit_text(v.unit), v.description) for v in of("input")]
+    outputs = [(v.name, unit_text(v.unit), v.variability, v.description) for v in of("output")]
     choices = [
         (v.name, str(number), item.name, item.description)
         for v in variables
@@ -126,7 +127,7 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
     for variable in variables:
         found.setdefault(variable.kind.pattern, []).append(variable)
     return [
-        (kind, str(len(some)), some[0].causality, some[0].unit, some[0].of_its_kind)
+        (kind, str(len(some)), some[0].causality, unit_text(some[0].unit), some[0].of_its_kind)
         for kind, some in found.items()
     ]
 

@@ -30,6 +30,7 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
+from chain_impact.scene.unit_text import in_brackets
 
 NOTHING = 1e-12  # the largest change that counts as round-off, over the range of an output
 STEEP = 30.0  # the ratio of the largest change to a usual change above which the axis is not linear
@@ -124,7 +125,7 @@ def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output:
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
-    axes.set_ylabel(f"change of {output} [{found.units[output]}]")
+    axes.set_ylabel(f"change of {output}{in_brackets(found.units[output])}")
     fit_scale(axes, changes[calm(recording)], NOTHING * np.ptp(recording.columns[output]))
 
 

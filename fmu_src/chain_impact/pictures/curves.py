@@ -18,6 +18,7 @@ from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_nar
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
+from chain_impact.scene.unit_text import in_brackets, unit_text
 
 DASHES = ("-", "--", ":")
 # largest number of curves in a panel, and largest number of panels
@@ -45,7 +46,9 @@ def check_curves(curves: Curves) -> None:
     for names in panels:
         if len(names) > MOST:
             unit = curves.units[names[0]]
-            raise ValueError(f"curves: {len(names)} outputs in {unit or 'no unit'}; must be <= {MOST}")
+            raise ValueError(
+                f"curves: {len(names)} outputs in {unit_text(unit) or 'no unit'}; must be <= {MOST}"
+            )
 
 
 @styled()
@@ -153,4 +156,4 @@ def axis_label(names: Sequence[str], unit: str) -> str:
     """Return the label of an axis: the last part of the names if all names have the same, and the unit."""
     last = {name.rpartition(".")[2] for name in names}
     shared = last.pop() if len(last) == 1 else ""
-    return f"{shared} [{unit}]".lstrip() if unit else shared
+    return f"{shared}{in_brackets(unit)}".lstrip()

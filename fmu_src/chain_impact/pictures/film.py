@@ -338,7 +338,7 @@ class Film:
             elif force > 0.0:
                 place, (dx, dy) = touching_place(self.points[frame], one.point)
                 self._add_line(place, "o", markersize=9)
-                self._add_text(force_text(force, "N m"), place + 0.11 * self.side * np.array([dy, -dx]))
+                self._add_text(force_text(force, "N·m"), place + 0.11 * self.side * np.array([dy, -dx]))
         self._add_loads(frame)
         yield from self.moving
 

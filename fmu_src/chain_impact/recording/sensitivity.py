@@ -12,6 +12,7 @@ from chain_impact.recording.equality import same
 from chain_impact.recording.text import Table, as_html, plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
+from chain_impact.scene.unit_text import in_brackets, unit_text
 from chain_impact.variables.listing import derivatives
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
@@ -85,10 +86,15 @@ class Sensitivities:
         """Return the text of ``repr`` for a notebook, with the changes of some outputs at the end."""
         outputs = [name for name in self._usual if name in self.columns]
         ends = [self.changes(name)[-1:] for name in outputs]
-        head = ("parameter", "value", "change", *(f"{name} [{self.units[name]}]" for name in outputs))
+        head = (
+            "parameter",
+            "value",
+            "change",
+            *(f"{name}{in_brackets(self.units[name])}" for name in outputs),
+        )
         rows = [
             (
-                *(name, f"{value:.6g} {self.units[name]}", f"+ {self.step_text(name)}"),
+                *(name, f"{value:.6g} {unit_text(self.units[name])}".rstrip(), f"+ {self.step_text(name)}"),
                 *(f"{change:+.3g}" for end in ends for change in end[:, k]),
             )
             for k, (name, value) in enumerate(self.parameters.items())
@@ -147,7 +153,11 @@ class Sensitivities:
 
     def step_text(self, parameter: str) -> str:
         """Return the change ``step`` in words: "1 %", or "0.01 m/s"."""
-        return f"{100.0 * PART:g} %" if self.parameters[parameter] else f"{PART:g} {self.units[parameter]}"
+        return (
+            f"{100.0 * PART:g} %"
+            if self.parameters[parameter]
+            else f"{PART:g} {unit_text(self.units[parameter])}".rstrip()
+        )
 
     def changes(self, output: str) -> np.ndarray:
         """Return the change of an output by each parameter's ``step``, to first order, shape (T, P)."""

@@ -17,6 +17,7 @@ from chain_impact.recording.tables import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.text import Table, as_html, as_text, plural
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching
+from chain_impact.scene.unit_text import in_brackets, unit_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,7 +50,7 @@ class Effect(NamedTuple):
         parameter: the name of the parameter or input in the FMU.
         value: the value of the parameter, in its ``unit``.
         unit: the unit of the parameter.
-        step: the change in words: "1 %", or "0.01 N.m" if the value is 0.
+        step: the change in words: "1 %", or "0.01 N·m" if the value is 0.
         change: the change of the quantity by this step, to first order, in the unit of the quantity.
         derivative: the derivative of the quantity with respect to the parameter.
     """
@@ -63,8 +64,8 @@ class Effect(NamedTuple):
 
     @property
     def told(self) -> str:
-        """The value with its unit; if the value is 0, also the step: "0 + 0.01 N.m"."""
-        return f"{self.value:.6g} {self.unit}".rstrip() if self.value else f"0 + {self.step}"
+        """The value with its unit; if the value is 0, also the step: "0 + 0.01 N·m"."""
+        return f"{self.value:.6g} {unit_text(self.unit)}".rstrip() if self.value else f"0 + {self.step}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -110,11 +111,12 @@ class Ranking:
 
     def parts(self) -> Iterator[str | Table]:
         """Yield the lines of the ranking, and the table of the effects."""
-        told = f" {self.unit}" if self.unit else ""
+        unit = unit_text(self.unit)
+        told = f" {unit}" if unit else ""
         yield f"{self.source}  {self.quantity} = {self.value:.6g}{told} ({self.where})"
         yield "effect   of 1 % of each parameter, or of the step added to 0, to first order"
         if self.effects:
-            change = f"effect, {self.unit}" if self.unit else "effect"
+            change = f"effect, {unit}" if unit else "effect"
             yield Table(
                 ("parameter", "value", change, "in %", "derivative"),
                 [
@@ -157,7 +159,7 @@ class Ranking:
         from chain_impact import pictures
 
         percent = f"{100.0 * PART:g} %"
-        shown, unit = self.effects[:DRAWN], f" {self.unit}" if self.unit else ""
+        shown, unit = self.effects[:DRAWN], f" {unit_text(self.unit)}".rstrip()
         added = [effect.value == 0.0 for effect in shown]
         more = len(self.effects) - len(shown)
         told = [
@@ -181,7 +183,7 @@ class Ranking:
                 f"{100.0 * self.share(effect):+.2g} %" if self.value else f"{effect.change:+.2g}"
                 for effect in shown
             ],
-            label=f"change of {self.quantity}" + (f" [{self.unit}]" if self.unit else ""),
+            label=f"change of {self.quantity}{in_brackets(self.unit)}",
         )
 
 

@@ -11,6 +11,8 @@ from pathlib import Path
 from types import NoneType
 from typing import Any, TypedDict, Unpack, get_args
 
+from chain_impact.scene.unit_text import in_brackets
+
 _KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # limit → test whether a value keeps the limit
     "minimum": operator.ge,
     "above": operator.gt,
@@ -123,5 +125,5 @@ def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
         return "true or false"
     signs = {"minimum": ">=", "above": ">", "maximum": "<="}
     bounds = " and ".join(f"{signs[limit]} {rule[limit]:g}" for limit in signs if rule[limit] is not None)
-    unit = "" if rule["unit"] in ("", "1") else f"[{rule['unit']}]"
-    return " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds, unit)))
+    words = " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds)))
+    return words + in_brackets(rule["unit"])

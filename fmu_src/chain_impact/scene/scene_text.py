@@ -39,7 +39,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     if scene.chain.stops:
         ends = scene.chain.joint_ranges.items()
         stops, law = scene.stops, scene.stops.model or contact.model
-        stiffness = f"K = {stops.stiffness:g} N.m/rad^{stops.exponent:g}"
+        stiffness = f"K = {stops.stiffness:g} N·m/rad^{stops.exponent:g}"
         ranges = [f"joint {joint} {_range(low, high)}" for joint, (low, high) in ends]
         ranges = ranges if len(ranges) <= LISTED else [*ranges[: LISTED - 2], "…", ranges[-1]]
         yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"

@@ -10,6 +10,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signal import Samples, Signal, unit_of
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of
+from chain_impact.scene.unit_text import unit_text
 
 # the smallest speed that counts as motion, over the largest speed of a sine; a smaller speed is round-off
 AT_REST = 1e-12
@@ -47,7 +48,7 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
     units = {unit_of(one): one for one in signal.input}
     if len(units) > 1 and signal.form != "table":
         first, second = list(units.items())[:2]
-        each = f"{first[1]} is in {first[0]}, {second[1]} in {second[0]}"
+        each = f"{first[1]} is in {unit_text(first[0])}, {second[1]} in {unit_text(second[0])}"
         raise SceneError(f"{what} must name inputs of one unit: {each}", ("signals", name, "input"))
 
 

@@ -89,7 +89,7 @@ def message(comparison: LawRuns) -> str:
 def conditions(comparison: LawRuns, looks: Looks) -> str:
     """Return the first impact, the scene's contact, and the meaning of grey lines."""
     contact, impact = comparison.contact, comparison.first_impact
-    mass, speed, per = ("kg m²", "rad/s", "N m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
+    mass, speed, per = ("kg·m²", "rad/s", "N·m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
     hit = f"{first_place(comparison.scene)} of {moving}"
     stiffness = f"stiffness K = {number(contact.stiffness)} {per}$^{{{contact.exponent:g}}}$"
@@ -178,7 +178,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
             axes.plot(MILLI * depth, KILO * force, **look)
         else:
             axes.axvline(0.0, **look)
-    depth_unit, name = ("mrad", "moment [kN m]") if comparison.at_stop else ("mm", "force [kN]")
+    depth_unit, name = ("mrad", "moment [kN·m]") if comparison.at_stop else ("mm", "force [kN]")
     axes.set(xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]", ylabel=name)
     give_ticks(axes)
 

@@ -14,7 +14,7 @@ from chain_impact.studies.law_runs import LawRun, LawRuns
 NEAR = 0.05
 NOTHING = "–"
 NUMBERS = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")
-AT_STOPS = {"peak, kN": "peak, kN m", "depth, mm": "depth, mrad"}
+AT_STOPS = {"peak, kN": "peak, kN·m", "depth, mm": "depth, mrad"}
 
 
 def head(comparison: LawRuns) -> tuple[str, ...]:
@@ -35,7 +35,7 @@ def heading(comparison: LawRuns) -> str:
     """Return the scene, its contact and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = comparison.contact
-    mass, speed = ("kg m²", "rad/s") if comparison.at_stop else ("kg", "m/s")
+    mass, speed = ("kg·m²", "rad/s") if comparison.at_stop else ("kg", "m/s")
     return (
         f"{scene.name}  e = {contact.restitution:g}, n = {contact.exponent:g}, "
         f"K = {contact.stiffness:.4g}; {first_place(scene)} at {impact['onset']:.6g} s with "

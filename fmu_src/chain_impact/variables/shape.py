@@ -146,9 +146,9 @@ class Shape:
 OF_STOPS = {
     "its_joint": "; of a stop its joint",
     "in_rad_s": "; of a stop in rad/s",
-    "in_n_m": "; of a stop the moment in N.m",
+    "in_n_m": "; of a stop the moment in N·m",
     "in_rad": "; of a stop the angle in rad",
-    "in_n_m_s": "; of a stop in N.m.s",
+    "in_n_m_s": "; of a stop in N·m·s",
 }
 """Words that say how a stop's quantities differ in the list of impacts; empty in a scene without stops."""
 

@@ -1,7 +1,7 @@
 // Functions that turn numbers into text.
 
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
-const UNITS = [["exponent", "ⁿ"], ["^", ""], ["/s2", "/s²"], ["kg.m2", "kg\u202fm²"], [".", "\u202f"]];
+const UNITS = [["exponent", "ⁿ"], ["^", ""], ["/s2", "/s²"], ["kg.m2", "kg·m²"], [".", "·"]];
 
 /** Return a unit as the page shows it; "" for a pure number. */
 export function unitText(unit) {
@@ -66,7 +66,7 @@ export function speedText(value) {
 
 /** Return the units of a contact; at a stop of a joint, the units of an angle and a moment. */
 export function unitsOf({ atStop }) {
-  return atStop ? { speed: "rad/s", force: "N\u202fm" } : { speed: "m/s", force: "N" };
+  return atStop ? { speed: "rad/s", force: "N·m" } : { speed: "m/s", force: "N" };
 }
 
 /** Return a name in which a line may be broken after each part. */

@@ -1,6 +1,7 @@
 // The signals of a scene: the inputs that each signal drives, the data of signals in the record, and the checks, as in
 // `scene/signals.py` and `scene/signal_values.py`. The page has only the tables of its own scene.
 
+import { unitText } from "./format.js";
 import { numbersIn } from "./unpacked.js";
 
 const MOTIONS = ["", "v", "a"]; // motions of a base, without the axis; each is the derivative of the one before
@@ -94,7 +95,7 @@ export function checkDriven(driven, units) {
     if (owned) throw new RangeError(`${what} = "${input}" must be driven by one signal only: signals.${owners.get(owned)} drives ${owned}`);
     alone.forEach((one) => owners.set(one, name));
     const other = signal.form !== "table" && signal.input.find((one) => units.get(one) !== units.get(input));
-    if (other) throw new RangeError(`${what} must name inputs of one unit: ${input} is in ${units.get(input)}, ${other} in ${units.get(other)}`);
+    if (other) throw new RangeError(`${what} must name inputs of one unit: ${input} is in ${unitText(units.get(input))}, ${other} in ${unitText(units.get(other))}`);
   }
 }
 

@@ -33,6 +33,7 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.recording.tables import IMPACT_UNITS
 from chain_impact.results.result import Result
+from chain_impact.scene.unit_text import in_brackets
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import QUANTITIES, Measurements
 from chain_impact.studies.fit.estimates import Estimates
@@ -179,8 +180,7 @@ def _colours(count: int) -> list[str]:
 
 def _unit(fit: Estimates, name: str) -> str:
     units = PreparedScene(fit.scene).units | IMPACT_UNITS
-    unit = units.get(name, "s")
-    return f" [{unit}]" if unit not in ("", "1") else ""
+    return in_brackets(units.get(name, "s"))
 
 
 def _told(fit: Estimates, label: str) -> str:

@@ -27,6 +27,7 @@ from chain_impact.pictures.style import give_ticks, headline, is_narrow, legend_
 from chain_impact.recording.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
+from chain_impact.scene.unit_text import in_brackets
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -207,8 +208,7 @@ def results_of(found: Runs) -> Results:
     units, known = PreparedScene(found.scene).units, {quantity.column for quantity in main}
     asked = [name for name in found.outputs if name not in known]
     every = main + [
-        Quantity(name, f"{name} at the end" + (f" [{units[name]}]" if units[name] else ""))
-        for name in asked[:MOST_ASKED]
+        Quantity(name, f"{name} at the end{in_brackets(units[name])}") for name in asked[:MOST_ASKED]
     ]
     return Results(every, [one for one in every if _differs(one.of(found))] or every)
 
@@ -382,4 +382,4 @@ def _label(found: Runs, variation: Variation) -> str:
     part = found.scene.stops if unit.startswith("N.m") else found.scene.contact
     if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*found.varied}:
         unit = unit.replace("exponent", f"{part.exponent:g}")
-    return variation.name + (f" [{unit}]" if unit not in ("", "1") else "")
+    return f"{variation.name}{in_brackets(unit)}"

@@ -1,0 +1,28 @@
+"""Units as texts."""
+
+import pytest
+
+from chain_impact.scene.unit_text import in_brackets, unit_text
+from chain_impact.variables.units import UNITS
+
+
+@pytest.mark.parametrize(
+    ("unit", "text"),
+    {
+        "N.m": "N·m",
+        "N.m.s/rad": "N·m·s/rad",
+        "kg.m2": "kg·m²",
+        "rad/s2": "rad/s²",
+        "N/m^1.5": "N/m^1.5",
+        "N.m/(m/s)": "N·m/(m/s)",
+        "1": "",
+        None: "",
+    }.items(),
+)
+def test_a_reader_sees_signs_of_products_and_powers(unit, text):
+    assert unit_text(unit) == text
+    assert in_brackets(unit) == (f" [{text}]" if text else "")
+
+
+def test_no_unit_of_an_fmu_has_another_form():
+    assert not any(mark in unit_text(unit) for unit in UNITS for mark in (".", "2"))
