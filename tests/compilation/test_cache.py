@@ -145,7 +145,7 @@ def test_without_a_home_an_error_says_what_to_set(monkeypatch):
 
     monkeypatch.delenv("CHAIN_IMPACT_CACHE")
     monkeypatch.setattr(platformdirs, "user_cache_dir", homeless)
-    with pytest.raises(BuildError, match="no place to keep kernels: no home; set CHAIN_IMPACT_CACHE"):
+    with pytest.raises(BuildError, match="no folder for compiled kernels: no home; set CHAIN_IMPACT_CACHE"):
         cache.find("a.so")
 
 
@@ -176,7 +176,7 @@ def not_kept(folder, reason):
     """Check that nothing is stored in a folder, and that a message tells why."""
     with pytest.raises(BuildError) as caught:
         made("b.so", whole)
-    return str(caught.value) == f"nothing can be kept in {folder} ({reason}): {folders.ADVICE}"
+    return str(caught.value) == f"no kernel can be stored in {folder} ({reason}): {folders.ADVICE}"
 
 
 @pytest.fixture(params=["of another user", "that others can write", "that a group can write"])
@@ -248,7 +248,7 @@ def test_a_cache_that_cannot_be_made_is_one_sentence(monkeypatch, place):
         made("a.so", whole)
     reason = "Not a directory" if place == __file__ else "No such file or directory"
     assert re.fullmatch(
-        rf"nothing can be kept in {re.escape(place)}\S* \({reason}\): "
+        rf"no kernel can be stored in {re.escape(place)}\S* \({reason}\): "
         "free space there, or set CHAIN_IMPACT_CACHE to another folder",
         str(caught.value),
     )
@@ -260,7 +260,7 @@ def test_a_disk_that_is_full_is_one_sentence():
         path.write_text("whole")
 
     with pytest.raises(
-        BuildError, match=r"nothing can be kept in .*cache \(No space left on device\): free sp"
+        BuildError, match=r"no kernel can be stored in .*cache \(No space left on device\): free sp"
     ):
         made("a.so", make)
     assert files() == []
@@ -274,7 +274,7 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
         made("a.so", fail)
     monkeypatch.setattr(folders, "LITTLE", 1e30)
     with pytest.raises(
-        BuildError, match=r"nothing can be kept in .*cache \(it is full\): free space there, or"
+        BuildError, match=r"no kernel can be stored in .*cache \(the disk is full\): free space there, or"
     ):
         made("a.so", fail)
 

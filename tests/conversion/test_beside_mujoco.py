@@ -131,7 +131,7 @@ OTHERWISE = {
     ),
     "filter": (
         arm(rest=drives('<general name="f" joint="b" dyntype="filter" dynprm=".1"/>') + key(ctrl="2")),
-        "actuator f: has an activation of its own (filter)",
+        "actuator f: has an activation (filter)",
     ),
     "site": (
         arm(rest=drives('<motor name="thrust" site="tip" gear="0 0 1 0 0 0"/>') + key(ctrl="5")),
@@ -139,7 +139,7 @@ OTHERWISE = {
     ),
     "one-sided": (
         arm(rest=drives('<motor joint="a" ctrlrange="0 10"/>')),
-        "joint a: its drives act with 0 to 10; the limit of a scene is the same both ways",
+        "joint a: its drives act with 0 to 10; a limit of a scene is equal in both directions",
     ),
     "slides": (
         free(

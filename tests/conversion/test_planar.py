@@ -82,7 +82,7 @@ def test_the_plane_is_as_chosen():
     upside, _ = scene(robot, plane="z,x")
     assert upside.gravity == (-9.81, 0.0)
     assert upside.initial.angles == pytest.approx([0.5 * math.pi, 0.5 * math.pi])
-    for plane, said in (("x", "must be two of x, y"), ("x,y", "must be across"), ("x,-x", "must be across")):
+    for plane, said in (("x", "must be two of x, y"), ("x,y", "must be at right angles"), ("x,-x", "must be across")):
         with pytest.raises(SceneError, match=said):
             scene(robot, plane=plane)
 
@@ -145,9 +145,9 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
     assert found.contact.wall["y_min"].friction == 0.4
     assert [wall.name for wall in found.walls] == ["wall_2"]
     assert found.half_planes["wall_2"].normal == pytest.approx((-1.0, 0.0), abs=1e-12)
-    assert "plane side: is not upright on the plane of the motion: it is no wall" in done.left_out
+    assert "plane side: is not at right angles to the plane of the motion: it is no wall" in done.left_out
     assert found.initial.angles[0] == pytest.approx(-0.2)
-    assert "joint a: starts at its stop, 0.1 rad from the start of the file, which is beyond" in done.warnings
+    assert "joint a: starts at its stop; in the file it starts 0.1 rad beyond this stop" in done.warnings
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
         (
             arm(hinge("a"), hinge("b", (0.0, 0.0, 1.0)), hinge("c")),
             (),
-            "arm.urdf: the axes of its joints are not parallel: it is no planar chain; --joints a,c takes",
+            "the axes of the joints are not parallel: the robot is no planar chain; --joints a,c takes",
         ),
         (arm(hinge("a")), ("c",), "arm.urdf: c is no joint; joints: a"),
         (
@@ -165,7 +165,7 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
             "joint b slides",
         ),
         (arm(Joint(name="a", kind="ball", axis=np.eye(3)[1], anchor=np.zeros(3))), (), "is of the kind ball"),
-        (Robot(name="none", bodies=[body("b", -1, (0, 0, 0))], gravity=DOWN), (), "it has no hinge"),
+        (Robot(name="none", bodies=[body("b", -1, (0, 0, 0))], gravity=DOWN), (), "no hinge moves"),
         (
             Robot(
                 name="tree",

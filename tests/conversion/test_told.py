@@ -154,7 +154,10 @@ def test_a_carriage_that_touches_the_floor_is_told(tmp_path):
         '<body name="upper" pos="0 0 1.5" >', f'{box}<body name="upper">'
     )
     _, done = read(tmp_path, text.replace("</worldbody>", "</body></worldbody>"))
-    assert "body box: touches walls in the file; it is on no link, and touches none" in done.left_out
+    assert (
+        "body box: touches walls in the file; in the scene it is on no link, and touches nothing"
+        in done.left_out
+    )
 
 
 def test_an_ellipsoid_that_reaches_beyond_the_points_is_told_with_the_distance(tmp_path):

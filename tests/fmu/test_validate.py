@@ -157,8 +157,8 @@ def test_terminals_name_variables_that_are_there(native, tmp_path, folder):
     lines = validate_fmu(path)
     assert all(line.startswith(f"{file}: ") for line in lines)
     for sentence in (
-        "Terminals: name = 't' stands there 2 times",
-        "t: memberName = 'x' stands there 2 times",
+        "Terminals: name = 't' is listed 2 times",
+        "t: memberName = 'x' is listed 2 times",
         "TerminalMemberVariable: variableName = 'gravity.w' must be the name of a variable",
         "TerminalStreamMemberVariable: inStreamVariableName = 'time' must be the name of a variable",
     ):
@@ -214,9 +214,9 @@ def test_a_bomb_is_refused_by_its_declared_sizes(native, tmp_path, monkeypatch):
     assert raw[at : at + 4] == b"PK\1\2"
     path.write_bytes(raw[: at + 24] + struct.pack("<I", 4_294_000_000) + raw[at + 28 :])
     (line,) = said(path)
-    assert line.startswith("extra/bomb.csv: its 4.29 GB, unpacked, make the FMU 4.29 GB: nothing is unpacked")
+    assert line.startswith("extra/bomb.csv: has 4.29 GB, and the whole FMU 4.29 GB")
     assert validate_fmu(path) == [line]
-    with pytest.raises(SceneError, match=r"x\.fmu: not a readable FMU: extra/bomb\.csv: its 4\.29 GB"):
+    with pytest.raises(SceneError, match=r"x\.fmu: not a readable FMU: extra/bomb\.csv: has 4\.29 GB"):
         read_fmu(path)
     monkeypatch.setattr(findings, "LARGEST", 10**10)
     assert findings.archive_findings(path) == []

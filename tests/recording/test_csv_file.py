@@ -79,7 +79,7 @@ def test_a_chain_without_walls_needs_no_scene(tmp_path):
         (f"{HEAD}\n0,0,0,1\n0.1,0,0,1\n", "2 rows of 4 numbers; must be at least 2 of 5"),
         (f"{HEAD}\n{ROWS}0.1,0,0,1,0\n", r"line 4: time = 0\.1 must be later"),
         (f"{HEAD}\n{ROWS}0.2,0,0,nan,0\n", "line 4 has a number that is not finite"),
-        (f"{HEAD},contact[1].y_min.force\n0,0,0,1,0,0\n1,0,0,1,0,0\n", "its scene is needed"),
+        (f"{HEAD},contact[1].y_min.force\n0,0,0,1,0,0\n1,0,0,1,0,0\n", "give its scene"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(tmp_path, text, pattern):

@@ -34,7 +34,9 @@ def base_folder() -> Path:
     try:
         return (Path(given) if given else system.cache_folder()).absolute()
     except RuntimeError as error:
-        raise BuildError(f"no place to keep kernels: {error}; set CHAIN_IMPACT_CACHE to a folder") from None
+        raise BuildError(
+            f"no folder for compiled kernels: {error}; set CHAIN_IMPACT_CACHE to a folder"
+        ) from None
 
 
 def trusted(base: Path) -> bool:
@@ -75,11 +77,11 @@ def explained(folder: Path) -> Iterator[None]:
         if error.errno not in NO_PLACE or not _concerns(error.filename, folder):
             raise
         where, why = error.filename or folder, error.strerror or error
-        raise BuildError(f"nothing can be kept in {where} ({why}): {ADVICE}") from None
+        raise BuildError(f"no kernel can be stored in {where} ({why}): {ADVICE}") from None
     except BuildError:
         # the message of a compiler for a full disk differs
         if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE:
-            raise BuildError(f"nothing can be kept in {folder} (it is full): {ADVICE}") from None
+            raise BuildError(f"no kernel can be stored in {folder} (the disk is full): {ADVICE}") from None
         raise
 
 

@@ -67,7 +67,7 @@ def parse_law(name: str, source: str) -> UserLaw:
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise LawError(f"is not valid Python: {str(error) or 'it is too deep'}") from None
+        raise LawError(f"is not valid Python: {str(error) or 'it is nested too deeply'}") from None
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     if name not in functions:
         raise LawError(f"must define the function {name}")

@@ -84,8 +84,8 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
     if abs(np.dot(x, y)) > PARALLEL or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL:
         turning = " ".join(f"{part:.4g}" for part in _cleaned(axis))
         raise SceneError(
-            f"{source}: --plane {directions}: x and y must be across each other and the axes of the joints, "
-            f"which point along ({turning})"
+            f"{source}: --plane {directions}: x and y must be at right angles to each other and to the "
+            f"axes of the joints, which point along ({turning})"
         )
     return x, y
 

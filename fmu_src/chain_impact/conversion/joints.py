@@ -74,7 +74,7 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
             [joint.name],
         )
     if not hinges:
-        raise NoChainError(f"{source}: it has no hinge that moves: the joints of a scene are hinges")
+        raise NoChainError(f"{source}: no hinge moves: the joints of a scene are hinges")
     _check_limits(hinges, source)
     _check_parallel(hinges, source)
     _check_slides(robot, slides, moving, source)
@@ -161,7 +161,9 @@ def _check_limits(moving: list[Moving], source: str) -> None:
 def _check_parallel(hinges: list[Moving], source: str) -> None:
     if len(parallel(hinges)) > 1:
         names = [hinge.joint.name for hinge in hinges]
-        raise NoChainError(f"{source}: the axes of its joints are not parallel: it is no planar chain", names)
+        raise NoChainError(
+            f"{source}: the axes of the joints are not parallel: the robot is no planar chain", names
+        )
 
 
 def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
@@ -193,8 +195,8 @@ def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], sourc
     ):
         names = [slide.joint.name for slide in slides]
         raise NoChainError(
-            f"{source}: joint {names[0]} slides: only one slide in the plane of the motion before the first "
-            "hinge, or two at right angles, as of a free base, can be in a scene",
+            f"{source}: joint {names[0]} slides: a scene can have only one slide in the plane of the motion, "
+            "before the first hinge, or two at right angles, as for a free base",
             names,
         )
     if len(slides) == 1:

@@ -135,7 +135,7 @@ class Contacts:
             walls |= self._is_wall(g) and bool(bodies)
             if bodies and not self._is_wall(g):
                 kind = self.mujoco.mjtGeom(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()
-                text = "does not move, and touches bodies that do: only planes are walls of a scene"
+                text = "does not move, and touches moving bodies: only planes become walls of a scene"
                 about = bodies | {-1}
                 yield Difference(
                     kind=kind,

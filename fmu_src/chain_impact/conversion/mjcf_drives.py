@@ -116,7 +116,7 @@ class Drives:
         if np.any(model.actuator_dampingpoly[a]):
             self._tell(
                 a,
-                "its damping is not linear, of which the scene has the linear part",
+                "its damping is not linear; the scene has its linear part",
                 Effect.MOTION,
                 joint.name,
             )
@@ -151,7 +151,7 @@ class Drives:
             self._tell(a, "is neither a motor nor a servo: is not in the scene", Effect.MOTION, joint.name)
             return None
         if model.actuator_plugin[a] >= 0:
-            self._tell(a, "is a plugin, of which the scene has what else it says", Effect.MOTION, joint.name)
+            self._tell(a, "is a plugin; the scene has only its other values", Effect.MOTION, joint.name)
         control = self._control(joint, a)
         low, high = self._limits(a, gear, float(gain[0]), bias)
         scale = gear * float(gain[0])
@@ -167,15 +167,13 @@ class Drives:
         if model.actuator_delay[a]:
             self._tell(
                 a,
-                f"acts {model.actuator_delay[a]:.6g} s late, in the scene at once",
+                f"acts {model.actuator_delay[a]:.6g} s late, in the scene without delay",
                 Effect.MOTION,
                 joint.name,
             )
         if model.actuator_dyntype[a] != kinds.mjDYN_NONE:
             kind = kinds(model.actuator_dyntype[a]).name.removeprefix("mjDYN_").lower()
-            self._tell(
-                a, f"has an activation of its own ({kind}), in the scene none", Effect.MOTION, joint.name
-            )
+            self._tell(a, f"has an activation ({kind}), in the scene none", Effect.MOTION, joint.name)
             value = float(self.activation[model.actuator_actadr[a]])
         return value
 
@@ -211,7 +209,9 @@ class Drives:
         if limit is not None and not self.ours:
             self._tell_limit(joint, limit)
         if servo and joint.stiffness > 0.0:
-            self._tell_joint(joint, "its spring and its servo are one, whose target moves both", Effect.NONE)
+            self._tell_joint(
+                joint, "its spring and its servo become one spring, and the target moves both", Effect.NONE
+            )
         return replace(
             joint,
             stiffness=stiffness,
@@ -228,7 +228,7 @@ class Drives:
         """Yield the differences of the drives at a joint."""
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:
-            text = f"its drives act with {torque:.6g} at the start, which is an input of the scene"
+            text = f"its drives act with {torque:.6g} at the start; in the scene this is an input"
             yield of_joint(joint.name, text, Effect.MOTION)
         for one in drives:
             if one.stiffness and abs(one.gain / one.stiffness - 1.0) > ALIKE:
@@ -263,7 +263,9 @@ class Drives:
             low, high = np.clip((low, high), *self.model.jnt_actfrcrange[j])
         limit = max(-low, high)
         if -low != high and not abs(low + high) <= ALIKE * limit:
-            text = f"its drives act with {low:.6g} to {high:.6g}; the limit of a scene is the same both ways"
+            text = (
+                f"its drives act with {low:.6g} to {high:.6g}; a limit of a scene is equal in both directions"
+            )
             self._tell_joint(joint, text, Effect.MOTION)
         return None if math.isinf(limit) else float(limit)
 

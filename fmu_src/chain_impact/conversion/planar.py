@@ -171,7 +171,9 @@ class _Conversion:
             if b in self.carriage:
                 if self.chosen.base == "slider":
                     continue
-                text = f"its mass of {body.mass:.6g} kg is before the first hinge, which no link has"
+                text = (
+                    f"its mass of {body.mass:.6g} kg is before the first hinge: no link of the scene has it"
+                )
                 self._tell("body", body.name, text, Effect.MOTION)
             else:
                 still.append(body.name)
@@ -195,7 +197,7 @@ class _Conversion:
             return gravity * (1.0 - share)
         for body in bodies:
             if body.borne:
-                text = f"gravcomp bears {body.borne:.6g} of its weight, which nothing does in the scene"
+                text = f"gravcomp bears {body.borne:.6g} of its weight; in the scene nothing does"
                 self._tell("body", body.name, text, Effect.MOTION)
         return gravity
 
@@ -224,8 +226,8 @@ class _Conversion:
             self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
             return found[name]
         self.notes.append(
-            "tip: the file does not say where the last link ends; it is taken to be twice as long as the way "
-            "to its centre of mass"
+            "tip: the file does not say where the last link ends; it is taken to be twice as long as the "
+            "distance to its centre of mass"
         )
         return np.asarray(2.0 * self._inertia(part, hinge)[1])
 
@@ -263,7 +265,7 @@ class _Conversion:
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
         if mass <= 0.0:
-            raise NoChainError(f"{self.source}: what joint {name} moves has no mass", [name])
+            raise NoChainError(f"{self.source}: the bodies that joint {name} moves have no mass", [name])
         ahead = float(np.dot(center, along))
         beside = float(along[0] * center[1] - along[1] * center[0])
         found = {"mass": mass, "center_of_mass": ahead, "inertia": inertia}
@@ -318,7 +320,7 @@ class _Conversion:
         stop = min(max(start, low), high)
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"
-            text = f"starts at its stop, {away} from the start of the file, which is beyond"
+            text = f"starts at its stop; in the file it starts {away} beyond this stop"
             self._tell("joint", joint.name, text, Effect.MOTION)
         return stop
 
@@ -328,7 +330,7 @@ class _Conversion:
         values = {key.replace("_", " "): getattr(joint, key) for key in keys}
         found = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
         if found:
-            text = f"{', '.join(found)}: the base of the scene is free, and has none of it"
+            text = f"{', '.join(found)}: the base of the scene is free, and has none of these"
             self._tell("joint", joint.name, text, Effect.MOTION)
         for name in joint.drives:
             self._tell(

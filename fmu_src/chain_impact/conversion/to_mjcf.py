@@ -218,7 +218,7 @@ def _differences(scene: Scene) -> Iterator[str]:
             yield f"{name}: in MuJoCo it does not limit spring and damper"
     for i, link in enumerate(links, 1):
         if link.inertia < LEAST_INERTIA:
-            yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg·m², the least"
+            yield f"link[{i}].inertia = {link.inertia:g}: is {LEAST_INERTIA:g} kg·m² in MJCF, its least"
 
 
 def _left_out(scene: Scene) -> Iterator[str]:
@@ -230,7 +230,7 @@ def _left_out(scene: Scene) -> Iterator[str]:
             yield "static_friction: MuJoCo has one coefficient"
     for name, limit in _limits(scene):
         if limit == 0.0:
-            yield f"{name} = 0: MuJoCo knows no such limit"
+            yield f"{name} = 0: MuJoCo has no such limit"
     for key in ("joint_targets", "tip_force", "base_motion", "wall_motion"):
         if getattr(scene.inputs, key):
             yield f"inputs.{key}: is no input of the MuJoCo model"

@@ -55,7 +55,7 @@ def read_urdf(path: Path) -> Robot:
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
         found = f"has {few(roots, SHOWN)}" if roots else "has none" if named else "it has no link at all"
-        raise SceneError(f"{path}: must have one link that none is before; {found}")
+        raise SceneError(f"{path}: must have exactly one root link; {found}")
     bodies: list[Body] = []
     places: dict[str, int] = {}
     for name, joint in _ordered(roots[0], None, by_parent):
@@ -96,7 +96,7 @@ def _check_parts(root: Element, path: Path) -> None:
         for name in names:
             if not name or names.count(name) > 1:
                 what = f"has {names.count(name)} times the name {name}" if name else "has no name"
-                raise SceneError(f"{path}: a {kind} {what}; each must have its own")
+                raise SceneError(f"{path}: a {kind} {what}; each must have a name of its own")
     children: set[str] = set()
     for joint in root.findall("joint"):
         name = f"{path}: joint {joint.get('name')}"
@@ -214,9 +214,7 @@ def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
     for b, body in enumerate(bodies):
         low, middle, high = np.linalg.eigvalsh(body.inertia)
         if low + middle < high * (1.0 - ROUND) or low < -ROUND * high:
-            text = (
-                f"its moments of inertia, {low:.4g}, {middle:.4g} and {high:.4g} kg·m², are those of no body"
-            )
+            text = f"no body has its moments of inertia, {low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
             around = frozenset([b, -1])
             yield Difference(
                 kind="link", name=body.name, text=text, effect=Effect.MASS, differs=True, bodies=around

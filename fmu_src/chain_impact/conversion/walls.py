@@ -56,7 +56,9 @@ class Walls:
         touching: set[int] = set()
         for number, plane in enumerate(self.robot.planes, 1):
             if abs(float(np.dot(plane.normal, self.plan.axis))) > PARALLEL:
-                self._tell("plane", plane.name, "is not upright on the plane of the motion: it is no wall")
+                self._tell(
+                    "plane", plane.name, "is not at right angles to the plane of the motion: it is no wall"
+                )
                 continue
             links = self._links(plane)
             if not links:
@@ -107,8 +109,8 @@ class Walls:
         found = sorted({friction for b, friction in plane.touching if b in self.owner})
         if len(found) > 1:
             text = (
-                f"its friction is from {found[0]:.6g} to {found[-1]:.6g}, by what touches it; its wall has "
-                "the largest"
+                f"its friction is from {found[0]:.6g} to {found[-1]:.6g}, depending on the body that touches "
+                "it; its wall has the largest"
             )
             self._tell("plane", plane.name, text, differs=True)
         return found[-1]
@@ -190,7 +192,7 @@ class Walls:
         """Report shapes that points do not replace, and how far they reach beyond the scene's points."""
         shapes = [shape for b in self.owner for shape in self.robot.bodies[b].shapes]
         for touches, text in (
-            (True, "touch nothing as such: points, joints and tip touch walls, and nothing else does"),
+            (True, "do not touch as shapes: only points, joints and the tip touch walls"),
             (False, "touch nothing in the file, and are not in the scene"),
         ):
             counts = Counter(
@@ -207,7 +209,11 @@ class Walls:
         for b, body in enumerate(self.robot.bodies):
             slid = {slide.body for slide in self.chosen.slides} & {*above(self.robot, b)}
             if b not in self.owner and slid and any(shape.walls for shape in body.shapes):
-                self._tell("body", body.name, "touches walls in the file; it is on no link, and touches none")
+                self._tell(
+                    "body",
+                    body.name,
+                    "touches walls in the file; in the scene it is on no link, and touches nothing",
+                )
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
         """Report how far the shapes of a link reach beyond its points or ends, which touch walls."""

@@ -127,7 +127,7 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
             found.append(Finding(said, attribute=mode.tag))
     times = [one.name for one in variables if one.causality == "independent"]
     if len(times) > 1:
-        said = f"{', '.join(times)} are independent variables: there can be one"
+        said = f"{', '.join(times)} are independent variables: only one is allowed"
         found.append(Finding(said, attribute="ModelVariables"))
     names = {one.name for one in variables}
     units = {

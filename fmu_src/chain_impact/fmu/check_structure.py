@@ -115,7 +115,7 @@ class Structure:
             said = f"there are {len(depends)} dependencies, and {len(kinds.split())} in dependenciesKind"
             yield Finding(said, attribute=place)
         for kind in sorted(set((kinds or "").split()) - {"dependent", "constant"}) if initial else ():
-            yield Finding(f"dependenciesKind = {kind!r} is none at the start", attribute=place)
+            yield Finding(f"dependenciesKind = {kind!r} is not allowed at the start", attribute=place)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
         """Yield all unknowns, with the words for the place of their dependencies."""
@@ -146,7 +146,7 @@ def _rising(numbers: Sequence[str], place: str) -> Iterator[Finding]:
 def twice(texts: Iterable[str], what: str, place: str) -> list[Finding]:
     """Return a finding for each text that occurs more than once in a list."""
     return [
-        Finding(f"{what} = {text!r} stands there {count} times", attribute=place)
+        Finding(f"{what} = {text!r} is listed {count} times", attribute=place)
         for text, count in Counter(texts).items()
         if count > 1
     ]

@@ -187,7 +187,7 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
         if side := variable.beyond(value):
             yield "start", f"start = {text} is {side}"
         elif variable.choices and value not in variable.choices:
-            yield "start", f"start = {text} is none of the values of the enumeration"
+            yield "start", f"start = {text} is no value of the enumeration"
 
 
 def _aliases(variables: Sequence[Variable]) -> list[Finding]:
@@ -208,7 +208,7 @@ def _aliases(variables: Sequence[Variable]) -> list[Finding]:
         ]
         reason = ""
         if all(kind in ("parameter", "input", "independent") for kind in causality):
-            reason = "both are given from outside"
+            reason = "both are set from outside"
         elif unit[0] != unit[1]:
             units = " and ".join(one or "none" for one in unit)
             reason = f"their units differ, {units}: variables of an alias set have one unit (FMI 2.0, 2.2.7)"
@@ -219,6 +219,6 @@ def _aliases(variables: Sequence[Variable]) -> list[Finding]:
         elif None not in start and one.value(str(start[0])) != other.value(str(start[1])):
             reason = f"their start values differ, {start[0]} and {start[1]}"
         if reason:
-            said = f"valueReference = {one.reference} is that of {other.name}, too, and {reason}"
+            said = f"valueReference = {one.reference} is also the reference of {other.name}, and {reason}"
             found.append(Finding(said, variable=one.name, attribute="valueReference"))
     return found

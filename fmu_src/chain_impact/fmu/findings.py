@@ -78,15 +78,15 @@ def archive_findings(path: Path) -> list[Finding]:
         largest = max(entries, key=lambda entry: entry.file_size)
         found.append(
             Finding(
-                f"its {largest.file_size / 1e9:.3g} GB, unpacked, make the FMU {size / 1e9:.3g} GB: nothing "
-                f"is unpacked of one that has more than {LARGEST / 1e9:.3g} GB",
+                f"has {largest.file_size / 1e9:.3g} GB, and the whole FMU {size / 1e9:.3g} GB: an FMU of "
+                f"more than {LARGEST / 1e9:.3g} GB is not unpacked",
                 largest.filename,
             )
         )
     contents = {(entry.filename, entry.file_size, entry.CRC) for entry in entries}
     names = Counter(name for name, *_ in contents)
     if DESCRIPTION not in names:
-        found.append(Finding("is not in the FMU: it is no FMU"))
+        found.append(Finding("is missing: the file is no FMU"))
     return found + [
         Finding(f"is in the FMU {count} times, with different contents", name)
         for name, count in names.items()

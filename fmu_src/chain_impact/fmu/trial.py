@@ -30,7 +30,7 @@ T = TypeVar("T")
 CLOSE = 1e-6
 TINY = 1e-12
 SAID = 300  # the largest number of characters that are shown of an FMU's message
-SILENT = "it does not say why; its binary may be made for another GUID or token, or for other resources"
+SILENT = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
 
 
 class CallError(Exception):

@@ -85,7 +85,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 code = process.wait(timeout)
                 end = _end(code, errors.read_text(encoding="utf-8", errors="replace"))
             except subprocess.TimeoutExpired:
-                end = f"has not come back after {timeout:.9g} s"
+                end = f"did not return within {timeout:.9g} s"
             finally:
                 process.kill()
                 process.wait()

@@ -62,8 +62,8 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
     for one in bare.touches:
         if one.at_wall and scene is None:
             raise NeedsSceneError(
-                f"{path}: it has contact[{one.point}].{one.wall}.force, but a table does not hold where "
-                "walls are: its scene is needed"
+                f"{path}: it has contact[{one.point}].{one.wall}.force, but a CSV file has no positions "
+                "of walls: give its scene"
             )
         if one.at_wall and one.wall not in walls:
             raise SceneError(

@@ -134,14 +134,14 @@ def check_reach(scene: Contents) -> None:
     pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
     if out_of_reach and len(scene.walls) > pairs:
         number = [wall.name for wall in scene.walls].index(out_of_reach[0]) + 1
-        reason = "no point can reach it: all that may touch slides parallel to it"
+        reason = "no point can reach it: all points that may touch slide parallel to it"
         raise SceneError(f"walls[{number}].name = {out_of_reach[0]!r} must be left out: {reason}")
 
 
 def check_motion(scene: Contents) -> None:
     """Refuse a motion of a base that is not pinned, and a motion of a wall that does not exist."""
     if scene.inputs.base_motion and scene.chain.base != "pinned":
-        reason = 'it moves as inputs tell only with chain.base = "pinned"'
+        reason = 'inputs can move a base only with chain.base = "pinned"'
         what = "free base" if scene.chain.base == "free" else "base on a slider"
         raise SceneError(f"inputs.base_motion = true must be false for a {what}: {reason}")
     walls = [*scene.half_planes]
@@ -336,7 +336,7 @@ def base_hints(scene: Contents) -> list[str]:
     deep = {name: -wall.clearance(x, y) for name, wall in scene.walls_at_start.items()}
     where = f"initial: the pinned base at {_position(x, y)} is"
     return [
-        f"{where} {depth:.6g} m beyond the wall {name}, which cannot touch it: is it where it should be?"
+        f"{where} {depth:.6g} m beyond the wall {name}, which it cannot touch: is the wall misplaced?"
         for name, depth in deep.items()
         if depth > OVERLAP
     ]

@@ -26,7 +26,7 @@ def check_signals(scene: Contents) -> None:
             for driven in driven_alone(one):
                 if driven in owners:
                     other = owners[driven]
-                    by = f"signal.{other} drives {driven}" if other != name else "it stands there twice"
+                    by = f"signal.{other} drives {driven}" if other != name else "it is listed twice"
                     raise SceneError(
                         f"signal.{name}.input = {one!r} must be driven by one signal only: {by}",
                         ("signals", name, "input"),
@@ -79,14 +79,14 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
         return
     if lasts > period * (1.0 + CLOSED):
         raise SceneError(
-            f"signal.{name}.period = {period:g} must be >= {lasts:g} [s], how long its table lasts",
+            f"signal.{name}.period = {period:g} must be >= {lasts:g} [s], the duration of its table",
             ("signals", name, "period"),
         )
     for one, values in samples.columns:
         if is_closed(signal) and values[-1] != values[0] and joined_by(signal, one) != "hold":
             raise SceneError(
                 f"signal.{name}: {one} = {values[-1]:g} in the last row must be {values[0]:g}, as in the "
-                "first one, a period before it, or be left out",
+                "first row, one period earlier; or leave out the last row",
                 ("signals", name, "file"),
             )
 

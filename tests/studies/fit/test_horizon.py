@@ -96,6 +96,7 @@ def test_refusals():
     some = columns | {f"sigma({TIP[0]})": [1e-3] + [None] * 9}
     assert "some values of point[4].x have a sigma and others none" in refusal(search, problem(some, scene()))
     none = {"impact": [7, 8], "onset": [0.3, 0.4]}
-    assert "no value of the model to compare with the data: none of the measured impacts is there" in refusal(
-        search, problem(none, scene())
+    assert (
+        "the model has no value to compare with data: the model has none of the measured impacts"
+        in refusal(search, problem(none, scene()))
     )

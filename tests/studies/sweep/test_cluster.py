@@ -165,14 +165,14 @@ def test_without_distributed_the_extra_is_named(monkeypatch):
 
 def test_a_worker_that_can_keep_no_kernel(scheduler):
     scheduler.worker(CHAIN_IMPACT_CACHE="/dev/null/kernels")
-    with pytest.raises(BuildError, match=r"nothing can be kept in /dev/null/kernels \(Not a directory\)"):
+    with pytest.raises(BuildError, match=r"no kernel can be stored in /dev/null/kernels \(Not a directory\)"):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 
 
 def test_a_piece_that_a_worker_cannot_do(scheduler, monkeypatch):
     scheduler.worker()
     monkeypatch.setattr(Work, "do", property(lambda _: partial(int, "odd")))
-    with pytest.raises(RunError, match="FourLinkBox: the cluster could not do a piece of the sweep: TypeErr"):
+    with pytest.raises(RunError, match="FourLinkBox: the cluster could not do a part of the sweep: TypeErr"):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 
 

@@ -236,7 +236,7 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
     for parameter in parameters:
         for k, one in enumerate(measured):
             if parameter.run in (None, k) and parameter.name in one.inputs:
-                reason = f"is free, and a column of {one.source}; must be one of both"
+                reason = f"is free, and is a column of {one.source}; must be only one of the two"
                 raise SceneError(f"{scene.name}: {parameter.name} {reason}")
 
 

@@ -179,8 +179,8 @@ def _check(problem: Problem, whole: Evaluation) -> None:
                 f"sigma of {name} = 2% for example, or add a column sigma({name})"
             )
     if not whole.there.any():
-        fault = problem.fault(whole) or "none of the measured impacts is there"
-        raise SceneError(f"{problem.scenes[0].name}: no value of the model to compare with the data: {fault}")
+        fault = problem.fault(whole) or "the model has none of the measured impacts"
+        raise SceneError(f"{problem.scenes[0].name}: the model has no value to compare with data: {fault}")
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:

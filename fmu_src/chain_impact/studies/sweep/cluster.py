@@ -60,7 +60,7 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
             raise lost from None
         except Exception as error:
             name, reason = work.job.scene.name, f"{type(error).__name__}: {error}"
-            raise RunError(f"{name}: the cluster could not do a piece of the sweep: {reason}") from None
+            raise RunError(f"{name}: the cluster could not do a part of the sweep: {reason}") from None
 
 
 def identity() -> tuple[str, str]:
