@@ -205,7 +205,7 @@ def test_an_mjcf_of_others_becomes_a_scene_without_its_meshes(tmp_path):
         (
             "x.urdf",
             '<robot name="r"><link name="a"/><link name="b"/></robot>',
-            "must have one link that none",
+            "must have exactly one root link",
         ),
     ],
 )

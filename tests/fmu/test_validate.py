@@ -280,7 +280,7 @@ def found(native, tmp_path):
     [
         ("abort();", "fmi2Instantiate crashes the process: SIGABRT"),
         ("exit(7);", "fmi2Instantiate ends the process, exit code 7"),
-        ("for (volatile int i = 0;; i = !i) {}", "fmi2Instantiate has not come back after 3 s"),
+        ("for (volatile int i = 0;; i = !i) {}", "fmi2Instantiate did not return within 3 s"),
     ],
 )
 def test_a_binary_that_does_not_come_back_is_found(found, body, sentence):
