@@ -82,7 +82,11 @@ def test_the_plane_is_as_chosen():
     upside, _ = scene(robot, plane="z,x")
     assert upside.gravity == (-9.81, 0.0)
     assert upside.initial.angles == pytest.approx([0.5 * math.pi, 0.5 * math.pi])
-    for plane, said in (("x", "must be two of x, y"), ("x,y", "at right angles"), ("x,-x", "at right angles")):
+    for plane, said in (
+        ("x", "must be two of x, y"),
+        ("x,y", "at right angles"),
+        ("x,-x", "at right angles"),
+    ):
         with pytest.raises(SceneError, match=said):
             scene(robot, plane=plane)
 

@@ -10,7 +10,7 @@ from enum import IntEnum
 
 from chain_impact.recording.text import few
 
-NEGLIGIBLE = 0.02  # the largest shift that gives no warning, over a length
+NEGLIGIBLE = 0.02  # the largest shift that gives no warning, relative to a length
 SHOWN = 6  # largest number of names in a line
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # the titles of reports
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}

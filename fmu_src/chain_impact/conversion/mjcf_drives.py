@@ -13,7 +13,7 @@ from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
 FAST = 20.0  # [rad/s] a speed that joints of robots hardly reach
-ALIKE = 1e-9  # the largest difference of two limits that count as equal, over the larger limit
+ALIKE = 1e-9  # the largest difference of two limits that count as equal, relative to the larger limit
 
 
 @dataclass(frozen=True)

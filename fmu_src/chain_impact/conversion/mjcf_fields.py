@@ -87,7 +87,10 @@ WITHOUT_EFFECT_FLAGS = """
     WARMSTART FILTERPARENT REFSAFE SENSOR MIDPHASE EULERDAMP AUTORESET NATIVECCD ISLAND MULTICCD
     OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
 """
-"""Flags of the search for contacts, of soft contacts and of steps; OVERRIDE is used for the friction."""
+"""Flags that need no report: they concern the search for contacts, soft contacts or time steps.
+
+OVERRIDE also sets the friction, which mjcf_contacts.py reads.
+"""
 MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
 

@@ -26,7 +26,7 @@ from chain_impact.conversion.walls import Walls
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import UnknownNameError
 
-# largest difference of two numbers of a scene, also over their size, that is round-off
+# the largest difference of two numbers of a scene, absolute or relative, that counts as round-off
 SAME = 1e-13
 # number of digits of numbers in a scene; robot files have fewer digits, so further digits are round-off
 DIGITS = 14

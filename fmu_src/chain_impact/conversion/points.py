@@ -34,7 +34,7 @@ def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> I
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
     if shape.disc is not None:
-        # the projection onto the plane of the disc's axis times the radius
+        # the axis of the disc, with the disc's radius as its length, projected onto the plane
         along = plan.flat(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
         if seen < PARALLEL * size:

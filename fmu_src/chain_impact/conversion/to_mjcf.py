@@ -19,7 +19,7 @@ WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
 HINGE = "0 -1 0"  # the plane of the motion is x–z, because z points upward in MuJoCo's pictures
 LEAST_INERTIA = 2e-15  # [kg·m²] the smallest inertia that MuJoCo accepts
 BODY = ("shape", "height", "points")  # keys of a link for its body, which MJCF cannot hold
-# radius of points without a radius, over the longest link, because MuJoCo needs a radius above 0
+# radius of points without a radius, relative to the longest link, because MuJoCo needs a radius above 0
 LEAST_RADIUS = 1e-4
 LARGEST_STEP = 2e-3  # [s] the default step of MuJoCo
 JOINT_KEYS = {

@@ -18,8 +18,8 @@ from chain_impact.scene.signal_values import is_motion, table_of, values_of
 from chain_impact.scene.signals import family
 from chain_impact.scene.table_file import TIME, read_table, samples_of
 
-# the largest difference of the values before and after a row that is round-off and no jump, over the largest
-# value of the input
+# the largest difference of the values before and after a row that counts as round-off and no jump, relative
+# to the largest value of the input
 JUMP = 1e-9
 
 

@@ -37,7 +37,7 @@ SHORTER = 10
 # MARGIN times the difference of that run up to there, and at least LEAST. All are over the largest value of
 # each unit.
 LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
-# the least distance of a compared time from the onset or end of a contact, over the step
+# the least distance of a compared time from the onset or end of a contact, relative to the step
 CLOSE = 1e-4
 # the largest number of evaluations, times links, that a reference run may take; this is about 0.2 s
 MOST_WORK = 2_000_000

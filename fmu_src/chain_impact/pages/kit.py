@@ -42,7 +42,7 @@ from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
 WITH_STOPS = SimpleNamespace(stops=True, links=())
-"""A chain with stops, with which defaults are evaluated that depend on the chain but not on a value."""
+"""A stand-in for a chain with stops, to evaluate defaults that depend on whether the chain has stops."""
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """The words of an element in the texts of parameters and inputs, which the page fills in."""
 LONGEST = 1e9
@@ -65,7 +65,7 @@ PATHS: dict[str, DataPath] = {
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }
-"""The words of a record that are not parameters and depend on the scene."""
+"""Name → path of each value in the record that depends on the scene, but is no parameter."""
 
 
 def kit(scene: Scene) -> dict[str, Any]:

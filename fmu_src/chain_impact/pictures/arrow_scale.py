@@ -13,9 +13,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
-LONGEST, LEAST = 0.26, 0.02  # the longest and the shortest arrow, over the smaller side of the scene
+LONGEST, LEAST = 0.26, 0.02  # the longest and the shortest arrow, relative to the smaller side of the scene
 DECADES = 6  # the largest number of powers of ten on the ruler
-# the least distance of a mark from the foot of the ruler, and of two numbers, over the length of the ruler
+# the least distance of a mark from the foot of the ruler, and of two numbers, relative to the length of the
+# ruler
 FROM, APART = 0.1, 0.3
 TICK = 3.0  # [points] half of the length of a mark
 

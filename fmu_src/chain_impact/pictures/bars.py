@@ -13,7 +13,7 @@ from chain_impact.pictures.style import BLUE, GREY, INK, LEAST_TICKS, VERMILLION
 WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
 # NUMBER: [inch] the space for a number beside a bar. PART: the width of the axes over the width of the page.
 NUMBER, PART = 0.7, 0.45
-THICK = 0.66  # the thickness of a bar, over the distance between bars
+THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 
 
 def bars_size(count: int) -> tuple[float, float]:

@@ -32,7 +32,7 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
 from chain_impact.scene.unit_text import in_brackets
 
-NOTHING = 1e-12  # the largest change that counts as round-off, over the range of an output
+NOTHING = 1e-12  # the largest change that counts as round-off, relative to the range of an output
 STEEP = 30.0  # the ratio of the largest change to a usual change above which the axis is not linear
 Looks = list[dict[str, Any]]
 

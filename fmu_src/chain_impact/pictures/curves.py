@@ -24,7 +24,7 @@ DASHES = ("-", "--", ":")
 # largest number of curves in a panel, and largest number of panels
 MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
-SAME = 0.005  # the largest distance of two curves that look like one, over the height of the panel
+SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
 END = 0.5  # the fraction of the text colour in the line at an impact's end
 SIDE = 8  # the largest number of curves whose names are at the side of the panel
 
@@ -153,7 +153,7 @@ def hides(curves: Sequence[np.ndarray]) -> list[int]:
 
 
 def axis_label(names: Sequence[str], unit: str) -> str:
-    """Return the label of an axis: the last part of the names if all names have the same, and the unit."""
+    """Return the label of an axis: the unit, and the last part of the names if all names share it."""
     last = {name.rpartition(".")[2] for name in names}
     shared = last.pop() if len(last) == 1 else ""
     return f"{shared}{in_brackets(unit)}".lstrip()

@@ -57,13 +57,14 @@ MOST_FRAMES = 1500
 # pixels per inch: the usual number, the least number with energies, and the number on a page without energies
 DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
 ROOM = (8.0, 4.5)  # [inch] the least width and height of a page with energies
-# position and size of the axes: left, bottom, width and height, over the size of the page
+# position and size of the axes: left, bottom, width and height, relative to the size of the page
 SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)
-# position of the texts: left and middle of the height, over the size of the page
+# position of the texts: left and middle of the height, relative to the size of the page
 CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a page that has no room for energies, in the form of SCENE, CLOCK and RATE."""
-# half of a bar of sticking, and the distance of the ruler from the corner, over the smaller side of the scene
+# half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
+# the scene
 BAR, CORNER = 0.035, 0.035
 # TAIL: [s] the simulated time in which the trace of the tip fades; TAIL_PARTS: the number of its pieces
 TAIL, TAIL_PARTS = 0.3, 40

@@ -15,7 +15,7 @@ from chain_impact.pictures.pages import break_labels
 from chain_impact.pictures.style import COLOURS, styled
 
 TIMES = 3  # the number of times that axes are moved: with other axes their texts may get other sizes
-LEAST_SIDE = 0.2  # the least width or height of moved axes, over the width or height before
+LEAST_SIDE = 0.2  # the least width or height of moved axes, relative to the width or height before
 SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 
 

@@ -33,13 +33,13 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
 SIZE = (7.5, 4.8)  # [inch] default width and height of the page
-PEAK = 0.95  # the force, over the largest force, from which on the peak counts as reached
-AFTER_PEAK = 4.0  # the least time for which an impact is shown, over the time until the peak force
+PEAK = 0.95  # the force, relative to the largest force, from which on the peak counts as reached
+AFTER_PEAK = 4.0  # the least time for which an impact is shown, relative to the time until the peak force
 # the ratio of the durations of contact and impact above which only the time of the impact is shown
 MUCH_LONGER = 2.0
-EDGE = 0.03  # the shown time before the onset, over the whole shown time
+EDGE = 0.03  # the shown time before the onset, relative to the whole shown time
 DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
-LOOP = 1.6  # the height of the loop on a narrow page, over the height of a panel over time
+LOOP = 1.6  # the height of the loop on a narrow page, relative to the height of a panel over time
 
 
 @styled()
@@ -150,7 +150,7 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
-    """Return words for the numbers of an impact."""
+    """Return the line with restitution, duration, lost energy, speed, force and impulse of an impact."""
     parts = [restitution_text(impact), duration_text(impact, course), f"{course.energy_lost:.3g} J lost"]
     parts = parts[1:] if lasts(impact) else parts
     parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")

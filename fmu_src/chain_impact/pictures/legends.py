@@ -35,7 +35,7 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: i
 def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Give each legend above its axes the most columns with which it is not wider than the axes.
 
-    On a narrow page an entry that a legend below also has is left out, and a legend without entries, too.
+    On a narrow page, a legend does not repeat entries of a legend below, and is removed if no entry remains.
     Returns whether a legend has changed.
     """
     is_changed = False

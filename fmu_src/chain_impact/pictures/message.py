@@ -13,7 +13,7 @@ from chain_impact.pictures.style import SEPARATOR, headline, is_narrow, number
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
 
-ROUND_OFF = 1e-12  # dissipated energy, over the largest energy, below which it is round-off
+ROUND_OFF = 1e-12  # dissipated energy, relative to the largest energy, below which it is round-off
 
 
 def message(recording: Recording, *, short: bool = False) -> str:

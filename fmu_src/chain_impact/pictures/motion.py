@@ -37,8 +37,9 @@ MARKED = 12  # the largest number of points that get marks
 FEW = 6  # the largest number of points with clear paths; with more points the paths are fainter
 RING = 6.5  # [points] the size of the mark of an impact
 SQUARE = 4.0  # [points] the size of the mark where a contact or a joint sticks
-NEAR_PLACE = 0.03  # the distance within which impacts at a wall share a ring, over the width of the view
-# the length of the arrow of the largest force in a joint, over the smaller side of the view
+# the distance within which impacts at a wall share a ring, relative to the width of the view
+NEAR_PLACE = 0.03
+# the length of the arrow of the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
 # LISTED: the largest number of impacts, or of ranges of impacts, that are listed at a ring; FASTEST: the
 # number that are listed at a ring with more

@@ -16,7 +16,7 @@ from chain_impact.recording.view import pin_mark
 
 FAINT = 40  # the number of faint positions of a moving wall, at equal distances in time
 FAINT_MARKS = 8  # the number of faint ground marks of a moving base, at equal distances in time
-BESIDE = 0.04  # the distance of the trace from the end of a wall, over the visible length of the wall
+BESIDE = 0.04  # the distance of the trace from the end of a wall, relative to the visible length of the wall
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:

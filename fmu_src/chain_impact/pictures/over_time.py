@@ -44,8 +44,8 @@ ROWS = 8  # the largest number of contacts and joints whose phases of dry fricti
 TOLD = 5  # the largest number of points with individual colours, so that the legend has room
 POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)  # orange is the potential energy
 NUMBERED = 60  # the largest number of impacts that get numbers
-SHORT = 0.002  # the longest phase of dry friction that cannot be seen, over the time
-SEEN = 0.01  # the least duration of a contact that gets a band, over the shown time
+SHORT = 0.002  # the longest phase of dry friction that cannot be seen, relative to the duration of the run
+SEEN = 0.01  # the least duration of a contact that gets a band, relative to the shown time
 DOT = 4.0  # [points] the size of the mark of an impact
 
 

@@ -29,10 +29,10 @@ from chain_impact.pictures.room import view_of
 from chain_impact.pictures.style import SEPARATOR, broken, is_narrow, styled, write_foot
 from chain_impact.recording.recording import Recording
 
-SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion, over its height
-# the height of the panel of dry friction, and of each of its lines, over the height of the energies
+SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion, relative to its height
+# the height of the panel of dry friction, and of each of its lines, relative to the height of the energies
 RUBBING, RUBBING_ROW = 0.3, 0.15
-HEIGHT = 0.46  # the height of the panel of motion, over the width of the page
+HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the page
 # ABOVE_TIME: the height of the panel of motion above the other panels; CLOCK: the height of the axis of
 # colours; both over the height of the energies
 ABOVE_TIME, CLOCK = 1.1, 0.06
@@ -50,7 +50,7 @@ The functions return the numbers without room.
 """
 FEET = 3  # the largest number of times that the panels are arranged above the text at the foot
 TOLD_AS = {"motion": "motion", "impacts": "speeds"}
-"""Name of a panel → word for the panel in the sentence on numbers without room."""
+"""Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
 
 
 @styled()

@@ -27,11 +27,12 @@ SIZE = (FULL, 5.4)  # [inch] the default width and height of a page
 LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
 USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label on a page without a given height
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the page, or overlap
-ROUND_OFF = 1e-9  # the largest difference that is round-off, over the length of an axis
+ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
 # the largest number of quarters of an inch by which the height of a page is increased, to find a sufficient
 # height
 HIGHER = 40
-LONGER = 1.1  # the length of a label, over the length of its axis, above which it is broken into two lines
+# the length of a label, relative to the length of its axis, above which it is broken into two lines
+LONGER = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty page."""
 

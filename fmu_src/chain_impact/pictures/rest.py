@@ -13,9 +13,9 @@ from chain_impact.recording.recording import Recording
 
 # the speed of a point at rest: in the whole time, it moves the point by this part of the longest path
 SLOW = 0.02
-LEAST = 0.05  # the shortest rest that is shown, over the time
+LEAST = 0.05  # the shortest rest that is shown, relative to the duration of the run
 MUCH = 0.7  # rests at the start and the end are left out if they take at least this part of the time
-BEFORE, AFTER = 0.1, 0.25  # the shown rest before and after the motion, over the time with motion
+BEFORE, AFTER = 0.1, 0.25  # the shown rest before and after the motion, relative to the time with motion
 
 
 class Shown(NamedTuple):

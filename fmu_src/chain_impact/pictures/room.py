@@ -20,13 +20,14 @@ from chain_impact.scene.half_planes import HalfPlane
 # MARGIN: the margin at the edges of the view; BAND: the margin outside of walls; both over the width of the
 # motion; √2 BAND < NEAR
 MARGIN, BAND = 0.04, 0.14
-FARTHEST = 1.0  # the largest distance of a moving wall in view, over the width of the motion
+FARTHEST = 1.0  # the largest distance of a moving wall in view, relative to the width of the motion
 SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
 BROADEST = 1.6  # the largest ratio of width to height to which a view grows to fill its axes
 # the least component of a wall's normal along one axis with which the wall counts as parallel to the other
 # axis
 STRAIGHT = 0.99
-# the largest distance of a wall from a corner on it that is round-off, over the size of the view
+# a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
+# most this number
 ROUND_OFF = 1e-9
 
 

@@ -77,9 +77,9 @@ DPI = 160
 FULL, WIDE = 10.0, 6.0  # [inch] FULL: the width of a page; WIDE: the least width for two columns of axes
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the page
 GAP = 0.09  # [inch] space below the headline, and below the conditions
-MOST_HEAD = 0.33  # the largest height of headline and conditions, over the height of the page
-MOST_FOOT = 0.15  # the largest height of the texts at the foot, over the height of the page
-# the font sizes that are tried for a headline longer than a line, over its usual size
+MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the page
+MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the height of the page
+# the font sizes that are tried for a headline longer than a line, relative to its usual size
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
 STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten

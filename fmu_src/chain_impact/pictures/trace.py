@@ -6,7 +6,7 @@ import numpy as np
 
 from chain_impact.recording.recording import Recording
 
-PIECE = 0.004  # the approximate length of a piece of the curve, over the size of the view
+PIECE = 0.004  # the approximate length of a piece of the curve, relative to the size of the view
 MOST_PARTS = 32  # the largest number of pieces between two rows
 
 

@@ -15,7 +15,7 @@ from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # the number of times in the course of an impact
 MANY = 4000  # the number of times in the course of a contact that lasts long
-SOON = 1e-6  # the first time after the onset, over the length of the contact
+SOON = 1e-6  # the first time after the onset, relative to the length of the contact
 
 Rerun = Callable[[np.ndarray], np.ndarray]
 """A function that repeats the run: increasing times [s], shape (S,) → outputs at these times."""

@@ -16,9 +16,9 @@ from chain_impact.variables.prepared import PreparedScene
 # WITHIN: the number of times within an impact; FOLLOWED: the largest number of impacts that get such times
 WITHIN, FOLLOWED = 50, 400
 CLOSE = 1000  # the number of times in a view of one impact
-BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, over the duration of the impact
-LONGEST = 0.02  # the shown duration of a contact that lasts to the end, over the duration of the run
-LEAST = 1e-3  # the shown duration of an impulse, over the duration of the run
+BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
+LONGEST = 0.02  # the shown duration of a contact that lasts to the end, relative to the duration of the run
+LEAST = 1e-3  # the shown duration of an impulse, relative to the duration of the run
 
 
 @dataclass(frozen=True, eq=False)

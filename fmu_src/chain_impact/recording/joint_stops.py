@@ -12,9 +12,9 @@ import numpy as np
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
 
-ARC = 0.25  # the radius of the arc that shows a range, over the length of the link
+ARC = 0.25  # the radius of the arc that shows a range, relative to the length of the link
 OPEN = 0.5 * math.pi  # [rad] the length of the arc of a joint with only one stop
-TICK = 0.3  # the length of the mark of a stop, over the radius of the arc
+TICK = 0.3  # the length of the mark of a stop, relative to the radius of the arc
 CORNERS = 33  # the number of points on the line of an arc
 
 

@@ -20,8 +20,9 @@ FRAME_RATE = 60.0  # [1/s] frames per second on the screen
 FRAMES_OF_A_PERIOD = 16.0  # the least number of frames in a period of the fastest sine that drives an input
 FLIGHT_STEP = 1 / 240  # [s] the step, far from impacts, of the grid of times on which the ratio is computed
 NEAR = np.geomspace(1e-3, 1.0, 48)  # the times of this grid near an impact, over RAMP
-WITHIN = np.linspace(0.0, 1.0, 25)  # the times of this grid within a contact, over the contact's duration
-# the least speed of an impact that is shown in slow motion, over the speed of the fastest impact
+# the times of this grid within a contact, relative to the contact's duration
+WITHIN = np.linspace(0.0, 1.0, 25)
+# the least speed of an impact that is shown in slow motion, relative to the speed of the fastest impact
 SLOW_SPEED = 0.05
 SLOW_COUNT = 100  # the largest number of impacts that are shown in slow motion; these are the fastest impacts
 # A film shows an impact as ended after LONGEST_IMPACT times δ/v, with the penetration δ and the approach

@@ -103,11 +103,11 @@ class Sensitivities:
         return as_html([repr(self), *told, Table(head, rows), *self.limits])
 
     def of_output(self, quantity: str, parameter: str) -> np.ndarray:
-        """Return the derivative of an output over time, shape (T,)."""
+        """Return the derivative of an output with respect to a parameter, at all times, shape (T,)."""
         return self.slopes[:, self.columns[self._output(quantity)], self._number(parameter)]
 
     def of_impacts(self, quantity: str, parameter: str) -> np.ndarray:
-        """Return the derivative of a quantity of the impacts, shape (I,)."""
+        """Return the derivative of a quantity with respect to a parameter, for all impacts, shape (I,)."""
         if quantity not in self.impact_slopes:
             what = "no quantity of impacts with derivatives"
             hint = f"must be one of {', '.join(self.impact_slopes)}"

@@ -13,8 +13,10 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
 ROUND = 24  # number of corners of the polygon that is drawn for a circle
-TICK = 0.06  # length of a stop's mark, and half the length of the carriage, over the size of the drawing
-# how far a line without a stop is drawn beyond the positions of the carriage, over the size of the drawing
+# length of a stop's mark, and half the length of the carriage, relative to the size of the drawing
+TICK = 0.06
+# how far a line without a stop is drawn beyond the positions of the carriage, relative to the size of the
+# drawing
 AHEAD = 0.12
 Disc = tuple[float, float, float]
 """A disc: the coordinates of its centre along a link and to the left of the link, and its radius [m]."""

@@ -41,9 +41,9 @@ def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[Data
 
 
 def above(paths: Iterable[Any]) -> set[DataPath]:
-    """Return the paths of all tables and lists that contain a value at one of some paths.
+    """Return the paths of all tables and lists that contain one of the values at ``paths``.
 
-    The function ignores a name in place of a path.
+    Names among the ``paths`` are ignored.
     """
     proper = [
         path for path in paths if isinstance(path, tuple) and all(isinstance(one, str | int) for one in path)

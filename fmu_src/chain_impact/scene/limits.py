@@ -104,7 +104,14 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
 
 
 def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the metadata `rule` with the choice and the unit that values of other keys add."""
+    """Return the metadata `rule` of a key, completed by the values of other keys.
+
+    The name of a user's law becomes a choice, and a unit may depend on another key.
+
+    Args:
+        rule: the metadata.
+        known: key → value or table, as far as they have been read.
+    """
     if unit_by := rule.get("unit_by"):
         return {**rule, "unit": unit_by(known)}
     extended_by = rule.get("extended_by")

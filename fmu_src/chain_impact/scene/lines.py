@@ -26,7 +26,7 @@ def line_of(text: str, path: DataPath) -> int | None:
         text: a scene file.
         path: the path of the key, ``("chain", "links", 0, "mass")``.
     """
-    # the largest number of steps of the path that a line has, and the number of this line
+    # the best line so far: how many steps of the path it has, and its number
     best: tuple[int, int | None] = (0, None)
     table: DataPath = ()
     counts: dict[DataPath, int] = {}

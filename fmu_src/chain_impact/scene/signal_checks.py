@@ -12,7 +12,8 @@ from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joine
 from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of
 from chain_impact.scene.unit_text import unit_text
 
-# the smallest speed that counts as motion, over the largest speed of a sine; a smaller speed is round-off
+# the smallest speed that counts as motion, relative to the largest speed of a sine; a smaller speed is
+# round-off
 AT_REST = 1e-12
 
 

@@ -21,7 +21,7 @@ NUMBERS = (
 """The keys of signals that are numbers. The record has 0 for a key that the form does not use."""
 KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
 """Form → number of polynomials of the form; a ramp with the shape of a trapezoid needs two more."""
-# the largest gap between the last row of a table and the end of the period, over the period
+# the largest gap between the last row of a table and the end of the period, relative to the period
 CLOSED = 1e-9
 
 

@@ -26,24 +26,24 @@ Sampled = Callable[[np.ndarray], np.ndarray]
 # number of times in a run at which each function is called; a pulse shorter than their distance can be missed
 CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function in a piece
-SHORTEST = 4e-13  # the length below which a piece is dropped, over the length of the run
+SHORTEST = 4e-13  # the length below which a piece is dropped, relative to the length of the run
 ALIKE = 1e-6  # the largest relative difference of two lengths that count as equal
 # an interval longer than 2^FAR times the last piece is halved before a fit is tried
 FAR = 2
 TOGETHER = 4  # log₂ of the largest number of pieces that are fitted at once; more cost more calls in vain
 PATIENCE = 32  # a length for which fits have failed is tried again after at most so many pieces
 NOISE = 4  # the number of successive pieces with jumps after which a function counts as smooth nowhere
-# the length of a piece, over the length of the run, below which a function is hardly smooth in pieces
+# the length of a piece, relative to the length of the run, below which a function is hardly smooth in pieces
 FINE = 1 / 65536
 CALLS = 15_000  # the number of calls in a run that functions may have for fine pieces, jumps and kinks
 CALLS_PER_PIECE = 50  # the number of calls in addition to CALLS for each piece of the held signals
 SIMPLE = 4  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
 # a value belongs to one of two polynomials if it is nearer to that one by the factor NEARER
 NEARER = 0.1
-RESOLVED = 1e-14  # the relative error of a time, over the time; it changes the values
-# the difference of two pieces where they meet, over the allowed error, above which there is a jump
+RESOLVED = 1e-14  # the relative error of a time, relative to the time; it changes the values
+# the difference of two pieces where they meet, relative to the allowed error, above which there is a jump
 JOINED = 10.0
-# the size of a last coefficient, over the allowed error, below which the coefficient is left out
+# the size of a last coefficient, relative to the allowed error, below which the coefficient is left out
 DROPPED = 0.05
 
 _ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS
@@ -265,9 +265,9 @@ class Follower:
         return self._fits(np.array([start, end]))[0]
 
     def _foresee(self, start: float, end: float) -> None:
-        """Fit all pieces of an interval at once if they will be as long as the last piece.
+        """Fit all pieces of an interval in one call, if all will be as long as the last piece.
 
-        They will be if fits of longer pieces are not tried now.
+        This is certain only if longer pieces are not tried at present, because fits of them have failed.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0

@@ -38,9 +38,10 @@ Given = Mapping[str, Signal] | Source
 Interpolation = Literal["follow", "hold", "linear"]
 """How the value of an input follows from its samples or its function between communication points."""
 INTERPOLATIONS = ("follow", "hold", "linear")
-# the allowed error of an input that is followed, over its largest value and the solver's tolerance
+# the allowed error of an input that is followed, relative to its largest value and the solver's tolerance
 FINER = 1e-3
-# the largest distance between a sample and a communication point that count as one time, over the stop time
+# the largest distance between a sample and a communication point that count as one time, relative to the stop
+# time
 SAME_TIME = 1e-12
 LISTED = 8  # largest number of names that the sentence of an error lists
 NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)

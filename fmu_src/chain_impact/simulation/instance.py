@@ -284,7 +284,7 @@ class Instance:
 
     @property
     def _lasting(self) -> np.ndarray:
-        """The numbers of the contacts that have not ended, which follow those of the ended ones."""
+        """The numbers of the lasting contacts; the log numbers the ended contacts first."""
         ended = self._integers.item(self._log_at.ended)
         return np.arange(ended, ended + self._integers.item(self._log_at.active))
 

@@ -20,11 +20,12 @@ from chain_impact.simulation.follower import Follower
 from chain_impact.simulation.pieces import Pieces, joined_points
 
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in follower.py, but for motions
-# The largest differences of position, speed and acceleration between pieces that are no jump, over the
+# The largest differences of position, speed and acceleration between pieces that are no jump, relative to the
 # largest value of a channel. The time of a kink, and so the speed at the kink, is known up to the square root
 # of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
-# the largest difference between a given speed and the derivative of the position, over the largest speed
+# the largest difference between a given speed and the derivative of the position, relative to the largest
+# speed
 CONTRADICTS = 1e-3
 
 

@@ -10,7 +10,8 @@ from chain_impact.recording.text import Table
 from chain_impact.studies.law_change import EXACT, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
-# the largest difference from the prescribed restitution with which a law realises it, over the restitution
+# the largest difference from the prescribed restitution with which a law realises it, relative to the
+# restitution
 NEAR = 0.05
 NOTHING = "–"
 NUMBERS = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")

@@ -117,9 +117,11 @@ class Kind:
         return text.replace("{axis}", self.axis)
 
     def in_general(self, words: Mapping[str, Any]) -> str:
-        """Return the description for all variables of the kind; ``words`` are the words of the scene.
+        """Return one description for all variables of the kind.
 
-        Its words under "general" stand for any element.
+        Args:
+            words: word of the templates → text for this scene; under "general" a table with texts that hold
+                for every element.
         """
         general = {**words, **words.get("general", {}), "n": LETTERS.get(self.of, "i"), "axis": self.axis}
         text = self.text.format_map(general)

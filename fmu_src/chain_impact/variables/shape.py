@@ -182,7 +182,7 @@ def shape_of(scene: Scene) -> Shape:
 
 
 def _links(shape: Shape) -> Iterable[Element]:
-    """Yield the links, with conditions: if the spring follows inputs, if the joint has friction."""
+    """Yield the links; conditions tell whether the joint's spring follows inputs, and if it has friction."""
     for n in range(1, shape.links + 1):
         follows = shape.inputs.joint_targets and n in shape.joints
         yield {
@@ -228,7 +228,10 @@ def _contacts(shape: Shape) -> Iterable[Element]:
 
 
 def _slider(shape: Shape) -> Iterable[Element]:
-    """Return the slider, if there is one, with the index of its dry friction among the joints."""
+    """Return the slider, if there is one.
+
+    The index of its dry friction comes after the joints.
+    """
     follows = shape.inputs.joint_targets
     return [{"rests": not follows, "rubs": shape.slider_rubs, "at": shape.links}] * (shape.base == "slider")
 

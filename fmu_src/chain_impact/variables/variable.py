@@ -153,10 +153,10 @@ class Variable:
 
 
 def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
-    """Return name, type, word, kind, lowest and highest value, allowed values in words, and set word.
+    """Return name, type, word, kind, lowest and highest value, allowed values as text, and set word.
 
-    A new value is written to two words: to ``word``, at ``record_path``, and to ``set_word``, at
-    ``set_path``.
+    An importer reads ``word``, the index of the value in use. It writes a new value to ``word`` and to
+    ``set_word``, the index of the given value.
     """
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST, LARGEST

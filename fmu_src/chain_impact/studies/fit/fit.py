@@ -31,8 +31,8 @@ LARGEST = 700.0  # largest number whose exponential is finite
 FEW = 10  # the number of values of a column below which its estimated standard deviation is rough
 # the limit of the lag-1 correlation of n pairs of neighbours, times √n; chance exceeds it in 2 % of all cases
 ALIKE = 2.0
-# the duration of the data, over the scene's stop time, beyond which the time of the data may have another
-# unit
+# the duration of the data, relative to the scene's stop time, beyond which the time of the data may have
+# another unit
 LONG = 100.0
 
 

@@ -19,8 +19,8 @@ from chain_impact.studies.fit.problem import Evaluation, Problem
 
 # number of values in the first horizon for each parameter; at most a third of all values if these suffice
 ROWS = 3
-# the largest distance of the model from the data with which it follows them, over the size of a column; for
-# the first and for the second trial
+# the largest distance of the model from the data with which it follows them, relative to the size of a
+# column; for the first and for the second trial
 FAR = (0.01, 0.0025)
 # WORSE: the growth of the mean square that causes a second trial; EXACT: the mean square below which no
 # second trial is made
@@ -29,8 +29,8 @@ MANY = 20  # number of values from which on a mean square is meaningful
 GROWTH = 1.1  # the smallest growth factor of the horizon in a step
 ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that ends a rough search and a fine search
 ROUGH_STEPS, FINE_STEPS = 10, 100
-# the smallest standard deviation, over the size of a column; a smaller one is an error of the solver, not
-# noise
+# the smallest standard deviation, relative to the size of a column; a smaller one is an error of the solver,
+# not noise
 LEAST_SIGMA = 1e-8
 # the number of degrees of freedom below which there are none, because of round-off; a small number suffices,
 # because a column with a larger σ has more degrees of freedom

@@ -45,7 +45,7 @@ MOST_PANELS = 8  # number of columns that are shown
 MOST_TOLD = 10  # largest number of parameters in the lines below the headline
 POINTS = 1500  # number of points of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # [inch] size of a panel
-BESIDE = 0.5  # free space at the ends of an axis of impact numbers, over the distance of two impacts
+BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
 
 

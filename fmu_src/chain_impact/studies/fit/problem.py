@@ -21,10 +21,10 @@ SMALLEST = 1e-300  # size of a column of zeros, so that it is not zero
 # the distance from a bound, in standard errors, at which a parameter counts as at the bound, if the parameter
 # has moved at least as far from its start
 AT_BOUND = 0.01
-# the distance from a bound, over the distance between both bounds, at which a parameter counts as at the
-# bound
+# the distance from a bound, relative to the distance between both bounds, at which a parameter counts as at
+# the bound
 AT_BOUND_PART = 1e-9
-LATE = 1.25  # latest time of an impact of the model that is compared, over the measured time
+LATE = 1.25  # latest time of an impact of the model that is compared, relative to the measured time
 
 
 @dataclass(frozen=True)

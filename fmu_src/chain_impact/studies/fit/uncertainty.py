@@ -9,12 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 PROBABILITY = 0.95
-# numbers of degrees of freedom: below the first number nothing is known, above the second they count as
-# infinite
+# with fewer than LEAST_FREEDOM degrees of freedom nothing is known; more than MANY_FREEDOM count as infinite
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
 # the degrees of freedom up to which an interval is infinite; Student's t would give 44,000 standard errors
 TOO_FEW = 0.25
-# the smallest singular value, over the largest one, that is not round-off of the derivatives
+# the smallest singular value, relative to the largest one, that is not round-off of the derivatives
 SINGULAR = 1e-7
 
 

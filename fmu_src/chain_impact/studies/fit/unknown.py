@@ -10,12 +10,12 @@ from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.uncertainty import Information
 
-UNKNOWN = 0.3  # the standard error, over the value, beyond which the value counts as not determined
-# the standard error, over the range between two bounds, beyond which the value counts as not determined: the
-# 95 % interval is then half the range
+UNKNOWN = 0.3  # the standard error, relative to the value, beyond which the value counts as not determined
+# the standard error, relative to the range between two bounds, beyond which the value counts as not
+# determined: the 95 % interval is then half the range
 UNKNOWN_PART = 0.125
-# the ratio of the standard error with another parameter fixed to the present one, below which the other
-# parameter is mentioned
+# A second parameter is mentioned if, with it fixed, the standard error is less than BETTER times the present
+# standard error.
 BETTER = 0.5
 HUGE = 10.0  # the standard error of a logarithm from which on the sentence gives it as a factor
 

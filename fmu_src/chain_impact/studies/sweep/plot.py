@@ -49,7 +49,7 @@ WIDE_RANGE, MOST = 1e3, 0.95
 FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
-ROUND_OFF = 1e-9  # the largest difference of equal results, over their size
+ROUND_OFF = 1e-9  # the largest difference of equal results, relative to their size
 NEVER = "no run has a finite value"
 
 
