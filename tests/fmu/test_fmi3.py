@@ -38,7 +38,7 @@ def test_what_cannot_be_instantiated_is_refused_in_one_sentence(fmu):
     for name in (None, b" \t"):
         refused("the instance has no name", name=name)
     token = "{8c4e810f-3df3-4a00-8276-176fa3c9f9e0}"
-    refused(f"instantiationToken {token} is not that of this FMU", token=token.encode())
+    refused(f"instantiationToken {token} differs from that of this FMU", token=token.encode())
     refused("the argument instantiationToken is a null pointer", token=None)
     refused("the argument resourcePath is a null pointer", resources=None)
     refused("resourcePath  is no path of a folder", resources=b"")
@@ -247,8 +247,8 @@ def test_arrays_have_the_values_of_their_elements(fmu):
     assert one.call("SetFloat64", byref(reference), c_size_t(1), (c_double * 10)(), c_size_t(10)) == ERROR
     assert one.set("time", 1.0) == ERROR
     few, many, _, independent = library.said()
-    assert few == "fmi3GetFloat64: the variables have 10 values, and there are 9"
-    assert many == "fmi3GetFloat64: the variables have 11 values, and there are 12"
+    assert few == "fmi3GetFloat64: the variables have 10 values, but 9 are given"
+    assert many == "fmi3GetFloat64: the variables have 11 values, but 12 are given"
     assert "time is the independent variable and cannot be set in step mode" in independent
 
 

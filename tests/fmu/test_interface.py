@@ -98,7 +98,7 @@ def test_what_cannot_be_instantiated_is_refused_in_one_sentence(fmu):
         refused("the instance has no name", name=name)
     refused("this FMU is for co-simulation, not for model exchange", type=MODEL_EXCHANGE)
     guid = "{8c4e810f-3df3-4a00-8276-176fa3c9f9e0}"
-    refused(f"fmuGUID {guid} is not that of this FMU", guid=guid.encode())
+    refused(f"fmuGUID {guid} differs from that of this FMU", guid=guid.encode())
     refused("the argument fmuGUID is a null pointer", guid=None)
     refused("the argument fmuResourceLocation is a null pointer", location=None)
     refused("fmuResourceLocation  is no URI of a folder", location=b"")
@@ -113,8 +113,8 @@ def test_what_cannot_be_instantiated_is_refused_in_one_sentence(fmu):
     changed = content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
     for table in (b"", content[:-1], content[:150], b"x" * len(content), changed):
         refused("has a file model.bin that is damaged", table)
-    refused("has more in it than there is memory for", content[:8] + b"\xff" * 8 + content[16:])
-    refused("has more in it than there is memory for", left=0)
+    refused("needs more memory than there is", content[:8] + b"\xff" * 8 + content[16:])
+    refused("needs more memory than there is", left=0)
     refused("no memory for an instance", left=1)
     library.left = -1
     assert library.instantiate(callbacks=None) is None

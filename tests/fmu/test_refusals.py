@@ -87,7 +87,7 @@ def test_calls_out_of_order_are_refused(fmu, target):
         ([lambda i: i.fmu.getReal([9999])], "fmi2GetReal: the value reference 9999 is no Real's"),
         ([lambda i: i.fmu.getReal([4294967295])], "fmi2GetReal: the value reference"),
         ([lambda i: i.fmu.getInteger([0])], "fmi2GetInteger: the value reference 0 is no Integer's"),
-        ([lambda i: i.fmu.setReal([law], [1.0])], "is of another type or of nothing"),
+        ([lambda i: i.fmu.setReal([law], [1.0])], "belongs to another type or to no variable"),
     ):
         assert text in refused(fmu, *calls)
 
@@ -141,7 +141,7 @@ def test_static_friction_below_that_of_sliding_is_refused_during_a_run(fmu):
         one.step(0.6)
 
     said = refused(fmu, later)
-    assert "what has been set cannot act: static_friction is below friction" in said
+    assert "the values that are set cannot take effect: static_friction is below friction" in said
     assert "the simulation stopped at t = 0.3 s: static_friction is below friction" in said
     assert said.count("point 0 at the wall y_min") == 2
 
@@ -157,7 +157,10 @@ def test_reading_an_output_says_that_what_was_set_cannot_act(fmu, within):
         MESSAGES.clear()
         seen += [one["energy.total"], one["energy.total"]]
         for text in MESSAGES:
-            assert "what has been set cannot act: contact.model can change to newton_impact only" in text
+            assert (
+                "the values that are set cannot take effect: contact.model can change to newton_impact only"
+                in text
+            )
         assert len(MESSAGES) == (2 if number == rigid else 0)
     assert max(abs(energy / seen[0] - 1.0) for energy in seen) < 1e-12
     one.step(time + 0.01)

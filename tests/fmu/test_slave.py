@@ -150,7 +150,7 @@ def described_anew(name, content):
     ("change", "reason"),
     [
         (damaged, "has a file model.bin that is damaged"),
-        (described_anew, "fmuGUID 00000000-.* is not that of this FMU"),
+        (described_anew, "fmuGUID 00000000-.* differs from that of this FMU"),
     ],
 )
 def test_an_fmu_that_is_not_whole_is_refused_at_once(path, clean_python, tmp_path, change, reason):

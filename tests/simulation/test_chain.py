@@ -304,7 +304,9 @@ def test_a_law_that_is_refused_and_taken_back_changes_no_contact():
     chain, first = in_first_impact(0.2, model="hunt_crossley")
     before = chain.get("energy.total")
     chain.set({"contact.model": "tsuji", "contact.restitution": 0.0})
-    refused = "FourLinkBox: at t = .* s what has been set cannot act: the contact law does not allow"
+    refused = (
+        "FourLinkBox: at t = .* s the values that are set cannot take effect: the contact law does not allow"
+    )
     with pytest.raises(SceneError, match=refused + ".*: point 0 at the wall x_min"):
         chain.get("energy.total")
     assert len(chain.impacts) == 1  # impacts before the failure remain

@@ -17,6 +17,7 @@ from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from chain_impact.compilation.affine import COUNTS
 from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_syntax import LawError
@@ -69,9 +70,10 @@ GENERAL = 0
 """Replaces a number of links: a kernel for any number of links and for all rare features, such as moving
 walls, points of links, a slider, or signals. The other kernels lack these features, and so do not pay for
 them."""
-_FEW = tuple(f"chain_{name}" for name in ("channels", "sites", "signals", "knots", "skewed", "slides"))
-_SIZES = ("chain_links", "chain_candidates", "chain_elements", "chain_loads", *_FEW)
+_SIZES = tuple(f"chain_{name}" for name in (*COUNTS, "skewed", "slides"))
 """The functions that return the numbers at the start of a record, in the order of these numbers."""
+_FEW = _SIZES[COUNTS.index("channels") :]
+"""The functions whose numbers are 0 in all kernels but GENERAL."""
 Sizes = int | tuple[int, ...] | None
 """The scenes that a kernel can run: a number of links; None for any number; GENERAL for any number with all
 features; or all numbers at the start of a record, for scenes of exactly these sizes."""

@@ -64,8 +64,8 @@ STATUS_TEXT = {
     "solver.work_limit: take shorter communication steps or raise solver.work_limit",
     FRICTION_WITH_RIGID_WALLS: f"newton_impact has no contact friction: {WITHOUT_FRICTION}: choose a law "
     "with a force, or set the coefficients of friction to 0",
-    FORCES_NOT_FOUND: "at an event no forces have been found that satisfy the conditions of all contacts and "
-    "of what sticks at once: change the initial state or solver.tolerance a little",
+    FORCES_NOT_FOUND: "at an event, the solver finds no forces that satisfy the conditions of all contacts "
+    "and all sticking elements together: change the initial state or solver.tolerance a little",
     STATIC_BELOW_SLIDING: "static_friction is below friction, the coefficient of sliding: it must be "
     "at least that, or 0 for the same",
     STOPS_REVERSED: "joint_min is not below joint_max",

@@ -284,7 +284,9 @@ class Chain:
         status = self._instance.observe()
         if status != self._instance.status:
             at = f"{self.scene.name}: at t = {self.time:.9g} s"
-            raise SceneError(f"{at} what has been set cannot act: {fault_text(status, self._instance.place)}")
+            raise SceneError(
+                f"{at} the values that are set cannot take effect: {fault_text(status, self._instance.place)}"
+            )
 
     def _collect(self) -> None:
         ended = self._integers[self._finished_word] != self._integers[self._collected_word]

@@ -7,9 +7,9 @@ events change (events/saturation.py): 0 while |F| is below the limit, 1 or −1 
 the negative limit.
 """
 
-# the largest excess of F over the limit of a drive that is round-off, over the limit
+# the largest excess of F over the limit of a drive that counts as round-off, relative to the limit
 DRIVE_EXCESS = 1e-12
-# the largest error of a spring's force that is round-off, over k (|q| + |q_t|)
+# the largest error of a spring's force that counts as round-off, relative to k (|q| + |q_t|)
 SPRING_ROUND_OFF = 1e-14
 
 

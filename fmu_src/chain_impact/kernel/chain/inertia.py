@@ -65,9 +65,9 @@ def corner_of_box(number, length, height):
     return length if number % 2 == 0 else 0.0 * length, -0.5 * height if number <= 2 else 0.5 * height
 
 
-# The largest distance between a joint and a centre of mass, over the link's length, at which both count as
-# one point. The inertia about the joint, which is proportional to the square of this distance, is then only
-# round-off.
+# The largest distance between a joint and a centre of mass, relative to the link's length, at which both
+# count as one point. The inertia about the joint, which is proportional to the square of this distance, is
+# then only round-off.
 SAME_POINT = 1e-8
 
 

@@ -158,7 +158,7 @@ def sway_of_signals(d):
         if own.form[j] == SINE:
             i = own.source[j]
             size = abs(own.amplitude[i])
-            # an integral of the sine moves by a √(2π/|g|) while the frequency is near 0
+            # while the frequency is near 0, an integral of the sine moves by about a/√|ḟ|, a the amplitude
             slow = math.sqrt(abs(own.frequency_rate[i]))
             falls = own.frequency[i] * own.frequency_rate[i] < 0.0
             for _ in range(own.integrals[j]):

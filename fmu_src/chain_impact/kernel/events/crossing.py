@@ -85,12 +85,12 @@ def locate_at(d, theta):
     locate_points(d, d.work.y)
 
 
-# The largest deviation of φ from its chord that is round-off, over a link length; an interval with a smaller
-# deviation is not halved.
+# The largest deviation of φ from its chord that counts as round-off, relative to a link length; an interval
+# with a smaller deviation is not halved.
 CROSSING_RESOLUTION = 1e-15
-# The largest |φ|, and the largest change of φ in an interval, with which a point skims a wall, over a link
-# length; points of a link that is held elsewhere do so. FINE: the largest part of a step that is then not
-# halved.
+# The largest |φ|, and the largest change of φ in an interval, with which a point skims a wall, relative to a
+# link length; points of a link that is held elsewhere do so. FINE: the largest part of a step that is then
+# not halved.
 SKIMS, FINE = 1e-13, 2.0**-8
 # The largest time [s] between events that count as one: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12

@@ -17,7 +17,8 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, speed
 
 # [rad] The largest turn of a link in a step for which the estimate of the interpolant's remainder holds.
 SMALL_TURN = 1.0
-# The margin for round-off and for the estimated remainder, over the range of the Bernstein coefficients.
+# The margin for round-off and for the estimated remainder, relative to the range of the Bernstein
+# coefficients.
 MARGIN = 0.05
 # The ratio δ̇/v₀ at which v₀ is latched again. v₀ is latched (fixed) at the onset of the contact. After the
 # onset of an impact, gravity adds only a thousandth to δ̇; with the ratio 2 the usual laws have at most 1 +

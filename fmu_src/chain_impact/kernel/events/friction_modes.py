@@ -36,12 +36,12 @@ from chain_impact.kernel.rows.geometry import any_sticking, tangential_accelerat
 from chain_impact.kernel.rows.limits import share_within_limits
 from chain_impact.kernel.status import count_evaluations
 
-# The largest backward acceleration with which a sliding element at rest keeps sliding, over the sum of the
-# largest acceleration, gravity and one link length per second squared. The acceleration is then an error:
+# The largest backward acceleration with which a sliding element at rest keeps sliding, relative to the sum of
+# the largest acceleration, gravity and one link length per second squared. The acceleration is then an error:
 # other forces hold the element. Twice the largest acceleration of a sticking element is allowed in addition.
 AGAINST = 1e-9
-# The largest speed of an element that sticks or has just stopped, over a link length per second. Such a speed
-# is an error at a loose tolerance; a faster element slides.
+# The largest speed of an element that sticks or has just stopped, relative to a link length per second. Such
+# a speed is an error at a loose tolerance; a faster element slides.
 MISLOCATED = 1e-3
 
 

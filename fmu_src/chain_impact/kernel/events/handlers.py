@@ -46,9 +46,9 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.status import count_evaluations
 
-# The largest time in which a point must be outside of the wall to count as having left, over the contact's
-# time scale. To wait longer would cost one more step, a tenth of the work of an impact at a tolerance of
-# 1e-4.
+# The largest time in which a point must be outside of the wall to count as having left, relative to the
+# contact's time scale. To wait longer would cost one more step, a tenth of the work of an impact at a
+# tolerance of 1e-4.
 LEAVING_TIME = 0.01
 
 

@@ -66,14 +66,15 @@ from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
 # Fraction of the smallest rebound speed. Points slower than this fraction do not separate: bounces that each
 # have a fraction of the speed of the bounce before would accumulate in a finite time (Zeno behaviour).
 STICK = 1e-3
-TOUCHES = 1e-12  # the largest clearance of a point that takes part in an impact, over a link length
-# the largest error that is round-off: of an energy, over Σ p (|u⁻| + |u⁺|), or of a speed, over the largest
-# speed
+TOUCHES = 1e-12  # the largest clearance of a point that takes part in an impact, relative to a link length
+# the largest error that counts as round-off: of an energy, relative to Σ p (|u⁻| + |u⁺|), or of a speed,
+# relative to the largest speed
 IMPACT_ROUND_OFF = 1e-9
-# The clearance given to a point that is released, over a link length. It is a hundred times round-off, so
-# that round-off does not make the point touch again.
+# The clearance given to a point that is released, relative to a link length. It is a hundred times round-off,
+# so that round-off does not make the point touch again.
 RELEASE_GAP = 1e-13
-# The largest distance that weight and dry friction move a point that comes to rest, over a link length.
+# The largest distance that weight and dry friction move a point that comes to rest, relative to a link
+# length.
 FALL = 10.0 * RELEASE_GAP
 
 

@@ -60,13 +60,13 @@ SAMPLES, FEW_SAMPLES = 8, 4
 # quarter of the step apart. DENSITY: the number of samples for each radian of a larger turn. SAMPLED: the
 # largest turn [rad] that has so many samples.
 SWEPT, DENSITY, SAMPLED = 0.5, 8.0, 1e4
-# The largest pull of a rigid wall that is round-off, over the chain's mass times (gravity + one link length
-# per s²).
+# The largest pull of a rigid wall that counts as round-off, relative to the chain's mass times (gravity + one
+# link length per s²).
 PULL = 1e-11
 SHORT = 1e-9  # [s] the shortest step that is refused because of a release
-AT_REST = 1e-12  # the largest tangential speed that counts as rest, over a link length per second
-# The largest excess of static friction that is round-off, over the limit of friction plus a link's weight
-# plus the force that accelerates a link by one link length per second squared.
+AT_REST = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
+# The largest excess of static friction that counts as round-off, relative to the limit of friction plus a
+# link's weight plus the force that accelerates a link by one link length per second squared.
 FRICTION_EXCESS = 1e-10
 
 
@@ -237,10 +237,10 @@ def mark_pulling(d, _c, theta):
 
 
 def may_release(d, c):
-    """Return whether to search for a held point that leaves in a step in which inputs turn by much.
+    """Return whether to search the last step for the release of a point, if inputs vary strongly in the step.
 
-    Any point may leave between the stages, so the answer is no only if ``may_pull`` has just refused the
-    step.
+    A wall may pull between the stages, where ``may_pull`` does not look. So every step is searched, except a
+    step that ``may_pull`` has just refused.
     """
     return may_pull(d, c) or accepted(d)
 

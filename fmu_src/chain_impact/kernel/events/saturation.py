@@ -8,7 +8,7 @@ from chain_impact.kernel.forces.inputs import ensure_inputs
 
 
 def clear_saturation(d):
-    """Set all drives below their limits, without a mark of a change.
+    """Set the modes of all drives to "below the limit", without marking a change.
 
     The modes in ``chosen``, which a tangent instance takes from the primal run, stay.
     """
@@ -19,7 +19,7 @@ def clear_saturation(d):
 
 
 def choose_saturation(d):
-    """Choose the modes of drives at the end of the last step, which is beyond the end of an old mode."""
+    """Choose the modes of all drives at the end of the last step, where a drive has left its mode."""
     if not d.model.limited:
         return
     ensure_inputs(d, d.step.state_end)

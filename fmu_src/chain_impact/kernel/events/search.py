@@ -41,21 +41,22 @@ from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
-# The largest depth of a point at its onset, over a link length. Onsets are located up to round-off, about
-# 1e-15. A deeper onset is an error of the step: at K = 1e12 N/m^1.5 it would add 1e-11 J.
+# The largest depth of a point at its onset, relative to a link length. Onsets are located up to round-off,
+# about 1e-15. A deeper onset is an error of the step: at K = 1e12 N/m^1.5 it would add 1e-11 J.
 DEEP = 1e-9
 # The part of a step in which a crossing must agree with the Taylor polynomial at the start of the step, whose
 # relative remainder of third order is 1e-9 in this part. The interpolant of a stiff step can have larger
 # errors.
 EARLY = 1e-3
-# The largest distance from an onset to the end of a step that was repeated to end at the onset, over the
-# step's size.
+# The largest distance from an onset to the end of a step that was repeated to end at the onset, relative to
+# the step's size.
 LANDED = 1e-2
-# The largest clearance at an onset that is round-off, over a link length and the coordinates of the point. In
-# a short step a slow point moves by little more, so this clearance may be a large part of the step.
+# The largest clearance at an onset that counts as round-off, relative to a link length and the coordinates of
+# the point. In a short step a slow point moves by little more, so this clearance may be a large part of the
+# step.
 ROUND_OFF = 1e-15
-# The shortest step that is refused, over the time. It is ten times the resolution of time, because the next
-# try may be a tenth as long.
+# The shortest step that is refused, relative to the time. It is ten times the resolution of time, because the
+# next try may be a tenth as long.
 RESOLVED = 4e-15
 
 
@@ -189,7 +190,7 @@ def onset_fraction(d):
 
 
 def onset_lateness(d, y):
-    """Return the time from the onsets to the state y of the last step, over the step size; locate the points.
+    """Return the time from the onsets to the state y of the last step, in step sizes; locate the points.
 
     Returns:
         The time since the earliest onset over the step size: ∞ if a point does not arrive or is far from its

@@ -24,8 +24,8 @@ from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
 # effect of the end of a segment: no driven input jumps; one jumps; the speed of a belt jumps
 NO_JUMP, BENDS, JUMPS = 0, 1, 2
-# The largest difference between the values before and after the end of a segment that is round-off. It is
-# relative to the sum of the values' sizes, their change in a second, and a natural scale of the input.
+# The largest difference between the values before and after the end of a segment that counts as round-off. It
+# is relative to the sum of the values' sizes, their change in a second, and a natural scale of the input.
 VALUE_ROUND_OFF = 1e-9
 
 

@@ -24,8 +24,8 @@ Contacts.
 from chain_impact.kernel.rows.geometry import add_along, tangent, tangential_position, tangential_rate
 
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
-# The largest distance of a sticking element from its anchor that is round-off after a projection, over a link
-# length.
+# The largest distance of a sticking element from its anchor that counts as round-off after a projection,
+# relative to a link length.
 NOT_HELD = 1e-13
 
 

@@ -42,20 +42,20 @@ from chain_impact.kernel.rows.geometry import (
     tangential_rate,
 )
 
-# The largest distance from a rigid wall that a projection may leave, over a link length. If a point stays
-# farther away, the walls leave no room for the chain.
+# The largest distance from a rigid wall that a projection may leave, relative to a link length. If a point
+# stays farther away, the walls leave no room for the chain.
 SQUEEZE = 1e-6
-# The least height to which a point rises when it leaves a wall, over a link length. A lower height could not
-# be distinguished from round-off, and the next onset could not be located.
+# The least height to which a point rises when it leaves a wall, relative to a link length. A lower height
+# could not be distinguished from round-off, and the next onset could not be located.
 RISE = 1e-14
-# The largest plausible correction of a coordinate in a projection, in rad or link lengths, over the tolerance
-# plus the error of a clearance in link lengths.
+# The largest plausible correction of a coordinate in a projection, in rad or link lengths, relative to the
+# tolerance plus the error of a clearance in link lengths.
 MISPLACED = 10.0
 # The part of the largest residual that a projection onto the constraints of sticking elements may leave. A
 # projection that leaves more is in vain.
 IN_VAIN = 0.5
 # The impedance with which stiff contacts resist the projection onto the constraints of sticking elements,
-# over the mean mass of a link.
+# relative to the mean mass of a link.
 RESISTANCE = 1e3
 
 
@@ -272,7 +272,10 @@ def least_impulse(d):
 
 
 def tolerated_momentum(d, speed):
-    """Return the chain's momentum [N·s] from the tolerated error of a ``speed`` [m/s] and a fall by RISE."""
+    """Return the largest momentum [N·s] of the chain that counts as zero.
+
+    It belongs to the speed after a fall by RISE plus the tolerated error of ``speed`` [m/s].
+    """
     size = d.model.size
     mass = d.model.energy / (size * size)
     rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)

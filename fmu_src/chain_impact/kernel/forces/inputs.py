@@ -38,17 +38,19 @@ DEGREE = 9  # the highest degree of the polynomials
 # values of given.changed. AT_ONCE: values were set, so the solver re-initializes; CONTINUES: the inputs go on
 # without a jump
 AT_ONCE, CONTINUES = 1, 2
-# The largest difference between the given distance and the integral of the given speeds, over the speeds
-# times the time between two communication points. A larger difference counts as a jump of the position.
+# The largest difference between the given distance and the integral of the given speeds, relative to the
+# speeds times the time between two communication points. A larger difference counts as a jump of the
+# position.
 UNEXPLAINED = 0.05
-# the distance, over a link length, that counts as no jump of a position, whatever the speeds
+# the distance, relative to a link length, that counts as no jump of a position, whatever the speeds
 TOUCH_OFF = 1e-9
-# The largest change of an acceleration that is round-off, over the largest position divided by the squared
-# step.
+# The largest change of an acceleration that counts as round-off, relative to the largest position divided by
+# the squared step.
 ACCELERATION_ROUND_OFF = 1e-14
 # `change_rate` of a cubic motion, over 1/h; small, because the sixth derivative of a cubic is 0
 CUBIC_CHANGE = 0.5
-# the largest time from the end of a step to the end of the piece with which the step ends, over the time
+# the largest time from the end of a step to the end of the piece with which the step ends, relative to the
+# time
 SAME_TIME = 4e-15
 
 

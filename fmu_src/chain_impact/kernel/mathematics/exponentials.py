@@ -29,7 +29,7 @@ STEEP = 40.0  # x from which 1 is less than a hundredth of the last digit of e^x
 
 
 def _table():
-    """Return the bits of 2^(j/128), and what rounding has left out over the power itself."""
+    """Return the bits of 2^(j/128), and the rounding errors of these powers, relative to the powers."""
     patterns, rests = [], []
     for j in range(SIZE):
         power, root = 1 << FIXED, 2 << FIXED

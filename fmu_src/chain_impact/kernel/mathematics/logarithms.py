@@ -44,7 +44,7 @@ def fixed_logarithm(a, b):
 
 
 def _table():
-    """Return c, and −ln c in two parts, for each interval."""
+    """Return three columns with a row for each interval of m: c, and −ln c in two parts."""
     rows = []
     for i in range(SIZE):
         m = double(FIRST + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))

@@ -60,33 +60,34 @@ from chain_impact.kernel.ode.methods import STABLE, joints_over
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
-# The allowed change of the energy balance in a step, over the tolerance times S. In 1500 random scenes the
-# largest change in a step had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
+# The allowed change of the energy balance in a step, relative to the tolerance times S. In 1500 random scenes
+# the largest change in a step had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
 OF_A_STEP = 3.0
-# The allowed change of the energy balance by all steps in a window of time, over the tolerance times S. The
-# errors of steps have a common sign only where a point rests: then their sum reaches 230 in 100,000 steps. A
-# run that exceeds the limit ends with an error status.
+# The allowed change of the energy balance by all steps in a window of time, relative to the tolerance times
+# S. The errors of steps have a common sign only where a point rests: then their sum reaches 230 in 100,000
+# steps. A run that exceeds the limit ends with an error status.
 OF_A_WINDOW = 100.0
 WINDOW = 1.0  # [s] length of a window of time, equal to the window of the work limit
-ENERGY_GAIN = 0.1  # the energy that the errors of all steps together may add, over the available energy
-# The energy that a step may add after ENERGY_GAIN has been reached, over the available energy, so that
+# the energy that the errors of all steps together may add, relative to the available energy
+ENERGY_GAIN = 0.1
+# The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that
 # round-off does not stop a run. When these additions reach ENERGY_GAIN again, the run ends.
 SLIP = 1e-8
-# The loss of energy by errors of all steps that is allowed in LASTING seconds, over the tolerance as for
-# OF_A_STEP. In 3360 random scenes this limit shortens steps in 3 % of the runs, most of them with stiff
+# The loss of energy by errors of all steps that is allowed in LASTING seconds, relative to the tolerance as
+# for OF_A_STEP. In 3360 random scenes this limit shortens steps in 3 % of the runs, most of them with stiff
 # springs.
 LOSS, LASTING = OF_A_STEP, 10.0
-NOTABLE = 0.1  # the least loss that affects the size of the next step, over the allowed loss of a step
+NOTABLE = 0.1  # the least loss that affects the size of the next step, relative to the allowed loss of a step
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
 # guess: at a loose tolerance it can be as long as half a turn of a link, with a correct end by chance.
 LOOSE = 1e-4
 # [rad] The rotation of a link in a step beyond which the step's dense output, if there is one, is checked.
 LONG_TURN = 1.0
-# the allowed change of the energy balance at the middle of a step, where the order is lower, over the allowed
-# change at the end
+# the allowed change of the energy balance at the middle of a step, where the order is lower, relative to the
+# allowed change at the end
 INTERPOLATED = 10.0
-# round-off of the energy balance in a step, over the energies, and over each force times the coordinates of
-# its point
+# round-off of the energy balance in a step, relative to the energies, and relative to each force
+# times the coordinates of its point
 ENERGY_ROUND_OFF = 1e-15
 
 

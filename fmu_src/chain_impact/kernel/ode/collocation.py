@@ -70,7 +70,7 @@ from chain_impact.kernel.status import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
 SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
-# distance from a step to which its polynomial is extrapolated with degree 5, 4 and 3, over the step's length
+# distance from a step to which its polynomial is extrapolated with degree 5, 4 and 3, in lengths of the step
 FORETOLD = (1.2, 2.0, 3.0)
 # The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution .7,
 # complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
@@ -80,7 +80,7 @@ FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 # hundredths, so a smaller value would leave a tiny step before the end.
 PAST_END = 1.04
 FORCELESS = 1e-3  # the last part of a step in which a contact that ends has practically no force left
-# the length of the first step after an event at a tolerance of 1, over the time constant of a fast motion
+# the length of the first step after an event at a tolerance of 1, in time constants of a fast motion
 DECAY_TIMES = 3.0
 WITH_START = (0.0, *NODES)
 
@@ -275,7 +275,7 @@ def attempt(d, h):
 
 
 def cost_factor(own):
-    """Return the factor ≤ 1, for the cost of the iterations, on the size that the error of a step allows."""
+    """Return a factor ≤ 1 by which many iterations reduce the next size, below the size that errors allow."""
     share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
     if own.contraction > SLOW_CONVERGENCE:
         share = min(share, math.sqrt(max(0.5, SLOW_CONVERGENCE / own.contraction)))

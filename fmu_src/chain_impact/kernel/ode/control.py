@@ -93,7 +93,7 @@ def conclude(d, error, cost_factor):
 
     Args:
         d: the instance.
-        error: the error of the step, over the tolerance.
+        error: the error of the step, relative to the tolerance.
         cost_factor: the factor on the next size because of the cost of the step.
     """
     d.trial.error, d.trial.cost_factor = error, cost_factor
@@ -210,7 +210,7 @@ def clear_faded(d, y):
         count += 0.0 < abs(y[j]) < FADED
     # without branches the loop above is fast, and most states have no such component
     for j in range(dissipated_at(d.links) if count > 0 else 0):
-        # only the value becomes 0; derivatives in a tangent instance stay
+        # this changes only the value: a tangent instance keeps the derivatives
         if 0.0 < abs(y[j]) < FADED:
             y[j] = 0.0
 

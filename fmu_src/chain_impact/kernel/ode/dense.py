@@ -249,7 +249,7 @@ def quadrature_within(d, theta, k):
 
 
 def take_quadratures(d, z, first):
-    """Set the quadratures at the end of the tried step to the entries of z from index ``first`` on."""
+    """Copy the quadratures at the end of the tried step from z, which holds them from index ``first`` on."""
     for k in range(d.quadrature.count):
         d.quadrature.tried[k] = z[first + k]
 
@@ -276,8 +276,8 @@ def truncate_quadratures(d, theta):
 def commit_quadratures(d):
     """Store the totals and rates at the end of the last step, before contacts begin or end.
 
-    A quadrature that is not integrated has a rate of 0: its rate at the begin of an integration if no force
-    jumps.
+    A quadrature that is not integrated gets the rate 0. This is also the rate at which its integration begins
+    if no force jumps.
     """
     own = d.quadrature
     for i in range(len(own.rate)):

@@ -108,8 +108,8 @@ PAST_END, STRETCH = 1.04, 1.2
 # round-off. The search for events finds this end. A step that ends there could be shorter than the resolution
 # of time.
 FORCELESS = 1e-6
-# The errors, over the tolerance, below which and above which a square could underflow or overflow. At rest,
-# held points have practically no speed, and such small errors occur.
+# The errors, relative to the tolerance, below which and above which a square could underflow or overflow. At
+# rest, held points have practically no speed, and such small errors occur.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # number of new right-hand sides in a step, without the one at the end of the step
 STEP_EVALUATIONS = LAST - 1

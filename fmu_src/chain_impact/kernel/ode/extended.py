@@ -243,8 +243,8 @@ def solve_complex(d, s, pair, x, y, size):
 
 
 # The largest difference in a step between the clearance that follows from the coordinates and the integrated
-# clearance, over the penetration. A larger limit gives the interpolant of the state an error of this size; a
-# smaller limit shortens steps in which links turn on a stiff wall.
+# clearance, relative to the penetration. A larger limit gives the interpolant of the state an error of this
+# size; a smaller limit shortens steps in which links turn on a stiff wall.
 CLEARANCE_MISMATCH = 0.03
 
 
@@ -269,8 +269,8 @@ def project_clearances(d, z, y):
     """Move y, whose points are located, to the clearances and rates in z.
 
     Returns:
-        The largest weighted change, over the tolerance; and the difference between the clearances of the
-        coordinates and those in z before the change, relative to the allowed difference.
+        The largest weighted change, relative to the tolerance; and the difference between the clearances of
+        the coordinates and those in z before the change, relative to the allowed difference.
     """
     own, change, worst = d.implicit, d.work.change, 0.0
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
@@ -284,7 +284,7 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """Return the largest difference of located and integrated clearances, over the penetration."""
+    """Return the largest difference of located and integrated clearances, relative to the penetration."""
     worst = 0.0
     for k in range(compliant(d)):
         c = d.touch.active_index[k]

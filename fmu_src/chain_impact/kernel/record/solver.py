@@ -245,14 +245,14 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("start", REAL, (extended,)),  # z at the start of a step
         ("start_rate", REAL, (extended,)),  # ż at the start of a step
         ("z", REAL, (extended,)),
-        ("weight", REAL, (extended,)),  # weights of errors in z, over the tolerance
+        ("weight", REAL, (extended,)),  # weights of errors in z, relative to the tolerance
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start to the nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # ż at the nodes
         ("parts", REAL, (RADAU_STAGES, extended)),  # residuals in the eigenvectors of Q, later corrections
         ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step
         ("listing", INTEGER),  # value of `touch.listings` for which ``last`` can be extrapolated
         ("iterations", INTEGER),  # number of iterations in the tried step
-        ("correction", REAL),  # largest component of the last correction, over the tolerance
+        ("correction", REAL),  # largest component of the last correction, relative to the tolerance
         ("contraction", REAL),  # last convergence rate θ of the iteration
         ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where A was evaluated

@@ -34,9 +34,9 @@ from chain_impact.kernel.rows.geometry import (
 LEAST_MOBILITY = 1e-6
 # The number of iterations of constraints.py for sticking elements if no rigid wall holds a point.
 SWEEPS = 5
-# The impedance D of a held point, over the mean mass of a link. An iteration in constraints.py leaves 1/(D W)
-# of the residual, so two or three iterations suffice. A larger D would lose digits of the chain's inertia, a
-# smaller D needs more iterations.
+# The impedance D of a held point, relative to the mean mass of a link. An iteration in constraints.py leaves
+# 1/(D W) of the residual, so two or three iterations suffice. A larger D would lose digits of the chain's
+# inertia, a smaller D needs more iterations.
 HELD_STIFFNESS = 1e6
 
 

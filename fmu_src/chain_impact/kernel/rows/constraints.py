@@ -52,30 +52,32 @@ from chain_impact.kernel.status import count_other_work, work_exceeded
 # iteration leaves more than SLOW_DECREASE of the residual, D is multiplied by STIFFER, but D is at most
 # STIFFEST times that mass; with a larger D the residual would only be round-off.
 STIFFEST, STIFFER, SLOW_DECREASE = 1e12, 1e3, 0.1
-# The impedance D of the first iteration for sticking elements without a rigid wall, over the mean mass of a
-# link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the whole
-# motion, times the large D of the other iterations, would remain in the forces against motions that can
+# The impedance D of the first iteration for sticking elements without a rigid wall, relative to the mean mass
+# of a link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the
+# whole motion, times the large D of the other iterations, would remain in the forces against motions that can
 # hardly be constrained, and steps at tight tolerances would be short.
 GENTLE = 1e3
 # The least W for which a single constraint is solved directly, over 1/(mean mass of a link). A smaller W, as
 # near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
-SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, over the largest motion
-# The residual of a constrained motion that may be round-off, over the largest motion. If NOISE is much
+SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
+# The residual of a constrained motion that may be round-off, relative to the largest motion. If NOISE is much
 # smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its energy.
 NOISE = 1e-13
 # [m, m/s or m/s²] the size of a residual whose square may underflow, as in a chain that has come to rest
 UNDERFLOWS = 1e-100
-# The largest motion that sticking elements may keep, over the squared tolerance times the largest motion.
-# Impulses against a smaller motion, which can hardly be constrained, would end the sticking again and again.
+# The largest motion that sticking elements may keep, relative to the squared tolerance times the largest
+# motion. Impulses against a smaller motion, which can hardly be constrained, would end the sticking again and
+# again.
 NEGLIGIBLE = 0.1
-# the largest value of wrong sign that does not change the active set, over the largest value of that kind
+# the largest value of wrong sign that does not change the active set, relative to the largest value of that
+# kind
 SIGN_TOLERANCE = 1e-12
 # The number of pivots that may fail to reduce the number of violated candidates while all of these change at
 # once. After them only one candidate changes at a time, which always terminates but takes more pivots.
 MAX_STALLED_PIVOTS = 3
-# The least impedance of a sticking element, over the impedance of the element with the largest limit. With a
-# smaller impedance, the residual falls too slowly.
+# The least impedance of a sticking element, relative to the impedance of the element with the largest limit.
+# With a smaller impedance, the residual falls too slowly.
 LEAST_SHARE = 1e-2
 # values of d.rigid.unsolved: the result of the search for constraint forces
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3

@@ -32,7 +32,8 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The walls at any angle follow."""
 
 
-BASE_DEPTH = 1e-12  # [m] the largest depth of a base in a wall that is round-off; such a base is at the wall
+# [m] the largest depth of a base in a wall that counts as round-off; such a base is at the wall
+BASE_DEPTH = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The inward normals of the box's walls."""
 
@@ -203,7 +204,7 @@ def to_joints(d, load):
 
 
 def join(d, impedance, time):
-    """Set the resistances of joints from armatures, dampers and springs for a time [s], and impedances."""
+    """Set the impedance of each joint: its armature, and its damper and spring over a time [s]."""
     if d.model.jointed or d.model.resisting or d.model.geared:
         square = d.model.size * d.model.size
         for i in range(d.links):

@@ -37,7 +37,7 @@ TRUST = np.dtype(
         # number of the point or joint of the impact or dry friction that is the reason; −1 without one
         ("point", np.int64),
         ("wall", np.int64),  # number of the wall that is the reason; −1: a joint
-        # the possible change by friction that was left open, over the largest derivative (friction.py)
+        # the possible change by friction that was left open, relative to the largest derivative (friction.py)
         ("share", np.float64),
         (
             "split",

@@ -16,7 +16,8 @@ from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value
 
-TIME_DIFFERENCE = 1e-3  # the time over which a rate is found by differences, over the length of the last step
+# the time over which a rate is found by differences, relative to the length of the last step
+TIME_DIFFERENCE = 1e-3
 # number of Newton iterations for a delay: each iteration squares the error of the differences
 NEWTON_ITERATIONS = 2
 

@@ -40,17 +40,17 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# The largest distance of a force from the limit of friction that errors of a run explain, over the limit
-# times the tolerance.
+# The largest distance of a force from the limit of friction that errors of a run explain, relative to the
+# limit times the tolerance.
 OPEN = 100.0
-# The largest difference between the derivatives of two event times that count as one time, over the largest
-# derivative.
+# The largest difference between the derivatives of two event times that count as one time, relative to the
+# largest derivative.
 SAME_TIME_SLOPE = 1e-5
 # If an element sticks from the onset of its contact, and its limit of friction is at most NEARLY_SLIPS times
 # the excess of |F_t| over the limit at which the end of sticking is located, the derivatives end there.
 NEARLY_SLIPS = 1000.0
-# The largest change of a position that a run may leave open, over the largest derivative: a fit to a position
-# at rest needs an accuracy of some percent.
+# The largest change of a position that a run may leave open, relative to the largest derivative: a fit to a
+# position at rest needs an accuracy of some percent.
 LEFT_OPEN = 1e-2
 # value of ``element.undecided``: the element sticks from its onset on, although its speed has derivatives
 STOPPED = 2

@@ -131,8 +131,8 @@ def reinit_tangent(d, t):
 def take_given(d, t):
     """Take the given values and the choices of d; t keeps its derivatives with respect to given values.
 
-    The derivatives of a prescribed motion are those of constants that are added to its position and its
-    rates.
+    For a prescribed motion, derivatives are with respect to a constant added to its position, and to
+    constants added to its rates.
     """
     copy_given(d, t, AT_ANY_TIME)
     if d.channels > 0:
@@ -161,8 +161,8 @@ CONVERGED_SLOPES = 0.01
 # A correction that does not fall is round-off up to the relative value SLOPE_ROUND_OFF, else a failure.
 FALLS, STALLED, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
 MOST = 400  # largest number of iterations: with θ = 0.95 the error falls to about 1e-9
-# The largest derivative of the state that is round-off, with respect to parameters that only change limits of
-# static friction, over the derivative of the speed that these limits could give in the step.
+# The largest derivative of the state that counts as round-off, with respect to parameters that only change
+# limits of static friction, relative to the derivative of the speed that these limits could give in the step.
 LEAST_SLOPE = 1e-3
 UNLIMITED_CORRECTION = 1e300  # stands for the relative correction if the derivatives are zero
 

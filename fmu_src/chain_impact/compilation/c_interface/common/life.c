@@ -56,7 +56,7 @@ Instance *new_instance(Instance draft, const char *call, const char *token, cons
         return say(&draft, ERROR, "%s: %s %s %s", call, names->resources, resources, reason), NULL;
     Instance *one = NULL;
     if (strcmp(token, draft.table->guid) != 0)
-        say(&draft, ERROR, "%s: %s %s is not that of this FMU, %s", call, names->token, token, draft.table->guid);
+        say(&draft, ERROR, "%s: %s %s differs from that of this FMU, %s", call, names->token, token, draft.table->guid);
     else if (!(one = allocated(&draft)))
         say(&draft, ERROR, "%s: no memory for an instance", call);
     if (!one) draft.release((void *)draft.table);

@@ -99,7 +99,7 @@ int serialize(const Instance *one, const char *call, void *given_state, void *by
     State *state = state_in(one, call, given_state);
     if (!state || !given(one, call, "serializedState", bytes)) return ERROR;
     if (size < size_of(state))
-        return say(one, ERROR, "%s: the state takes %zu bytes, there are %zu", call, size_of(state), size);
+        return say(one, ERROR, "%s: the state needs %zu bytes, but %zu are given", call, size_of(state), size);
     state->checksum = checksum((char *)state + BEGIN, state->size);
     memcpy(bytes, state, size_of(state));
     return OK;

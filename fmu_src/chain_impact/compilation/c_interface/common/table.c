@@ -94,7 +94,7 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     const size_t begin = offsetof(Table, guid); /* size of the checked bytes */
     if (read_all(file, &head, sizeof head) && memcmp(head.magic, "chaintab", 8) == 0 && head.size > sizeof head &&
         !(table = draft->allocate(1, head.size)))
-        *reason = "has more in it than there is memory for";
+        *reason = "needs more memory than there is";
     if (table) {
         *table = head;
         if (!read_all(file, table + 1, head.size - sizeof head) ||

@@ -44,12 +44,13 @@ static const Word *source(Instance *one, const char *call, const uint32_t vr[], 
     if (one->record[one->table->changed_word].integer) {
         size_t size = (size_t)one->table->record_size;
         if (!one->other && !(one->other = one->allocate(1, size)))
-            return say(one, ERROR, "%s: no memory to try what has been set", call), NULL;
+            return say(one, ERROR, "%s: no memory to try the values that are set", call), NULL;
         seen = memcpy(one->other, one->record, size);
     }
     int fault = observe(seen);
     if (fault && IN(one->phase) & (IN(STEPPING) | IN(EVENT)))
-        *status = say(one, WARNING, "%s: what has been set cannot act: %s", call, reason(one->table, seen, fault).text);
+        *status = say(one, WARNING, "%s: the values that are set cannot take effect: %s", call,
+                      reason(one->table, seen, fault).text);
     else
         one->observed = seen;
     return seen;
@@ -61,7 +62,7 @@ static int fits(const Instance *one, const char *call, Element element, const ui
     size_t wanted = 0;
     for (size_t i = 0; i < count; i++) wanted += (size_t)variable(one, vr[i], element)->length;
     if (wanted != length)
-        say(one, ERROR, "%s: the variables have %zu values, and there are %zu", call, wanted, length);
+        say(one, ERROR, "%s: the variables have %zu values, but %zu are given", call, wanted, length);
     return wanted == length;
 }
 
@@ -104,7 +105,7 @@ static Word word_at(Element element, const void *values, size_t i) {
 /* Return whether a value can be set; a variable that can be set is never an array. */
 static int check(const Instance *one, const char *call, Element element, uint32_t vr, Word new) {
     const Variable *at = variable(one, vr, element);
-    if (!at) return say(one, ERROR, "%s: the value reference %u is of another type or of nothing", call, vr);
+    if (!at) return say(one, ERROR, "%s: the value reference %u belongs to another type or to no variable", call, vr);
     const char *name = text_of(one->table, at->name), *range = text_of(one->table, at->allowed);
     if (!(SETTABLE[at->kind] & IN(one->phase)))
         return say(one, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(one));
@@ -126,7 +127,7 @@ int set(Instance *one, const char *call, Element element, const uint32_t vr[], s
     if (!given(one, call, one->interface->references, vr) || !given(one, call, one->interface->values, values))
         return ERROR;
     if (length != count)
-        return say(one, ERROR, "%s: %zu variables that can be set have as many values, and there are %zu", call, count,
+        return say(one, ERROR, "%s: these %zu variables have as many values, but %zu are given", call, count,
                    length);
     for (size_t i = 0; i < count; i++)
         if (check(one, call, element, vr[i], word_at(element, values, i)) != OK) return ERROR;
