@@ -11,6 +11,11 @@ from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 SHOWN = "[...document.querySelectorAll('#outputs-over-time dt')].map((term) => term.textContent)"
+NOW = """() => {
+  const over = document.querySelector('#outputs-over-time .u-over').getBoundingClientRect();
+  const line = document.querySelector('#outputs-over-time .now').getBoundingClientRect();
+  return (line.left + line.width / 2 - over.left) / over.width; }"""
+"""The place of the line at the present time, over the width of the chart."""
 TICKS = """([module, first, step]) => {
   const ticksOf = Function(`${module}; return ticksOf;`)();
   return ticksOf([0, 1, 2, 3].map((k) => first + k * step)); }"""
@@ -107,6 +112,7 @@ def test_a_view_of_one_impact_has_its_peak_and_the_curve_of_a_pinned_motion(show
     assert page.get_by_role("button", name="At impact").get_attribute("aria-pressed") == "false"
     page.get_by_role("button", name="At impact").click()
     impact = result.impacts[0]
+    until(page, f"Math.abs(({NOW})() - 0.25) < 0.01")  # the onset, as half of the duration is shown before it
     charts = page.locator("#outputs-over-time .u-over").first
     box = charts.bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 10)
@@ -114,6 +120,7 @@ def test_a_view_of_one_impact_has_its_peak_and_the_curve_of_a_pinned_motion(show
     until(
         page, f"Math.abs(Number(document.getElementById('time').textContent.slice(0, 7)) - {middle}) < 5e-5"
     )
+    assert page.evaluate(NOW) == pytest.approx(0.5, abs=0.01)
     assert 0.5 < told(page, "contact[2].y_min.force") / impact["peak_force"] < 1.0
     page.get_by_role("button", name="Pin").click()
     soft = {"contact.stiffness": 1e7}
