@@ -35,7 +35,7 @@ RUN = """async ({ module, file, kit, values, stop, step }) => {
 }"""
 
 
-SCENE = ("unpacked", "changes", "signals", "scene_file", "model")
+SCENE = ("format", "unpacked", "changes", "signals", "scene_file", "model")
 """The modules that read a scene file, besides the worker's modules."""
 COMPILED = """
 const modules = new Map();

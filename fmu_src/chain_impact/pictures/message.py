@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.style import SEPARATOR, headline, is_narrow, number
+from chain_impact.pictures.style import SEPARATOR, headline, is_narrow, number, raised
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
 
@@ -56,7 +56,7 @@ def conditions(recording: Recording, *first: str) -> str:
     if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
         if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):  # an impulsive law has no stiffness
-            unit = f"N/m$^{{{known['contact.exponent']:g}}}$"
+            unit = raised(f"N/m^{known['contact.exponent']:g}")
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
     if rubbing := [one for name, value in known.items() if (one := friction(name, value))]:
         parts.append(f"friction µ = {', '.join(rubbing)}")

@@ -83,6 +83,7 @@ MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
 STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten
+SPACE = re.compile(r"(?<![=≤]) (?![=≤])")  # a space at which a line may end
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
 
 
@@ -197,7 +198,10 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
 
 
 def broken(page: Figure, text: str) -> str:
-    """Return a small text with line breaks, so that it fits between the margins of the page."""
+    """Return a small text with line breaks, so that it fits between the margins of the page.
+
+    No line ends between a number and its name.
+    """
     probe = page.text(0.0, 0.0, "", fontsize="small")
 
     @functools.cache
@@ -209,7 +213,7 @@ def broken(page: Figure, text: str) -> str:
     room, space = (page.get_figwidth() - 2.0 * LEFT) * page.dpi, width("n n") - width("nn")
     lines: list[str] = []
     filled = 0.0  # the width of the last line, with a space at its end
-    for word in text.split(" "):
+    for word in SPACE.split(text):
         if lines and filled + width(word.rstrip(SEPARATOR)) <= room:
             lines[-1] += f" {word}"
         else:
@@ -291,6 +295,11 @@ def save(
 def force_text(value: float, unit: str) -> str:
     """Return a positive force or moment as text, with a prefix and three digits: 12.3 kN."""
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
+
+
+def raised(text: str) -> str:
+    """Return a text of matplotlib in which exponents after ``^`` are raised: N/m^1.5."""
+    return re.sub(r"\^([\d.]+|[a-z]+)", r"$^{\1}$", text)
 
 
 def number(value: float, digits: int = 4) -> str:

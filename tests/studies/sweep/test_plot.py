@@ -135,14 +135,14 @@ def test_axes_are_logarithmic_where_values_are_or_spread_far():
 
 def test_a_force_over_a_logarithmic_stiffness_is_logarithmic_and_the_unit_has_the_exponent():
     axes, penetration, *_ = drawn(sweep(SCENE, {"contact.stiffness": "1e4,1e6,1e8"})).axes
-    assert axes.get_xlabel() == "contact.stiffness [N/m^1.5]"
+    assert axes.get_xlabel() == "contact.stiffness [N/m$^{1.5}$]"
     assert (axes.get_xscale(), axes.get_yscale(), penetration.get_yscale()) == ("log",) * 3
     assert {"2", "5", "10", "20"} <= {
         text.get_text() for text in axes.get_yticklabels(minor=True) + axes.get_yticklabels()
     }
     vary = {"contact.stiffness": "1e6,1e8", "contact.exponent": "1.2,1.5"}
     (label,) = {one.get_xlabel() for one in drawn(sweep(SCENE, vary)).axes} - {""}
-    assert label == "contact.stiffness [N/m^exponent]"
+    assert label == "contact.stiffness [N/m$^{exponent}$]"
 
 
 def test_a_law_of_which_every_run_failed_is_named_so():

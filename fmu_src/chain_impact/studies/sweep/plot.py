@@ -23,7 +23,15 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.pictures.pages import drawn
 from chain_impact.pictures.sizes import Size
-from chain_impact.pictures.style import give_ticks, headline, is_narrow, legend_at_foot, number, styled
+from chain_impact.pictures.style import (
+    give_ticks,
+    headline,
+    is_narrow,
+    legend_at_foot,
+    number,
+    raised,
+    styled,
+)
 from chain_impact.recording.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
@@ -382,4 +390,4 @@ def _label(found: Runs, variation: Variation) -> str:
     part = found.scene.stops if unit.startswith("N.m") else found.scene.contact
     if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*found.varied}:
         unit = unit.replace("exponent", f"{part.exponent:g}")
-    return f"{variation.name}{in_brackets(unit)}"
+    return f"{variation.name}{raised(in_brackets(unit))}"
