@@ -83,7 +83,7 @@ ALIKE = {
     "moment of its stops, positive at joint_min, angle beyond a stop, and impulse since the start": (
         *("joint[i].stop_moment", "joint[i].stop_penetration", "joint[i].stop_impulse"),
     ),
-    "how far it has moved along n, and its belt along t = (n_y, -n_x)": (
+    "distance moved along n, and by its belt along t = (n_y, -n_x)": (
         *("wall.<wall>.position", "wall.<wall>.belt_position"),
     ),
     "force, along its left normal, and moment of the line on the carriage": (
@@ -101,16 +101,14 @@ ALIKE = {
     "dry friction along t = (n_y, -n_x), and its impulse since the start": (
         *("contact[k].<wall>.friction_force", "contact[k].<wall>.friction_impulse"),
     ),
-    "time, point, wall ([code](#codes)) and approach speed of the last impact, before the first the start, "
-    "-1, 0 and 0; of a stop its joint, and rad/s": (
+    "time, point, wall ([code](#codes)) and approach speed of the last impact; before the first "
+    "the start, -1, 0 and 0; at a stop its joint, and rad/s": (
         *("impact.last_time", "impact.last_point", "impact.last_wall", "impact.last_speed"),
     ),
     "steps, rejected steps, evaluations of the equations, implicit steps": (
         *("solver.steps", "solver.rejected_steps", "solver.rhs_evaluations", "solver.implicit_steps"),
     ),
-    "law of walls, and of stops without one of their own: its [number](contact_laws.md#the-laws)": (
-        "contact.model",
-    ),
+    "law of walls, and of stops without a law: its [number](contact_laws.md#the-laws)": ("contact.model",),
 }
 """The common meaning of similar variables."""
 MEANINGS = {name: meaning for meaning, names in ALIKE.items() for name in names}

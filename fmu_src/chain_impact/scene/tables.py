@@ -45,8 +45,8 @@ _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of
 class Site:
     """A point that is fixed to a link beside its ends and may touch the walls, such as a heel or a corner."""
 
-    x: float = quantity("m", "place along the link, from the joint nearer to the base")
-    y: float = quantity("m", "place to the left of the link's line", 0.0)
+    x: float = quantity("m", "position along the link, from the joint nearer to the base")
+    y: float = quantity("m", "position to the left of the link's line", 0.0)
     radius: float | None = quantity("m", "radius of the point", CONTACT_RADIUS, minimum=0.0)
     name: str = quantity("", "name in lists and pictures", "", matching=OPTIONAL_NAME)
 
@@ -93,8 +93,10 @@ class Link:
     joint_torque_limit: float | None = quantity(
         "N.m", "limit of the torque of motor, spring and damper together", None, minimum=0.0
     )
-    joint_min: float | None = quantity("rad", "stop of the joint nearer to the base: its least angle", None)
-    joint_max: float | None = quantity("rad", "stop of the joint nearer to the base: its largest angle", None)
+    joint_min: float | None = quantity("rad", "stop at the least angle of the joint nearer to the base", None)
+    joint_max: float | None = quantity(
+        "rad", "stop at the largest angle of the joint nearer to the base", None
+    )
 
     @property
     def corners(self) -> int:
@@ -112,8 +114,8 @@ class Slider:
     stiffness: float = quantity("N/m", "stiffness of a spring along the line", 0.0, minimum=0.0)
     rest_position: float = quantity("m", "position on the line at which the spring is slack", 0.0)
     friction: float = quantity("N", "force of dry friction along the line", 0.0, minimum=0.0)
-    min: float | None = quantity("m", "stop of the carriage: its least position", None)
-    max: float | None = quantity("m", "stop of the carriage: its largest position", None)
+    min: float | None = quantity("m", "stop at the least position of the carriage", None)
+    max: float | None = quantity("m", "stop at the largest position of the carriage", None)
     force_limit: float | None = quantity(
         "N", "limit of the force of motor, spring and damper together", None, minimum=0.0
     )
@@ -203,7 +205,7 @@ class Box:
 class Wall:
     """A straight, endless wall at any angle; a file may give a normal in place of the angle."""
 
-    name: str = quantity("", "name; each wall has another", matching=IDENTIFIER)
+    name: str = quantity("", "name, different for each wall", matching=IDENTIFIER)
     point: tuple[float, float] = quantity("m", "a point on the wall")
     angle: float | None = quantity("rad", "direction of the wall, from +x; its left is free", None)
     normal: tuple[float, float] | None = quantity("1", "in place of angle: a vector to the free side", None)

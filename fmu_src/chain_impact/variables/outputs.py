@@ -216,7 +216,7 @@ OUTPUTS = (
     _block(
         *("output", "moving wall", "wall.{name}"),
         """
-        position      | m | how far it has moved along its inward normal n   | channel
+        position      | m | distance moved along its inward normal n         | channel
         belt_position | m | how far its belt has moved along t = (n_y, -n_x) | channel.{next}
         """,
         heading=WALL,
