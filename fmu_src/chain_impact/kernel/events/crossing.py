@@ -198,7 +198,7 @@ def locate(d, a, b):
 def find_root(d, c, a, b):
     """Return θ in [a, b] at which φ of candidate c falls through zero; φ is negative at b.
 
-    The function also sets φ of all suspects at θ.
+    The points must be located at b. The function also sets φ of all suspects at θ.
 
     Newton's method is safeguarded by a shrinking bracket. If φ is not positive at a either, the event should
     have been found before: θ is then the first end of the bracket at which φ falls.
@@ -225,7 +225,7 @@ def find_root(d, c, a, b):
         locate_at(d, theta)
         u, slope = sundman_u_now(d, d.work.y)
         set_clearance(d, c, u, slope)
-    measure(d, theta)
+    measure_located(d)
     return theta
 
 
@@ -312,6 +312,11 @@ def given_bounds(d, c):
 def measure(d, theta):
     """Set φ and φ′ of every suspect at the fraction θ of the step, which is the end of the interval."""
     locate_at(d, theta)
+    measure_located(d)
+
+
+def measure_located(d):
+    """Set φ and φ′ of every suspect where ``locate_at`` has located the points."""
     u, slope = sundman_u_now(d, d.work.y)
     for k in range(d.search.suspect_count):
         set_clearance(d, d.search.suspect[k], u, slope)

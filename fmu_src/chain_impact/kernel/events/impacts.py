@@ -22,7 +22,7 @@ that the impulses leave. If the impulses turn the point back, the contact does n
 
 import math
 
-from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.kinematics import locate_points, locate_points_now
 from chain_impact.kernel.chain.response import take_factors
 from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.equations import free_rate
@@ -140,7 +140,7 @@ def begin_late_contacts(d):
 
 def follow_jump(d):
     """Set the rates and kink sides of contacts with a force law for the motion after the impulses."""
-    locate_points(d, d.step.state_end)
+    locate_points_now(d, d.step.state_end)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         _, gap_rate = clearance(d, c)
@@ -179,7 +179,7 @@ def apply_impulses(d):
     if d.channels > 0:
         supply(d, work_of_impulses(d))
     give_impulses(d)
-    locate_points(d, d.step.state_end)
+    locate_points_now(d, d.step.state_end)
 
 
 def find_impulses(d, share):

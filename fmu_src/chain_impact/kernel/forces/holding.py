@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.kinematics import (
     accelerate_points,
     at_center,
     largest,
-    locate_points,
+    locate_points_now,
     move_points,
 )
 from chain_impact.kernel.chain.response import FREE, take_factors
@@ -152,7 +152,7 @@ def project_state(d, y):
             if d.channels > 0:
                 note_squeezed(d, SQUEEZE * d.model.size)
         add_change(d, y, derivative * velocity_at(d.links))
-        locate_points(d, y)
+        locate_points_now(d, y)
     if d.channels > 0:
         y[supplied_at(d.links)] += work_of_impulses(d)
     for k in range(constraint_rows(d)):
