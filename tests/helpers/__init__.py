@@ -1,8 +1,9 @@
 """Modules that several tests use, by purpose; the first line of each file says more.
 
 Independent models, which share no code with the kernel:
-    textbook, chain_model, body_model, driven_chain, driven, derivatives, complex_laws, reference,
-    accumulation, beam, coulomb_impact, housner, walker; kept_answers stores answers that take long.
+    textbook, chain_model, chain_parts, chain_friction, body_model, driven_chain, driven, derivatives,
+    complex_laws, reference, accumulation, beam, coulomb_impact, housner, walker; kept_answers stores answers
+    that take long.
 Scenes with exact or known answers:
     problems, bodies, friction, stops, folds, turned, derivative_scenes, friction_derivative_scenes,
     derived_scenes, coulomb_problems, coulomb_literature, asked_elsewhere.

@@ -17,7 +17,9 @@ import numpy as np
 
 from chain_impact.scene.names import SLIDER_STOPS
 from chain_impact.scene.scene import Scene
-from tests.helpers.chain_model import ChainModel, DryFriction, Inputs, Place, Touch, chained, relative
+from tests.helpers.chain_friction import DryFriction
+from tests.helpers.chain_model import ChainModel, Inputs
+from tests.helpers.chain_parts import Place, Touch, chained, relative
 from tests.helpers.derivatives import Derivatives, _Run
 
 

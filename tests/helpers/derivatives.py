@@ -16,7 +16,8 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from chain_impact.scene.scene import Scene
-from tests.helpers.chain_model import ChainModel, Inputs, Touch
+from tests.helpers.chain_model import ChainModel, Inputs
+from tests.helpers.chain_parts import Touch
 from tests.helpers.complex_laws import TINY
 
 FIELDS = (

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from tests.helpers import driven
-from tests.helpers.chain_model import Ramp
+from tests.helpers.chain_parts import Ramp
 
 TURN = 2.0 * math.pi
 
