@@ -3,7 +3,7 @@
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.style import SEPARATOR, headline, number
+from chain_impact.pictures.style import SEPARATOR, broken, headline, number
 
 
 @pytest.mark.parametrize("conditions", ["", "4 links"])
@@ -70,3 +70,13 @@ def test_what_fits_stays_in_a_line():
     page = Figure(figsize=(10.0, 5.0))
     headline(page, "Box: 14 impacts", SEPARATOR.join(LONG[:3]))
     assert [text.get_text() for text in page.texts] == ["Box: 14 impacts", SEPARATOR.join(LONG[:3])]
+
+
+def test_no_line_ends_between_a_name_and_its_number():
+    page, text = (
+        Figure(figsize=(3.0, 3.0)),
+        SEPARATOR.join(f"restitution e = 0.{k}, most ≤ {k} J" for k in range(9)),
+    )
+    lines = broken(page, text).split("\n")
+    assert len(lines) > 3
+    assert not any(line.endswith(("=", "≤")) or line.startswith(("=", "≤", "J")) for line in lines)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.scene.unit_text import in_brackets, unit_text
+from chain_impact.scene.unit_text import in_brackets, of_power, unit_text
 from chain_impact.variables.units import UNITS
 
 
@@ -26,3 +26,7 @@ def test_a_reader_sees_signs_of_products_and_powers(unit, text):
 
 def test_no_unit_of_an_fmu_has_another_form():
     assert not any(mark in unit_text(unit) for unit in UNITS for mark in (".", "2"))
+
+
+def test_an_exponent_of_one_is_not_written():
+    assert (of_power("N/m", 1.0), of_power("N/m", 1.5)) == ("N/m", "N/m^1.5")

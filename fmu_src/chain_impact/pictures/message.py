@@ -12,6 +12,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.style import SEPARATOR, headline, is_narrow, number, raised
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
+from chain_impact.scene.unit_text import of_power
 
 ROUND_OFF = 1e-12  # dissipated energy, relative to the largest energy, below which it is round-off
 
@@ -56,7 +57,7 @@ def conditions(recording: Recording, *first: str) -> str:
     if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
         if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):  # an impulsive law has no stiffness
-            unit = raised(f"N/m^{known['contact.exponent']:g}")
+            unit = raised(of_power("N/m", known["contact.exponent"]))
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
     if rubbing := [one for name, value in known.items() if (one := friction(name, value))]:
         parts.append(f"friction µ = {', '.join(rubbing)}")

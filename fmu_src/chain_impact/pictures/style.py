@@ -83,7 +83,8 @@ MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
 STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten
-SPACE = re.compile(r"(?<![=≤]) (?![=≤])")  # a space at which a line may end
+# a space at which a line may end: not beside the sign before a number, and not before a unit
+SPACE = re.compile(r"(?<![=≤]) (?![=≤]|(?:N|J|m|kg|rad|s)\b)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
 
 
@@ -200,7 +201,7 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
 def broken(page: Figure, text: str) -> str:
     """Return a small text with line breaks, so that it fits between the margins of the page.
 
-    No line ends between a number and its name.
+    No line ends between a number and its name or unit.
     """
     probe = page.text(0.0, 0.0, "", fontsize="small")
 

@@ -14,6 +14,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import place_of
 from chain_impact.recording.text import Table, plural
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.unit_text import of_power
 
 LISTED, FEW = 30, 10  # the largest number of impacts in a list, and in a short text
 SHOWN = 3  # the largest number of contacts and joints that the text names as sticking at the end
@@ -174,9 +175,10 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
     material = scene.contact.wall.get(wall)
     given = material.stiffness if material else None
     name, stiffness = ("contact", scene.contact.stiffness) if given is None else (f"wall.{wall}", given)
+    unit = of_power("N/m", scene.contact.exponent)
     return [
         f"a point goes farther beyond {wall} than {body}, {smallest:g} m: "
-        f"{name}.stiffness = {stiffness:g} [N/m^{scene.contact.exponent:g}] is small for this motion"
+        f"{name}.stiffness = {stiffness:g} [{unit}] is small for this motion"
     ]
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.tables import Material
+from chain_impact.scene.unit_text import of_power
 
 LISTED = 6  # largest number of entries of a list that the text shows
 WIDTH = 100  # largest number of characters of a line
@@ -30,7 +31,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     box = [f"{wall} = {at:g} m" for wall in WALLS if (at := getattr(scene.box, wall)) is not None]
     yield "walls", ", ".join([*box, *(wall.name for wall in scene.walls)]) or "none"
     law = f"{contact.model}, e = {contact.restitution:g}"
-    stiffness = f"K = {contact.stiffness:g} N/m^{contact.exponent:g}"
+    stiffness = f"K = {contact.stiffness:g} {of_power('N/m', contact.exponent)}"
     mu = _friction(contact.friction or None, contact.static_friction or None)
     yield "contact", f"{', '.join([law, stiffness, *mu])}; points {_listed(contact.points)}"
     materials = [line for name, one in contact.wall.items() if (line := _material(name, one))]
@@ -39,7 +40,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     if scene.chain.stops:
         ends = scene.chain.joint_ranges.items()
         stops, law = scene.stops, scene.stops.model or contact.model
-        stiffness = f"K = {stops.stiffness:g} N·m/rad^{stops.exponent:g}"
+        stiffness = f"K = {stops.stiffness:g} {of_power('N·m/rad', stops.exponent)}"
         ranges = [f"joint {joint} {_range(low, high)}" for joint, (low, high) in ends]
         ranges = ranges if len(ranges) <= LISTED else [*ranges[: LISTED - 2], "…", ranges[-1]]
         yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"

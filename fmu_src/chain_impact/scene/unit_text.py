@@ -12,6 +12,11 @@ def unit_text(unit: str | None) -> str:
     return "" if unit in (None, "", "1") else SQUARE.sub("²", PRODUCT.sub("·", unit))
 
 
+def of_power(unit: str, exponent: float | None) -> str:
+    """Return the unit of a stiffness, a force over a power of a penetration: N/m^1.5, or N/m."""
+    return unit if exponent == 1.0 else f"{unit}^{exponent:g}"
+
+
 def in_brackets(unit: str | None) -> str:
     """Return a unit in brackets after a space, as at the end of a label; "" for a pure number."""
     text = unit_text(unit)

@@ -34,6 +34,7 @@ from chain_impact.pictures.style import (
     styled,
 )
 from chain_impact.recording.text import plural
+from chain_impact.scene.unit_text import of_power
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
@@ -93,7 +94,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     mass, speed, per = ("kg·m²", "rad/s", "N·m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
     hit = f"{first_place(comparison.scene)} of {moving}"
-    stiffness = f"stiffness K = {number(contact.stiffness)} {raised(f'{per}^{contact.exponent:g}')}"
+    stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     others = [f"grey: {plural(grey, 'other law')}"] if grey else []

@@ -35,7 +35,7 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.text import plural
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.unit_text import in_brackets
+from chain_impact.scene.unit_text import in_brackets, of_power
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -389,5 +389,5 @@ def _label(found: Runs, variation: Variation) -> str:
     unit = variation.variable.unit
     part = found.scene.stops if unit.startswith("N.m") else found.scene.contact
     if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*found.varied}:
-        unit = unit.replace("exponent", f"{part.exponent:g}")
+        unit = of_power(unit.removesuffix("^exponent"), part.exponent) if "^" in unit else unit
     return f"{variation.name}{raised(in_brackets(unit))}"
