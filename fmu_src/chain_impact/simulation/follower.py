@@ -99,7 +99,7 @@ class Follower:
         # increase of this count
         self._again: dict[int, int] = {}
         self._patience: dict[int, int] = {}
-        # start and end [s] → fit of an interval that was made before it is needed, up to a time [s]
+        # start and end of an interval [s] → its fit, made in advance for all intervals up to a time [s]
         self._foreseen: dict[tuple[float, float], Piece | None] = {}
         self._foreseen_until = 0.0
 

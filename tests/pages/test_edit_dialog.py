@@ -1,0 +1,211 @@
+"""The page's edit dialog: scenes that are edited by hand move as in Python, and faults are told."""
+
+import json
+
+import numpy as np
+import pytest
+import tomlkit
+
+from chain_impact import load_scene, simulate
+from chain_impact.scene.models import scene_path
+from chain_impact.scene.scene import scene_to_dict
+from tests.pages.conftest import until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+
+
+def downloaded(page, tmp_path):
+    """Return the scene of the file that the page saves."""
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Export…").click()
+    assert page.locator("#export-text").inner_text() == "The command needs the scene file: save it first."
+    assert page.locator("#command").input_value().startswith("chain-impact simulate FourLinkBox.toml")
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Scene file", exact=True).click()
+    waiting.value.save_as(tmp_path / "edited.toml")
+    page.keyboard.press("Escape")
+    return load_scene(tmp_path / "edited.toml")
+
+
+def assert_same_motion(page, scene):
+    """Assert that the page computes the numbers of `simulate` for the scene that the page saves."""
+    columns, count = page.evaluate(
+        """async () => {
+          const { columns, impacts } = await chainImpact.simulate();
+          const lists = Object.entries(columns).map(([name, [...all]]) => [name, all]);
+          return [Object.fromEntries(lists), impacts.length];
+        }"""
+    )
+    result = simulate(scene)
+    assert count == len(result.impacts)
+    assert list(columns) == list(result.columns)
+    for name, column in result.columns.items():
+        np.testing.assert_array_equal(columns[name], column, name)
+
+
+def edit(page, name, text):
+    field = page.locator("#edit").get_by_role("textbox", name=name)
+    field.fill(text)
+    field.press("Enter")
+
+
+def refusal(page):
+    return page.locator("#edit-text").inner_text()
+
+
+def test_links_walls_and_stops_are_added_and_removed_and_the_page_has_the_numbers_of_simulate(show, tmp_path):
+    page = show()
+    page.get_by_role("slider", name="Restitution").press("ArrowLeft")
+    restitution = page.evaluate("chainImpact.parameters['contact.restitution']")
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Add a link").click()
+    until_told(page, "5 links")
+    edit(page, "link[5].length", "0.2")
+    edit(page, "link[3].joint_max", "80 deg")
+    edit(page, "box.x_min", "")
+    page.get_by_role("button", name="Add a wall").click()
+    edit(page, "wall.wall1.angle", "-0.2")
+    assert refusal(page) == ""
+    scene = downloaded(page, tmp_path)
+    assert (len(scene.chain.links), scene.chain.links[4].length) == (5, 0.2)
+    assert scene.chain.links[2].joint_max == pytest.approx(np.radians(80))
+    assert scene.box.x_min is None
+    assert [wall.name for wall in scene.walls] == ["wall1"]
+    assert scene.contact.restitution == float(restitution) != 0.7  # the change before the edit is kept
+    assert_same_motion(page, scene)
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove wall wall1").click()
+    page.get_by_role("button", name="Remove link 1").click()
+    edit(page, "link[2].joint_max", "")
+    page.get_by_role("combobox", name="Base").select_option("pinned")
+    until_told(page, "4 links")
+    scene = downloaded(page, tmp_path)
+    assert (scene.chain.base, scene.walls, scene.stops.exponent) == ("pinned", (), None)
+    assert_same_motion(page, scene)
+
+
+def test_points_behind_a_removed_link_are_still_those_that_can_touch(show, tmp_path):
+    page = show()
+    contents = scene_to_dict(load_scene("four_link_box").with_values({"contact.points": [1, 2, 4]}))
+    page.evaluate(DROP, ["listed.toml", tomlkit.dumps(contents)])
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove link 2").click()
+    until_told(page, "3 links")
+    scene = downloaded(page, tmp_path)
+    assert scene.contact.points == (1, 3)
+    assert_same_motion(page, scene)
+
+
+def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
+    page = show()
+    before = page.evaluate("chainImpact.parameters")
+    page.get_by_role("button", name="Edit…").click()
+    edit(page, "link[2].mass", "heavy")
+    assert refusal(page) == 'Not taken: chain.links[2].mass = "heavy" must be a finite number > 0 [kg].'
+    assert page.evaluate("chainImpact.parameters") == before
+    edit(page, "link[2].mass", "3")
+    until(page, "chainImpact.parameters['link[2].mass'] === '3'")
+    page.get_by_role("button", name="Back to the scene of this page").click()
+    assert page.evaluate("chainImpact.parameters") == before
+
+
+DROP = """([name, text]) => {
+  const data = new DataTransfer();
+  data.items.add(new File([text], name));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+}"""
+
+
+def test_a_dropped_file_is_the_scene_of_the_page_with_its_own_knobs_link_and_map(show, open_page, address):
+    page = show()
+    text = scene_path("sliding_rod").read_text(encoding="utf-8")
+    page.evaluate(DROP, ["sliding_rod.toml", text])
+    scene = load_scene("sliding_rod")
+    until_told(page, f"{len(simulate(scene).impacts)} impact")
+    assert page.locator("h1").inner_text() == "SlidingRod" == page.evaluate("chainImpact.scene")
+    assert page.locator("#description").inner_text() == scene.description
+    assert page.get_by_role("slider", name="Friction at y_min", exact=True).is_visible()
+    assert page.get_by_role("button", name="Reset all").is_hidden()
+    assert_same_motion(page, scene)
+    page.get_by_role("button", name="Map…").click()
+    names = page.locator("#map-x-name option").all_inner_texts()
+    assert "wall.ramp.friction" in names
+    assert "link[2].mass" not in names
+    page.keyboard.press("Escape")
+    page.get_by_role("slider", name="Gravity, y").press("ArrowRight")
+    until(page, "location.hash.includes('gravity.y')")
+    other = open_page(address + page.evaluate("location.hash"))
+    until_told(other, "1 link,")
+    assert other.evaluate("chainImpact.parameters") == page.evaluate("chainImpact.parameters")
+    other.evaluate("location.hash = ''")
+    until_told(other, "4 links")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("name = 'Rod'\nmass = ", "not valid TOML: "),
+        ("name = 'Rod'\n", "chain.links is missing (links from base to tip)."),
+        (json.dumps({"links": 4}), "(at line 1)."),
+    ],
+)
+def test_a_dropped_file_that_is_no_scene_is_told_and_changes_nothing(show, text, told):
+    page = show()
+    before = page.evaluate("chainImpact.parameters")
+    page.evaluate(DROP, ["rod.toml", text])
+    until_told(page, "rod.toml cannot be opened: ", "edit-text")
+    assert told in refusal(page)
+    assert page.evaluate("chainImpact.parameters") == before
+
+
+def test_a_dropped_file_that_cannot_be_read_is_told(show):
+    page = show()
+    page.evaluate("() => { File.prototype.text = () => Promise.reject(new Error('it is a folder')); }")
+    page.evaluate(DROP, ["models", ""])
+    until_told(page, "models cannot be opened: it is a folder.", "edit-text")
+
+
+def test_dropped_text_is_left_to_the_field_that_it_falls_on(show):
+    page = show()
+    taken = page.evaluate("""() => {
+      const data = new DataTransfer();
+      data.setData("text/plain", "0.5");
+      const drop = new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true });
+      return !document.body.dispatchEvent(drop);
+    }""")
+    assert not taken
+
+
+def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
+    page = show()
+    page.get_by_role("button", name="Edit…").click()
+    edit(page, "link[1].height", "0.1")
+    edit(page, "link[2].center_of_mass_offset", "0.03")
+    page.get_by_role("button", name="Add a point of a link").click()
+    edit(page, "point[9].name", "heel")
+    edit(page, "point[9].link", "2")
+    edit(page, "point[9].y", "0.08")
+    edit(page, "point[9].link", "7")
+    assert refusal(page) == "Not taken: the link of a point = 7 must be 1 to 4."
+    scene = downloaded(page, tmp_path)
+    heel = scene.chain.sites[4]
+    assert [scene.chain.links[0].shape, heel[0], heel[1].y, heel[1].name] == ["box", 1, 0.08, "heel"]
+    assert scene.chain.links[1].center_of_mass_offset == 0.03
+    assert_same_motion(page, scene)
+    grip = page.get_by_role("button", name="Point 9: arrow keys move it on its link")
+    grip.press("Shift+ArrowUp")
+    moved = page.evaluate("chainImpact.parameters['link[2].point[1].y']")
+    assert moved != 0.08
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Remove point 9").click()
+    edit(page, "link[1].height", "")
+    page.get_by_role("combobox", name="Base").select_option("slider")
+    edit(page, "slider.max", "0.2")
+    edit(page, "slider.angle", "0.5")
+    scene = downloaded(page, tmp_path)
+    assert (scene.chain.base, scene.chain.slider.max, scene.chain.sites) == ("slider", 0.2, ())
+    assert_same_motion(page, scene)
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("combobox", name="Base").select_option("free")
+    assert downloaded(page, tmp_path).chain.slider is None
