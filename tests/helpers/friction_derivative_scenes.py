@@ -1,10 +1,14 @@
-"""Scenes with dry friction whose derivatives are known."""
+"""Scenes with dry friction whose derivatives are known, and the kernel's derivatives of any case."""
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
-from tests.helpers.derivative_scenes import Case, all_parameters, link, start, table
+import numpy as np
+
+from chain_impact.simulation.derivatives import Differentiated, DifferentiatedRun
+from tests.helpers.derivative_scenes import Case, all_parameters, exact, link, start, state_names, table
 from tests.helpers.problems import of_law
 
 SLOPE = 0.35  # rad
@@ -124,3 +128,44 @@ def thrown(links: int = 2, law: str = "zhang_sharf", stop: float = 0.5, **solver
         solver=solver,
     )
     return Case(scene, parameters_of(scene), (0.3 * stop, 0.7 * stop, stop))
+
+
+DRY = {
+    "slides back": puck(),
+    "stops on a slope": puck(friction=0.5),
+    "stops by static friction": puck(friction=0.3, static=0.5),
+    "stops, tsuji": puck("tsuji", friction=0.5),
+    "thrown, kelvin_voigt": thrown(2, "kelvin_voigt", stop=0.25),
+    "swings": swinging(),
+    "swings, static": swinging(static=0.5),
+    "swings, hertz": swinging(law="hertz"),
+    "driven": driven(),
+    "driven, flores": driven(law="flores"),
+    "two dry joints": dry_joints(2),
+    "three dry joints": dry_joints(3),
+    "four dry joints": dry_joints(4),
+    "thrown": thrown(2, stop=0.4),
+    "three thrown": thrown(3, stop=0.3),
+}
+ENERGIES = ("energy.total", "energy.dissipated")
+
+
+def outputs_of(case: Case) -> list[str]:
+    """Return the outputs of a case that are compared."""
+    supplied = ["energy.supplied"] if case.inputs else []
+    links = range(1, len(case.scene.chain.links) + 1)
+    rates = ["point[0].ax", "point[0].ay", *(f"link[{i}].angular_acceleration" for i in links)]
+    rubbed = [name for name in exact(case).values if "friction" in name]
+    return [*state_names(case.scene), *ENERGIES, *supplied, *rates, *rubbed]
+
+
+@cache
+def found(
+    case: Case, tolerance: float = 1e-12, *, start: bool = False, method: str = "auto"
+) -> Differentiated:
+    """Return the kernel's answer at the case's times, and at 0 before them."""
+    scene = case.scene.with_values({"solver.tolerance": tolerance, "solver.method": method})
+    run = DifferentiatedRun(scene, case.parameters, outputs_of(case), inputs=case.inputs)
+    values = [case.value(name) for name in case.parameters]
+    times = np.array([0.0, *case.times] if start else case.times)
+    return run.run(np.array(values), times)

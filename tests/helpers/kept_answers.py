@@ -28,7 +28,7 @@ FOLDER = TESTS_FOLDER / "oracle_answers"
 ROOM = "tests.helpers"
 TESTS = (
     *("scenarios/test_body_motions.py", "scenarios/test_derivatives.py", "scenarios/test_models.py"),
-    "kernel/ode/test_collocation.py",
+    *("scenarios/test_derivative_limits.py", "kernel/ode/test_collocation.py"),
 )
 IDLE = ("solver", "simulation", "outputs")  # tables of a scene that no independent model uses
 LATER = (

@@ -7,16 +7,13 @@ law, every kind of parameter, stops, and dry friction that slides and sticks.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
-from chain_impact import Chain, simulate
+from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.simulation.derivatives import DifferentiatedRun
-from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
 from tests.helpers.derivative_scenes import (
     AT_STOPS,
     Case,
@@ -31,14 +28,16 @@ from tests.helpers.derivative_scenes import (
     state_names,
     stopped_chain,
     struck_twice,
-    table,
     thrown_on_a_slope,
 )
 from tests.helpers.derivatives import FIELDS, differentiate
-from tests.helpers.friction_derivative_scenes import SLOPE, driven, dry_joints, puck, swinging, thrown
-from tests.helpers.problems import ball, flat_rod, rod
+from tests.helpers.friction_derivative_scenes import (
+    DRY,
+    found,
+    outputs_of,
+)
+from tests.helpers.problems import ball
 
-ENERGIES = ("energy.total", "energy.dissipated")
 STIFFNESS = "contact.stiffness"
 EXACT = 1e-8  # required error at the tolerance 1e-12
 # errors of states above EXACT: overlapping contacts have no variable in which their force is smooth, the f(e)
@@ -77,23 +76,6 @@ SMOOTH = {
     **{f"stop, {law}": stopped_chain("zhang_sharf", law, (0.1, 0.2)) for law in AT_A_STOP},
     **{law: struck_twice(law) for law in CONTACT_LAWS},
 }
-DRY = {
-    "slides back": puck(),
-    "stops on a slope": puck(friction=0.5),
-    "stops by static friction": puck(friction=0.3, static=0.5),
-    "stops, tsuji": puck("tsuji", friction=0.5),
-    "thrown, kelvin_voigt": thrown(2, "kelvin_voigt", stop=0.25),
-    "swings": swinging(),
-    "swings, static": swinging(static=0.5),
-    "swings, hertz": swinging(law="hertz"),
-    "driven": driven(),
-    "driven, flores": driven(law="flores"),
-    "two dry joints": dry_joints(2),
-    "three dry joints": dry_joints(3),
-    "four dry joints": dry_joints(4),
-    "thrown": thrown(2, stop=0.4),
-    "three thrown": thrown(3, stop=0.3),
-}
 CASES = SMOOTH | DRY
 # errors of states and impacts by implicit steps, which follow the tolerance less closely: the slopes of an
 # impact's force are not smooth at its ends, so that the order falls
@@ -117,24 +99,6 @@ THROWN = {
     if joints or seed in (1, 4)
 }
 OF_FRICTION = ("contact.friction", "contact.static_friction", "wall.y_min.friction", "link[2].joint_friction")
-
-
-def outputs_of(case):
-    supplied = ["energy.supplied"] if case.inputs else []
-    links = range(1, len(case.scene.chain.links) + 1)
-    rates = ["point[0].ax", "point[0].ay", *(f"link[{i}].angular_acceleration" for i in links)]
-    rubbed = [name for name in exact(case).values if "friction" in name]
-    return [*state_names(case.scene), *ENERGIES, *supplied, *rates, *rubbed]
-
-
-@cache
-def found(case, tolerance=1e-12, start=False, method="auto"):
-    """Return the kernel's answer at the case's times, and at 0 before them."""
-    scene = case.scene.with_values({"solver.tolerance": tolerance, "solver.method": method})
-    run = DifferentiatedRun(scene, case.parameters, outputs_of(case), inputs=case.inputs)
-    values = [case.value(name) for name in case.parameters]
-    times = np.array([0.0, *case.times] if start else case.times)
-    return run.run(np.array(values), times)
 
 
 def state_errors(case, answer):
@@ -400,50 +364,6 @@ def test_the_derivative_of_the_ledger_is_constant(name):
     assert (moved <= 1e-8 * np.maximum(largest, 1e-3 / units)).all(), worst(moved / largest, case.parameters)
 
 
-# --- where there is no derivative ---------------------------------------------------------------------------
-
-
-def slow_touch():
-    """Return a ball that arrives slower than contact.minimum_impact_speed, which is then its v₀."""
-    scene = ball(1e-4, 5e-4, stiffness=1e6, stop_time=0.3)
-    return Case(scene, ("contact.stiffness", "contact.restitution", "initial.vy"), (0.1, 0.3))
-
-
-def grazing():
-    """Return a rod that rotates about its centre and grazes the floor for 10⁻⁷ m: 1/ġ is 300 s/m."""
-    scene = rod(0.5, 0.5 - math.sin(0.5) / 2 - 1e-7, 0.0, -10.0, stiffness=1e5, stop_time=0.3)
-    return Case(scene, ("contact.stiffness", "initial.y", "initial.angular_velocity[1]"), (0.05, 0.3))
-
-
-@pytest.mark.parametrize("make", [slow_touch, grazing])
-def test_a_derivative_is_right_or_not_there(make):
-    """From the first impact without a reliable derivative on, it is NaN, and a sentence tells why."""
-    case = make()
-    answer, right = found(case), exact(case)
-    assert len(right.points) == 1
-    names = state_names(case.scene)
-    slopes = np.stack([right.slopes[name] for name in names], 1)
-    given = answer.slopes[:, : len(names)]
-    assert not np.isnan(given[0]).any()
-    missing = np.isnan(given[1])
-    assert missing.any() == bool(answer.limits)
-    largest = np.maximum(
-        np.abs(slopes[1]).max(0), 1e-3 / np.array([size_of(case, p) for p in case.parameters])
-    )
-    assert ((np.abs(given[1] - slopes[1]) <= 1e-5 * largest) | missing).all()
-
-
-def test_simultaneous_rigid_impacts_have_no_derivative():
-    scene = flat_rod(model="newton_impact").with_values({"solver.tolerance": 1e-10})
-    run = DifferentiatedRun(scene, ["contact.restitution", "initial.y"], ["point[0].vy", "link[1].angle"])
-    answer = run.run(np.array([scene.contact.restitution, scene.initial.position[1]]), np.array([5e-4, 0.01]))
-    assert np.isfinite(answer.values).all()
-    assert np.isfinite(answer.slopes[0]).all()
-    assert np.isnan(answer.slopes[1]).all()
-    assert len(answer.limits) == 1
-    assert "impact" in answer.limits[0]
-
-
 # --- simulate() ---------------------------------------------------------------------------------------------
 
 
@@ -466,224 +386,3 @@ def test_simulate_tells_the_same():
         for field in FIELDS:
             slopes = result.impact_sensitivity(field, parameter)
             assert off(slopes, right.impact_slopes[field][:, k], right.impacts[field], unit) < 1e-6
-
-
-# --- where a mode is open -----------------------------------------------------------------------------------
-
-
-def sloping(friction: float) -> Case:
-    """Return a puck that stops bouncing on its slope and rests: its friction exceeds the slope's tangent."""
-    case = puck(friction=friction * np.tan(SLOPE))
-    start = {"initial.vx": 4.0 * np.cos(SLOPE), "initial.vy": 4.0 * np.sin(SLOPE) - 0.25}
-    scene = case.scene.with_values(start | {"contact.restitution": 0.4, "simulation.stop_time": 0.8})
-    return replace(case, scene=scene)
-
-
-def dry_link(friction: float) -> Case:
-    """Return a level pendulum at rest with dry friction [N·m] in its joint."""
-    scene = table(
-        [{"length": 0.4, "mass": 0.5, "joint_friction": friction}],
-        base="pinned",
-        initial={"angles": [0.0]},
-        simulation={"stop_time": 0.1, "step_size": 0.01},
-    )
-    return Case(scene, (), (0.1,))
-
-
-def limits(case: Case, parameters=("contact.stiffness",)):
-    result = simulate(case.scene, inputs=case.inputs, sensitivities=list(parameters))
-    return result.sensitivity_limits, result
-
-
-def test_each_reason_has_a_sentence():
-    assert not set(REASONS) & set(REASONS_OF_FRICTION)
-    assert sorted({**REASONS, **REASONS_OF_FRICTION}) == list(range(1, 11))
-
-
-@pytest.mark.parametrize(("share", "given"), [(1.0, False), (1.001, True), (0.999, True)])
-def test_a_puck_that_stops_where_it_is_at_the_limit(share, given):
-    """At µ = tan α the puck stays with more friction and slides back with less; stiffness changes neither."""
-    assert limits(sloping(share))[0] == ()
-    told, result = limits(sloping(share), ["contact.friction"])
-    slopes = result.sensitivity("point[0].x", "contact.friction")
-    assert np.isfinite(slopes[-1]) == given
-    assert (told == ()) == given
-    if not given:
-        (sentence,) = told
-        assert "the dry friction of point 0 at slope: " in sentence
-        assert REASONS_OF_FRICTION[7] in sentence
-
-
-def test_a_joint_at_its_limit_at_the_start():
-    """A pendulum at rest whose weight has exactly the moment of its friction."""
-    moment = 0.5 * 9.81 * 0.2
-    names = ("link[1].joint_friction",)
-    told, result = limits(dry_link(moment), names)
-    assert "from t = 0 s on, the dry friction of joint 1: " in told[0]
-    assert np.isnan(result.sensitivity("link[1].angle", "link[1].joint_friction")).all()
-    for change in (0.99, 1.01):
-        assert limits(dry_link(change * moment), names)[0] == ()
-
-
-def test_a_friction_that_is_zero():
-    """Friction can only increase from zero: from the first contact on its derivative does not exist."""
-    with_two = table(
-        [{"length": 0.4, "mass": 0.8}],
-        box={"y_min": 0.0, "x_max": 2.0},
-        contact={"points": [0], "wall": {"y_min": {"friction": 0.0}, "x_max": {"friction": 0.3}}},
-        initial={"position": [0.0, 1e-3], "angles": [-0.3], "velocity": [0.1, -0.3]},
-        simulation={"stop_time": 0.01, "step_size": 1e-3},
-    )
-    told, result = limits(Case(with_two, (), (0.01,)), ["wall.y_min.friction"])
-    assert "the dry friction of point 0 at y_min: " + REASONS_OF_FRICTION[9] in told[0]
-    assert np.isnan(result.sensitivity("point[0].x", "wall.y_min.friction")[-1])
-    assert limits(Case(with_two, (), (0.01,)), ["wall.x_max.friction"])[0] == ()
-
-
-@pytest.mark.parametrize(("friction", "given"), [(0.35, False), (0.9, True)])
-def test_a_contact_that_begins_without_sliding(friction, given):
-    """A small speed is stopped soon; if the point slides in spite of that, then backward."""
-    still = {"initial.vx": 0.0, "contact.friction": friction, "simulation.stop_time": 0.1}
-    scene = swinging().scene.with_values(still | {"solver.tolerance": 1e-12})
-    told, result = limits(Case(scene, (), (0.1,)), ["initial.vx"])
-    names, change, onset = ("point[0].x", "point[0].y", "link[1].angle"), 1e-8, result.impacts["onset"][0]
-    slopes = [result.sensitivity(name, "initial.vx")[-1] for name in names]
-    by_change = [
-        [(simulate(scene.with_values({"initial.vx": by}))[name] - result[name])[-1] / by for name in names]
-        for by in (change, -change)
-    ]
-    if given:
-        assert told == ()
-        np.testing.assert_allclose(by_change, [slopes] * 2, rtol=2e-2)
-    else:
-        assert f"from t = {onset:.7f}" in told[0]
-        assert " s on, the dry friction of point 0 at y_min: " in told[0]
-        assert REASONS_OF_FRICTION[10] in told[0]
-        assert np.isnan(slopes).all()
-        assert by_change[0][0] == pytest.approx(0.1, rel=1e-3)
-        assert by_change[1][0] < 0.08
-    assert limits(Case(scene, (), (0.1,)), ["contact.stiffness"])[0] == ()
-
-
-@pytest.mark.parametrize(("moment", "given"), [(0.5, False), (1.5, True)])
-def test_a_joint_that_is_released_at_rest(moment, given):
-    """Its weight has a moment of 0.98 N·m: a larger friction stops a small speed, a smaller one does not."""
-    case = dry_link(moment)
-    told, _ = limits(case, ["initial.angular_velocity[1]"])
-    assert (told == ()) == given
-    assert given or "from t = 0 s on, the dry friction of joint 1: " + REASONS_OF_FRICTION[10] in told[0]
-    assert limits(case, ["link[1].joint_friction", "link[1].mass"])[0] == ()
-
-
-@pytest.mark.parametrize("links", [1, 2])
-def test_a_joint_friction_that_is_zero(links):
-    """Friction can only increase from zero, for parameters in each block of directions."""
-    case = dry_joints(2)
-    names = [
-        *(f"initial.angle[{i}]" for i in (1, 2)),
-        "link[1].mass",
-        "gravity.y",
-        f"link[{links}].joint_friction",
-    ]
-    run = DifferentiatedRun(case.scene, names, ["link[1].angle"], inputs=case.inputs)
-    values = np.array([case.value(name) for name in names])
-    values[-1] = 0.0
-    answer = run.run(values, np.array([0.0, 0.2]))
-    (told,) = answer.limits
-    assert f"from t = 0 s on, the dry friction of joint {links}: {REASONS_OF_FRICTION[9]}" in told
-    assert np.isnan(answer.slopes[1]).all()
-
-
-@pytest.mark.full("more cases", but=5)
-@pytest.mark.parametrize("early", [1e-3, 1e-7])
-@pytest.mark.parametrize("name", ["stops on a slope", "swings, static", "two dry joints"])
-def test_a_change_of_a_parameter_just_before_a_mode_ends_changes_nothing_else(name, early):
-    """The end of the mode, found beyond the communication point, is found once more."""
-    case = DRY[name]
-    scene = case.scene.with_values({"solver.tolerance": 1e-10, "outputs.sensitivities": ["gravity.y"]})
-    nothing = {"joint[2].torque": 1e-15}
-    if not case.inputs:
-        nothing = {"contact.friction": (1.0 + 1e-13) * scene.values["contact.friction"]}
-    changes = simulate(scene, inputs=case.inputs).stick_slip["start"]
-    end, output = case.times[-1], "sensitivity.gravity.y.link[1].angle"
-    for change in changes[(changes > 0.01) & (changes < end)]:
-        chains = Chain(scene), Chain(scene)
-        for k, chain in enumerate(chains):
-            chain.set(case.inputs)
-            chain.step(change - early)
-            if k:
-                chain.set(nothing)
-            chain.step(end - (change - early))
-        whole, broken = (chain.stick_slip for chain in chains)
-        assert len(whole) == len(broken)
-        np.testing.assert_allclose(broken["start"], whole["start"], atol=1e-8)
-        slopes = [chain.get(output) for chain in chains]
-        assert slopes[1] == pytest.approx(slopes[0], rel=1e-5)
-
-
-def symmetric(**initial: float) -> Case:
-    """Return three links without gravity whose outer links counter-rotate. Both dry joints stop at once."""
-    dry = {"length": 0.3, "mass": 0.5, "joint_friction": 0.2}
-    scene = table(
-        [{"length": 0.3, "mass": 0.5}, dry, dry],
-        gravity=[0.0, 0.0],
-        initial={"angles": [-0.5, 0.0, 0.5], "angular_velocities": [-2.0, 0.0, 2.0]},
-        simulation={"stop_time": 0.4, "step_size": 0.01},
-    )
-    return Case(scene.with_values(initial) if initial else scene, (), (0.4,))
-
-
-def test_two_joints_that_stop_at_one_moment():
-    """A parameter that acts on both joints alike has a derivative.
-
-    A parameter that separates them has none.
-    """
-    told, result = limits(symmetric(), ["link[2].mass"])
-    stops = result.stick_slip["start"][result.stick_slip["mode"] == 0]
-    assert len(stops) == 2
-    assert abs(stops[1] - stops[0]) < 1e-9
-    assert told == ()
-    told, result = limits(symmetric(), ["initial.angular_velocity[1]"])
-    assert REASONS_OF_FRICTION[8] in told[0]
-    assert "the dry friction of joint " in told[0]
-    assert np.isnan(result.sensitivity("link[1].angle", "initial.angular_velocity[1]")[-1])
-    apart = symmetric(**{"initial.angular_velocity[1]": -2.01})
-    assert limits(apart, ["initial.angular_velocity[1]"])[0] == ()
-
-
-@pytest.mark.parametrize(("less", "given"), [(1e-6, False), (1e-2, True)])
-def test_a_joint_that_stops_slowly(less, given):
-    """A torque is almost as large as the joint's friction: ω decreases by the fraction ``less`` of it."""
-    friction, inertia = 0.5, 0.5 * 0.4**2 / 3.0
-    values = {"gravity": (0.0, 0.0), "inputs.joint_torques": True, "simulation.stop_time": 0.2}
-    values["initial.angular_velocities"] = (0.1 * less * friction / inertia,)
-    case = Case(
-        dry_link(friction).scene.with_values(values), (), (0.2,), {"joint[1].torque": (1.0 - less) * friction}
-    )
-    told, result = limits(case, ["link[1].joint_friction"])
-    assert result.stick_slip["start"][-1] == pytest.approx(0.1, rel=1e-6)
-    assert (told == ()) == given
-    if not given:
-        assert f"the dry friction of joint 1: {REASONS_OF_FRICTION[6]}" in told[0]
-
-
-def test_a_chain_that_lies_flat():
-    """All points stop at the same time for the same reason: derivatives continue."""
-    link = {"length": 0.3, "mass": 0.5}
-    scene = table(
-        [link, link | {"joint_damping": 0.05}],
-        box={"y_min": 0.0},
-        contact={"stiffness": 2e4, "restitution": 0.2, "friction": 0.3},
-        initial={"position": [0.0, 2e-3], "angles": [0.01, 0.015], "velocity": [2.0, -0.3]},
-        simulation={"stop_time": 0.9, "step_size": 0.01},
-    )
-    parameters = ("contact.friction", "initial.vx", "gravity.y", "link[2].mass")
-    case = Case(scene, parameters, (0.5, 0.9))
-    told, result = limits(case, parameters)
-    assert told == ()
-    assert [result[f"contact[{k}].y_min.sticking"][-1] for k in range(3)] == [1.0] * 3
-    for parameter in ("contact.friction", "initial.vx"):
-        found = result.sensitivity("point[0].x", parameter)[-1]
-        by_runs = differences(case, parameter)[0][-1][0]
-        assert found == pytest.approx(by_runs, rel=1e-4)
-        assert abs(result.sensitivity("point[0].vx", parameter)[-1]) < 1e-6

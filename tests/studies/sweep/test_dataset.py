@@ -3,8 +3,6 @@
 import errno
 import itertools
 import json
-import signal
-import subprocess
 import sys
 import tracemalloc
 
@@ -13,7 +11,6 @@ import pytest
 from filelock import FileLock
 from scipy.stats import qmc
 
-from chain_impact import cli
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
@@ -288,117 +285,6 @@ def test_without_pyarrow_the_extra_is_named_before_any_run(tmp_path, monkeypatch
     with pytest.raises(MissingExtraError, match=r"^pyarrow.*pip install .*\[sweep\]'"):
         sweep(SCENE, VARY, path=tmp_path / "runs", progress=lambda _: pytest.fail("it ran"))
     assert list(tmp_path.iterdir()) == []
-
-
-KILLED = """
-import os, signal, sys
-from chain_impact.cli import main
-from chain_impact.studies.sweep import sweep
-
-real = sweep.run_in_threads
-
-def killed(*arguments):
-    pieces = real(*arguments)
-    for _ in range(3):
-        yield next(pieces)
-    os.kill(os.getpid(), signal.SIGKILL)
-
-sweep.run_in_threads = killed
-main(sys.argv[1:])
-"""
-
-
-@pytest.mark.full("takes long")
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Windows has no such signal")
-def test_a_process_that_is_killed_goes_on_after_the_last_complete_file(tmp_path):
-    arguments = ["sweep", "--set", "solver.tolerance=1e-6", "--set", "simulation.stop_time=0.6"]
-    arguments += ["--vary", "contact.restitution=0.3:0.7:100000", "-o", "runs/"]
-    command = [sys.executable, "-c", KILLED, *arguments]
-    assert subprocess.run(command, cwd=tmp_path, check=False).returncode == -signal.SIGKILL
-    listed = set(json.loads((tmp_path / "runs" / MANIFEST).read_text(encoding="utf-8"))["files"])
-    assert len(listed) >= 2
-    times = {name: (tmp_path / "runs" / name).stat().st_mtime_ns for name in listed}
-    command = [sys.executable, "-m", "chain_impact.cli", *arguments]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert "table    runs/\nFourLinkBox  100000 runs: 100000 ok" in done.stdout
-    assert "100000 runs are kept in runs, " in done.stderr
-    assert {name: (tmp_path / "runs" / name).stat().st_mtime_ns for name in listed} == times
-    assert not list((tmp_path / "runs").glob(".*"))
-
-
-def test_ctrl_c_says_where_what_is_done_is_kept(tmp_path, monkeypatch, capsys):
-    real = module.run_in_threads
-
-    def interrupted(*arguments):
-        yield next(real(*arguments))
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(module, "run_in_threads", interrupted)
-    command = ["sweep", "--vary", "contact.restitution=0.3:0.7:50", "-o", f"{tmp_path / 'runs'}/"]
-    assert cli.main(command) == 130
-    said = capsys.readouterr().err
-    assert f"{tmp_path / 'runs'} has the finished runs" in said
-    monkeypatch.undo()
-    assert cli.main(command) == 0
-    assert "FourLinkBox  50 runs: 50 ok" in capsys.readouterr().out
-
-
-@pytest.fixture(params=[".csv", pytest.param(".parquet", marks=pytest.mark.full("more cases"))])
-def interrupted(request, tmp_path, monkeypatch, capsys):
-    """Interrupt a command when its table has a part of its rows.
-
-    Check the message, and return command and table.
-    """
-    real = module.run_in_threads
-
-    def run_in_threads(*arguments):
-        pieces = real(*arguments)
-        for _ in range(2):
-            yield next(pieces)
-        raise KeyboardInterrupt
-
-    table = tmp_path / f"runs{request.param}"
-    command = ["sweep", "--vary", "contact.restitution=0.3:0.7:50", "-o", str(table)]
-    with monkeypatch.context() as patched:
-        patched.setattr(module, "run_in_threads", run_in_threads)
-        assert cli.main(command) == 130
-    assert f"{table} has the finished runs" in capsys.readouterr().err
-    return command, table
-
-
-def rows_of(table):
-    if table.suffix == ".csv":
-        return table.read_text("utf-8").splitlines()[1:]
-    return pytest.importorskip("pyarrow.parquet").read_table(table).to_pylist()
-
-
-def test_ctrl_c_keeps_the_rows_that_are_done_and_the_same_command_goes_on(interrupted, monkeypatch):
-    command, table = interrupted
-    kept = rows_of(table)
-    assert 0 < len(kept) < 50
-    made, real = [], module.run_in_threads
-    monkeypatch.setattr(
-        module, "run_in_threads", lambda work, spans, n: made.extend(spans) or real(work, spans, n)
-    )
-    assert cli.main(command) == 0
-    assert sum(end - first for first, end in made) == 50 - len(kept)
-    assert [path.name for path in table.parent.iterdir()] == [table.name]
-    whole = rows_of(table)
-    assert all(row in whole for row in kept)
-    assert cli.main([*command[:-1], str(table.with_stem("other"))]) == 0
-    assert whole == rows_of(table.with_stem("other"))
-
-
-def test_another_sweep_does_not_go_on_with_rows_that_an_interrupted_one_has_left(interrupted, capsys):
-    command, table = interrupted
-    kept = rows_of(table)
-    assert cli.main([*command, "--set", "contact.stiffness=1e7"]) == 2
-    said = f"{table}.partial was left by a sweep that differs in its scene: remove it, or choose another name"
-    assert said in capsys.readouterr().err
-    assert rows_of(table) == kept
-    table.with_name(f"{table.name}.partial").write_bytes(b"PK")
-    assert cli.main(command) == 2
-    assert "does not come from an interrupted sweep" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("sampling", ["grid", "lhs", "sobol"])
