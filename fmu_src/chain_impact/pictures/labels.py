@@ -20,7 +20,7 @@ CLOSE = 4.0  # [points] distance from a place to its label
 # factors on this distance that are tried first; farther away, a line shows to which place a label belongs
 NEARBY = (1.0, 1.2)
 # factors on this distance that are tried beyond, if no label has a line
-UNLED = (1.3, 1.5, 1.8)
+UNLED = (1.3, 1.5, 1.8, 2.1)
 # factors on this distance that are tried if a line connects label and place
 FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 # directions that are tried: parts of a turn away from the best direction of a label, a turn being PARTS
