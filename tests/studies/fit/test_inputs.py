@@ -88,7 +88,7 @@ def test_times_of_impacts_with_a_torque_tell_the_damping():
         (
             {"joint[1].torque": TORQUE},
             ["joint[1].torque"],
-            "Arm: joint[1].torque is free, and a column of data",
+            "Arm: joint[1].torque is free, and is a column of data",
         ),
         ({"sigma(joint[1].torque)": TORQUE, "joint[1].torque": TORQUE}, FREE, "an input has no standard"),
         (
