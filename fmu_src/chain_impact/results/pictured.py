@@ -59,7 +59,8 @@ class Pictured(Recording):
         between rows. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates once more if there are
         fewer than 1000 rows.
 
-        Fonts follow matplotlib's settings and style sheets.
+        Fonts follow matplotlib's settings and style sheets. In a dark style the picture is dark. Axes ``ax``
+        become smaller if labels would be cut off by the edge of their figure.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
