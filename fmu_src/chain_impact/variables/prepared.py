@@ -250,7 +250,7 @@ class PreparedScene:
     def output_hint(self, name: str) -> str | None:
         """Return a hint for a name that is no output: how to get such an output; None if none is known."""
         inputs = [variable.name for variable in self.inputs]
-        if hint := output_hint(name, inputs, self.parameter_paths):
+        if hint := output_hint(name, inputs, self.parameter_paths, "a signal or --inputs FILE"):
             return hint
         if asked := input_asked(name):
             return f"the scene does not have this input: it needs {asked}"
@@ -306,10 +306,15 @@ def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
     return source if isinstance(source, PreparedScene) else PreparedScene(source)
 
 
-def output_hint(name: str, inputs: Collection[str], parameters: Collection[str]) -> str | None:
-    """Return a hint for a name that is no time series of a result: what it is; None if it is unknown."""
+def output_hint(
+    name: str, inputs: Collection[str], parameters: Collection[str], how: str = "a signal in its scene"
+) -> str | None:
+    """Return a hint for a name that is no time series of a result: what it is; None if it is unknown.
+
+    ``how`` names what makes an input an output.
+    """
     if matches(name, inputs):
-        return "it is an input that no signal drives: a signal or --inputs FILE makes it an output"
+        return f"it is an input that no signal drives: {how} makes it an output"
     if matches(name, parameters):
         return "it is a parameter, which stays constant"
     if name.startswith(("impact.", "impact[", "solver.")):
