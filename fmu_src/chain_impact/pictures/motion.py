@@ -205,9 +205,9 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
 
 
 def told(numbers: Sequence[int], most: int, kept: int) -> str:
-    """Return numbers as at most ``most`` parts, as ``listed`` returns: "1–81".
+    """Return numbers as text with at most ``most`` numbers and ranges: "1–81".
 
-    In place of more parts there are the first ``kept`` numbers: "7, 10 + 4 more".
+    If more would be needed, only the first ``kept`` numbers are named: "7, 10 + 4 more".
     """
     whole = listed(numbers)
     if whole.count(",") < most:

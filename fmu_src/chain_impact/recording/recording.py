@@ -89,9 +89,9 @@ class Recording:
 
     @cached_property
     def link_count(self) -> int:
-        """The number N of links, from the numbers of links and joints in names.
+        """The number N of links: the largest number of a link or joint in the names of columns.
 
-        Else all points count as ends of links.
+        Without such names all points count as ends of links.
         """
         numbers = [n for owner in ("link", "joint") for n, _ in self._of(owner)]
         return max(numbers, default=self.all_points.shape[1] - 1)

@@ -43,7 +43,7 @@ def report(fit: Estimates) -> Iterator[str | Table]:
 
 
 def heading(fit: Estimates, mark: str = "  ") -> str:
-    """Return the heading: the name of the scene, then behind a mark the names of the law and the data."""
+    """Return the heading: the scene's name, ``mark``, the law, and the numbers of data and parameters."""
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     return (
         f"{fit.scene.name}{mark}{f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
