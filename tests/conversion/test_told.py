@@ -172,7 +172,7 @@ def test_dozens_of_shapes_are_one_line(tmp_path):
     eggs = '<geom type="ellipsoid" size=".01 .01 .01" pos=".{:02} 0 0" mass="0"/>'
     _, done = read(tmp_path, arm(more="".join(map(eggs.format, range(30))), world=FLOOR.format("")))
     (line,) = [line for line in done.left_out if "ellipsoid" in line]
-    assert line.startswith("shapes 30 ellipsoids: touch nothing as such")
+    assert line.startswith("shapes 30 ellipsoids: do not touch as shapes")
 
 
 def test_of_dozens_of_shapes_only_those_that_a_wall_can_touch_first_are_points(tmp_path):
