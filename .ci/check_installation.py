@@ -16,7 +16,7 @@ from pathlib import Path
 import fmpy
 
 from chain_impact import BuildError, build_fmu, explore, fit, load_scene, simulate
-from chain_impact.compilation import places, ready
+from chain_impact.compilation import folders, ready
 from chain_impact.scene.scene import scene_from_dict, with_values
 
 MOST = 470  # MB
@@ -58,7 +58,7 @@ columns = {"time": measured.time, "point[1].y": measured["point[1].y"]}
 found = fit(rod.with_values({"contact.restitution": 0.6}), columns, ["contact.restitution"])
 assert abs(found.values["contact.restitution"] - rod.contact.restitution) < CLOSE
 explore(rod, Path(scratch.name, "page.html"))
-assert not places.base_folder().exists(), "a kernel was looked for in the cache, though all should be ready"
+assert not folders.base_folder().exists(), "a kernel was looked for in the cache, though all should be ready"
 
 law = Path(scratch.name, "mine.py")
 law.write_text("def mine(penetration):\n    return 1e6 * penetration\n", encoding="utf-8")

@@ -25,44 +25,6 @@ BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
 
 
-def names_of(module):
-    """Return the names that a module's source defines or imports at top level.
-
-    For the package, its exports.
-    """
-    names = set(chain_impact.__all__) if module == "chain_impact" else set()
-    for node in ast.parse(Path(find_spec(module).origin).read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            names |= {alias.asname or alias.name for alias in node.names}
-        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
-            names.add(node.name)
-        elif isinstance(node, ast.Assign | ast.AnnAssign):
-            names |= {found.id for found in ast.walk(node) if isinstance(found, ast.Name)}
-    return names
-
-
-def test_what_benchmarks_import_is_there():
-    trees = [(file, list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))) for file in FILES]
-    # names of older revisions, after a try with those of today
-    older = {
-        id(one)
-        for _, tree in trees
-        for node in tree
-        if isinstance(node, ast.ExceptHandler)
-        for one in node.body
-    }
-    asked = {
-        (file.name, node.module, alias.name)
-        for file, tree in trees
-        for node in tree
-        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in ("chain_impact", "tests")
-        if id(node) not in older
-        for alias in node.names
-    }
-    found = {module: names_of(module) for _, module, _ in asked}
-    assert [one for one in asked if one[2] not in found[one[1]] and not find_spec(".".join(one[1:]))] == []
-
-
 @pytest.fixture(scope="module")
 def charts():
     """Import a module of the benchmarks by name without a change of path, modules and environment."""

@@ -75,7 +75,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
 
 
 def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
-    """Yield the path from each last joint of a group back to the base, in the order of the bodies."""
+    """Yield the joints from the base to the last joint, for each last joint of a group."""
     for last in group:
         before = set(above(robot, last.body))
         if not any(last.body in set(above(robot, one.body)) - {one.body} for one in group):

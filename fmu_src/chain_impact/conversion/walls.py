@@ -15,8 +15,7 @@ from chain_impact.conversion.flat import TINY, Plan
 from chain_impact.conversion.joints import PARALLEL, Chosen, above
 from chain_impact.conversion.points import OUTLINED, Ball, balls_of, outermost, reach, tables_of
 from chain_impact.conversion.robot import Plane, Robot, Shape
-from chain_impact.kernel.initialize import OVERLAP
-from chain_impact.kernel.rows.geometry import NORMALS, WALLS
+from chain_impact.kernel.rows.geometry import NORMALS, OVERLAP, WALLS
 
 Points = list[dict[str, Any]]
 """The tables of the points of a link."""

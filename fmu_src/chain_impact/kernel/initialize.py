@@ -40,7 +40,7 @@ from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
-from chain_impact.kernel.rows.geometry import at_joint, clearance, place_walls
+from chain_impact.kernel.rows.geometry import OVERLAP, at_joint, clearance, place_walls
 from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
     FORCES_NOT_FOUND,
@@ -56,10 +56,6 @@ from chain_impact.kernel.status import (
     refuse_link,
     set_status,
 )
-
-# [m] the largest depth of a point in a wall at the start that counts as touching: round-off of positions and
-# sines
-OVERLAP = 1e-12
 
 
 def initialize(d, time):

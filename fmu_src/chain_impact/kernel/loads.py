@@ -91,7 +91,10 @@ def sum_from_tip(d, at_tip, x, y):
 
 
 def wall_force(d, c, along_normal, along_tangent):
-    """Return the force [N] or impulse [N·s] of a wall on candidate c's point, from two arrays."""
+    """Return the force [N] or impulse [N·s] of a wall on candidate c's point.
+
+    The arrays have its parts along the normal and along the tangent, one number for each candidate.
+    """
     _, nx, ny = normal(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
     if d.elements > 0:

@@ -13,8 +13,7 @@ from typing import Any
 
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.initialize import OVERLAP
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
 from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.contents import Contents

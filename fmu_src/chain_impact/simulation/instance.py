@@ -316,7 +316,7 @@ class Instance:
 
     @property
     def contradictions(self) -> list[str]:
-        """A sentence if given positions and velocities of a motion contradict each other; else ""."""
+        """At most one sentence: given positions and velocities of a motion contradict each other."""
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
         names = {variable.record_path: variable.name for variable in self.prepared.inputs}

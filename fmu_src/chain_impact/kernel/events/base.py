@@ -12,7 +12,7 @@ from chain_impact.kernel.events.crossing import given_bounds
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.ode.dense import TRIES, fraction
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
-from chain_impact.kernel.rows.geometry import BASE_DEPTH, base_clearance, faces_base
+from chain_impact.kernel.rows.geometry import OVERLAP, base_clearance, faces_base
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, count_other_work, refuse_base, work_exceeded
 
 
@@ -34,7 +34,7 @@ def check_base(d):
     move(d, d.step.end)
     for c in range(d.candidates if d.model.pinned and not d.slides else 0):
         # if ``end_at_base`` has ended the step, the clearance equals that of ``meeting`` up to round-off
-        if faces_base(d, c) and base_clearance(d, c) < -0.5 * BASE_DEPTH:
+        if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK
 
@@ -43,7 +43,7 @@ def room_at(d, c, time):
     """Return the distance of the base from the wall of candidate c at a time [s], plus round-off [m]."""
     move(d, time)
     count_other_work(d, 1)
-    return base_clearance(d, c) + BASE_DEPTH
+    return base_clearance(d, c) + OVERLAP
 
 
 def meeting(d, c, until):
@@ -55,7 +55,7 @@ def meeting(d, c, until):
         width = b - a
         sag = push * width * width / 8.0
         # in so short an interval the clearance g falls through zero at most once, up to round-off
-        short = sag < BASE_DEPTH
+        short = sag < OVERLAP
         if short and at_b < 0.0:
             return passage(d, c, a, b)
         if short or min(at_a, at_b) >= sag:

@@ -88,10 +88,11 @@ def locate_at(d, theta):
 # The largest deviation of φ from its chord that counts as round-off, relative to a link length; an interval
 # with a smaller deviation is not halved.
 CROSSING_RESOLUTION = 1e-15
-# The largest |φ|, and the largest change of φ in an interval, with which a point skims a wall, relative to a
-# link length; points of a link that is held elsewhere do so. FINE: the largest part of a step that is then
-# not halved.
-SKIMS, FINE = 1e-13, 2.0**-8
+# The largest |φ| with which a point skims a wall, relative to a link length; φ also changes by less than this
+# in the interval. Points of a link that is held elsewhere skim a wall.
+SKIMS = 1e-13
+# The largest part of a step that is not halved where a point skims a wall; a longer interval is halved.
+FINE = 2.0**-8
 # The largest time [s] between events that count as one: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2

@@ -94,8 +94,8 @@ def reinit_modes(d, jumped):
 def set_slack(d, e):
     """Set the speed with which element e may move against its direction of sliding because of errors.
 
-    If other forces hold an element whose friction is at its limit, the element may accelerate backward, or
-    its sliding may end and continue. Its speed is then as large as the tolerance allows.
+    If other forces hold an element whose friction is at its limit, errors decide whether it slides. The speed
+    is then the tolerance; for all other elements it is 0.
     """
     held = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = d.solver.tolerance * d.model.size if held and d.element.undecided[e] else 0.0

@@ -22,7 +22,8 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
-# effect of the end of a segment: no driven input jumps; one jumps; the speed of a belt jumps
+# Effect of the end of a segment. NO_JUMP: no driven input jumps. BENDS: an input jumps, and with it the
+# accelerations. JUMPS: the speed of a belt jumps.
 NO_JUMP, BENDS, JUMPS = 0, 1, 2
 # The largest difference between the values before and after the end of a segment that counts as round-off. It
 # is relative to the sum of the values' sizes, their change in a second, and a natural scale of the input.

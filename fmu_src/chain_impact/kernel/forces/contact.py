@@ -20,7 +20,7 @@ from chain_impact.kernel.rows.geometry import add_along, at_joint, clear_loads_o
 
 
 def clear_impacts(d, time):
-    """Clear the record of impacts at the start of a run, at ``time`` [s]."""
+    """Forget all impacts at the start of a run, at ``time`` [s]."""
     clear(d.impact)
     d.impact.last_time, d.impact.last_point = time, -1
 

@@ -156,7 +156,7 @@ def note_crossing(d, c, height):
 
 
 def clear_crossings(d):
-    """Clear the record of the active contacts that have crossed their kinks."""
+    """Forget which active contacts have crossed their kinks."""
     for k in range(d.touch.active_count):
         d.touch.kink_crossed[d.touch.active_index[k]] = 0
 

@@ -132,9 +132,9 @@ def begin_friction(d, c):
 def friction_load(d, c):
     """Return the normal force [N] of candidate c that determines its friction.
 
-    Beyond the kink, contact force and friction are continued smoothly until the kink has been located. But
-    within ``touch.kink_margin`` of the kink, where no step ends, a law that damps on approach only may give a
-    pull, with which friction would add energy.
+    Beyond the kink of the contact force, force and friction are continued smoothly until the kink has been
+    located. A law that damps on approach only may pull there, and friction in proportion to a pull would add
+    energy: for such a law a pull counts as 0.
     """
     return max(0.0, d.touch.force[c]) if d.law.approach_only[c] else d.touch.force[c]
 
@@ -227,6 +227,6 @@ def keep_anchors(d):
 
 
 def clear_margins(d):
-    """Clear the record of how near the modes of the elements are to their ends."""
+    """Forget how near the modes of the elements are to their ends."""
     for i in range(d.friction.count):
         d.element.margin[d.element.index[i]] = 0.0

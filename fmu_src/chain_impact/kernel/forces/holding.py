@@ -86,7 +86,7 @@ def start_from_loads(d):
 
 
 def clear_least_forces(d):
-    """Clear the record of the least forces of the contacts without a force law."""
+    """Forget the least forces of the contacts without a force law."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.rigid.least_force[d.touch.active_index[k]] = 0.0
 

@@ -193,7 +193,7 @@ def finished_dtype(candidates: int) -> np.dtype:
 
 @written_by("events/contact_log.py")
 def peaks_dtype() -> np.dtype:
-    """Return the layout of the largest values of all contacts in the log since the start."""
+    """Return the layout of the largest values in the whole run, over all contacts in the log."""
     return record(
         ("force", REAL),  # N, largest force of a wall on a point
         ("penetration", REAL),  # m, largest penetration

@@ -10,9 +10,9 @@ Letters: N links, points 0…N (0 is the base, N is the tip), P sites (further p
 and the state vector y (kernel/chain/state.py).
 
 Every size and offset has the form a + bN + cC + dF + eL + fK + gP + hD + iR. The compiled kernel relies on
-this form (compilation/record_type.py). The parts that depend on C come after all others, then those that
-depend on F, then those that depend on L, and last those that depend on K, so that the offsets of all others
-do not depend on them.
+this form (compilation/record_type.py). An offset depends on the counts of the fields before it, so the fields
+that every chain has come first. Fields of candidates, of dry friction, of loads, channels, sites and signals
+follow.
 """
 
 import numpy as np

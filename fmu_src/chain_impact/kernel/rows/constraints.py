@@ -291,7 +291,7 @@ def solve_lcp(d, scale):
 
 
 def clear_unsolved(d):
-    """Clear the record of unsolved problems; a tried step with an unsolved problem is refused."""
+    """Forget unsolved problems; a tried step with an unsolved problem is refused."""
     d.rigid.unsolved = SOLVED
 
 

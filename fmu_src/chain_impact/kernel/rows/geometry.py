@@ -32,8 +32,9 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The walls at any angle follow."""
 
 
-# [m] the largest depth of a base in a wall that counts as round-off; such a base is at the wall
-BASE_DEPTH = 1e-12
+# [m] the largest depth of a point or a base in a wall that counts as touching: round-off of positions and
+# sines
+OVERLAP = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The inward normals of the box's walls."""
 

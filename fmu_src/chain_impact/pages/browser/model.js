@@ -3,12 +3,11 @@
 
 import { checkDriven, drivenBy, drivenPlaces, putSignals, signalElements } from "./signals.js";
 import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
-import { STOPS, pointText, sumOf, wallsAt } from "./view.js";
+import { NORMALS, STOPS, pointText, sumOf, wallsAt } from "./view.js";
 
 const BYTES = 8; // [bytes] size of a word
 // the largest cosine between a slider's line and a wall's normal that counts as 0, because of round-off
 const PARALLEL = 1e-12;
-const NORMALS = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
 
 /** Return the numbers from 0 to length − 1. */
 const range = (length) => Array.from({ length }, (_, k) => k);

@@ -9,6 +9,8 @@ const MARGIN = 0.06; // margin around the view, over the size of the view
 const UPRIGHT = 0.5; // least component of a wall's normal along an axis with which the wall bounds the view on this axis
 const PIN = 0.08; // height of the mark of a pinned base, over the width of the motion
 const LEAST = 1e-6; // [m] size assumed for a chain that does not move
+/** The inward normals of the walls of the box. */
+export const NORMALS = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
 /** The stops of a joint: keys of a link, which are also names among the walls. */
 export const STOPS = ["joint_min", "joint_max"];
 /** The stops of a slider: name among the walls → key. */
@@ -43,10 +45,9 @@ export function pointText(names, point) {
 
 /** Return the free sides of the walls for the present parameters: name → normal and offset. */
 export function wallsAt(scene, valueOf) {
-  const normals = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
   const found = Object.entries(scene.walls).map(([name, wall]) => {
     if (valueOf(`box.${name}`) !== undefined) {
-      const [nx, ny] = normals[name];
+      const [nx, ny] = NORMALS[name];
       return [name, { normal: [nx, ny], offset: (nx + ny) * valueOf(`box.${name}`) }];
     }
     const angle = valueOf(`wall.${name}.angle`);

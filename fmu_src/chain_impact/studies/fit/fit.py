@@ -333,7 +333,7 @@ def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
         if count < FEW:
             yield (
                 f"{name} has {plural(count, 'value')}: a σ that is estimated from fewer than {FEW} is rough, "
-                "and so are the intervals. Give its sigma if you know it"
+                "and so are the intervals. Give its sigma if you know it."
             )
 
 

@@ -1,0 +1,49 @@
+"""Scripts outside the package: the names that they import exist, although most scripts run in no quick test."""
+
+import ast
+from importlib.util import find_spec
+from pathlib import Path
+
+import chain_impact
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = (".", ".ci", "benchmarks", "benchmarks/peers", "docs", "models/*", "packaging")
+SCRIPTS = sorted(file for folder in FOLDERS for file in ROOT.glob(f"{folder}/*.py"))
+
+
+def names_of(module):
+    """Return the names that a module's source defines or imports at top level.
+
+    For the package, its exports.
+    """
+    names = set(chain_impact.__all__) if module == "chain_impact" else set()
+    for node in ast.parse(Path(find_spec(module).origin).read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            names |= {alias.asname or alias.name for alias in node.names}
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            names |= {found.id for found in ast.walk(node) if isinstance(found, ast.Name)}
+    return names
+
+
+def test_what_scripts_import_from_the_package_and_the_tests_is_there():
+    trees = [(file, list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))) for file in SCRIPTS]
+    # names of older revisions, after a try with those of today
+    older = {
+        id(one)
+        for _, tree in trees
+        for node in tree
+        if isinstance(node, ast.ExceptHandler)
+        for one in node.body
+    }
+    asked = {
+        (file.name, node.module, alias.name)
+        for file, tree in trees
+        for node in tree
+        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in ("chain_impact", "tests")
+        if id(node) not in older
+        for alias in node.names
+    }
+    found = {module: names_of(module) for _, module, _ in asked}
+    assert [one for one in asked if one[2] not in found[one[1]] and not find_spec(".".join(one[1:]))] == []
