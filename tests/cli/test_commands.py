@@ -140,6 +140,7 @@ def test_the_list_of_impacts_is_written(run, here, suffix):
             "--columns (--output): they are columns of a table: give --csv",
         ),
         (("--csv", "a.csv", "--output", "pt[1].x"), "pt[1].x is no column; the nearest is point[1].x"),
+        (("--csv", "a.csv", "--output", "solver.stepz"), "the nearest is solver.steps"),
     ],
 )
 def test_a_list_or_columns_that_cannot_be_written_are_refused(run, here, options, expected):

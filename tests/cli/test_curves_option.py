@@ -26,7 +26,10 @@ def test_curves_are_drawn_into_a_file(run, here):
         ),
         (("--csv", "a.csv", "--size", "84"), "--size: it is the size of a picture: give --plot FILE too"),
         (("--plot", "a.svg", "--size", "6in"), "6in must be a width in millimetres, or WIDTHxHEIGHT"),
-        (("--curves", "joint[1].torque", "--plot", "a.svg"), "an input that no signal drives"),
+        (
+            ("--curves", "joint[1].torque", "--plot", "a.svg"),
+            "it is an input; a signal in the scene or --inputs FILE",
+        ),
         (("--around", "2", "--plot", "a.svg"), "around = 2 must be 1 to 1"),
         ((), "give --plot FILE or --show too"),
         (("--plot", "a.svg", "--rank", "peak_force"), "curves or derivatives"),

@@ -37,7 +37,7 @@ def test_an_effort_of_zero_is_told(tmp_path):
 
 def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
     parts = [link("u").replace('ixx=".01"', 'ixx=".05"'), joint("a", "base", "u")]
-    told = "link u: no body has its moments of inertia, 0.02, 0.02 and 0.05 kg·m²"
+    told = "link u: no rigid body can have the moments of inertia 0.02, 0.02 and 0.05 kg·m²"
     assert told in read(tmp_path, urdf(*parts))[1].differs
 
 

@@ -34,6 +34,8 @@ def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
 def test_around_an_impact_time_is_that_after_its_onset(result):
     page = result.plot(curves="contact[4].y_min.force", around=2)
     assert page.get_suptitle().endswith(" hits y_min, impact 2 of 2")
+    named = result.plot(curves="contact[4].y_min.force", around=2, title="Fall")
+    assert [named.get_suptitle(), "hits y_min, impact 2 of 2" in named.texts[1].get_text()] == ["Fall", True]
     assert "grey: impacts; dotted: the end" in page.axes[0].get_xlabel()
     (axes,) = page.axes
     end, line = axes.lines

@@ -75,8 +75,8 @@ def test_what_fits_stays_in_a_line():
 def test_no_line_ends_between_a_name_and_its_number():
     page, text = (
         Figure(figsize=(3.0, 3.0)),
-        SEPARATOR.join(f"restitution e = 0.{k}, most ≤ {k} J" for k in range(9)),
+        SEPARATOR.join(f"restitution e = 0.{k}, most ≤ {k} J, 1{k} kN, 2 %" for k in range(9)),
     )
     lines = broken(page, text).split("\n")
     assert len(lines) > 3
-    assert not any(line.endswith(("=", "≤")) or line.startswith(("=", "≤", "J")) for line in lines)
+    assert not any(line.endswith(("=", "≤")) or line.startswith(("=", "≤", "J", "kN", "%")) for line in lines)

@@ -1,13 +1,11 @@
 """The benchmarks fit the present package, as far as a test without running them can show."""
 
-import ast
 import importlib
 import json
 import math
 import os
 import re
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 import matplotlib as mpl

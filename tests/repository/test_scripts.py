@@ -1,4 +1,4 @@
-"""Scripts outside the package: the names that they import exist, although most scripts run in no quick test."""
+"""Scripts outside the package: the names that they import exist, although no quick test runs most scripts."""
 
 import ast
 from importlib.util import find_spec

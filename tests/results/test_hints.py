@@ -8,7 +8,7 @@ from chain_impact import SceneWarning, SimulationError, cli, load_scene, simulat
 
 SOFT = {"contact.stiffness": 100.0}
 TOLD = (
-    "a point goes farther beyond y_min than the shortest link is long, 0.5 m: "
+    "a point goes farther beyond y_min than the length of the shortest link, 0.5 m: "
     "contact.stiffness = 100 [N/m^1.5] is small for this motion"
 )
 
@@ -54,7 +54,7 @@ def test_a_rod_that_touches_with_one_point_is_no_ball():
     soft = {"contact.points": [0], "contact.stiffness": 10.0}
     told, _ = said(load_scene("rod_drop").with_values(soft))
     assert len(told) == 1
-    assert "a point goes farther beyond y_min than the shortest link is long, 0.6 m" in told[0]
+    assert "a point goes farther beyond y_min than the length of the shortest link, 0.6 m" in told[0]
 
 
 def test_a_ball_goes_deeper_than_its_radius():

@@ -130,18 +130,24 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
 @pytest.mark.parametrize(
     ("name", "hint"),
     {
-        "joint[1].torque": "it is an input that no signal drives",
-        "joint[*].torque": "it is an input that no signal drives",
+        "joint[1].torque": "it is an input; a signal in the scene",
+        "joint[*].torque": "it is an input; a signal in the scene",
         "base.x": "it needs inputs.base_motion = true",
         "joint[1].peak_force": "it needs outputs.loads = true",
-        "contact.stiffness": "it is a parameter",
-        "impact[1].time": "impacts are in result.impacts",
+        "contact.stiffness": "parameters are no outputs",
     }.items(),
 )
 def test_a_name_that_is_no_output_is_told_what_it_is(name, hint):
     arm = load_scene("pinned_arm").with_values({"outputs.impacts": 0})
     assert hint in refusal(lambda: simulate(arm, output=[name]))
     assert hint in refusal(lambda: simulate(arm, 0.01)[name])
+
+
+def test_of_a_misspelt_output_the_nearest_is_named():
+    for wrong, right in (("impact.cnt", "impact.count"), ("solver.stepz", "solver.steps")):
+        assert f"the nearest is {right}" in refusal(
+            lambda wrong=wrong: simulate(default_scene(), output=[wrong])
+        )
 
 
 # --- what it says ----------------------------------------------------------------------------------------

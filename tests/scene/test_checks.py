@@ -101,7 +101,7 @@ def test_a_pinned_base_beyond_a_wall_is_warned_of():
     ("changes", "told"),
     [
         ({"link[1].length": 500.0}, "link[1].length = 500 m is long for link[1].mass = 1 kg: is it in mm?"),
-        ({"gravity.y": -9810.0}, "m/s² is a thousand times as strong as on earth: is it in mm?"),
+        ({"gravity.y": -9810.0}, "m/s² is a thousand times as strong as on earth: is it in mm/s²?"),
     ],
 )
 def test_lengths_in_millimetres_are_asked_about(changes, told):

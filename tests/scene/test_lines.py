@@ -121,3 +121,9 @@ def test_a_reversed_wall_is_asked_about():
 def test_a_key_that_is_given_twice_is_named(before, after, told):
     with pytest.raises(SceneError, match=re.escape(told)):
         parse_scene(TEXT.replace(before, after), "file.toml")
+
+
+def test_a_key_of_a_number_is_no_key_that_is_given_twice():
+    with pytest.raises(SceneError) as refused:
+        parse_scene(TEXT.replace("length = 0.2", "length = 0.2\nlength.x = 0.3"), "file.toml")
+    assert "twice" not in str(refused.value)

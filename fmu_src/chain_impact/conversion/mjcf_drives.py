@@ -151,7 +151,12 @@ class Drives:
             self._tell(a, "is neither a motor nor a servo: is not in the scene", Effect.MOTION, joint.name)
             return None
         if model.actuator_plugin[a] >= 0:
-            self._tell(a, "is a plugin; the scene has only its other values", Effect.MOTION, joint.name)
+            self._tell(
+                a,
+                "is a plugin, which the scene ignores; its other values are used",
+                Effect.MOTION,
+                joint.name,
+            )
         control = self._control(joint, a)
         low, high = self._limits(a, gear, float(gain[0]), bias)
         scale = gear * float(gain[0])

@@ -214,7 +214,8 @@ def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
     for b, body in enumerate(bodies):
         low, middle, high = np.linalg.eigvalsh(body.inertia)
         if low + middle < high * (1.0 - ROUND) or low < -ROUND * high:
-            text = f"no body has its moments of inertia, {low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
+            moments = f"{low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
+            text = f"no rigid body can have the moments of inertia {moments}"
             around = frozenset([b, -1])
             yield Difference(
                 kind="link", name=body.name, text=text, effect=Effect.MASS, differs=True, bodies=around

@@ -257,5 +257,5 @@ def words(path: DataPath) -> list[int]:
 
 
 def _affine(number: Callable[[np.dtype], int]) -> list[int]:
-    """Return the constant, and the slope for each count in ``COUNTS``, of a number that a record determines."""
+    """Return the constant and the slope for each of ``COUNTS``, of a number that a record determines."""
     return [*affine([number(layout_of(*sizes)) for sizes in SAMPLES])]

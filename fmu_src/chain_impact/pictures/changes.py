@@ -83,7 +83,7 @@ def calm(recording: Recording) -> np.ndarray:
 
 
 def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequence[str]) -> np.ndarray:
-    """Return the largest changes of the outputs, outside of impacts, over their ranges, shape (T, P).
+    """Return the largest changes of the outputs, outside of impacts, relative to their ranges, shape (T, P).
 
     The result is 0 within impacts.
     """

@@ -53,14 +53,18 @@ def check_curves(curves: Curves) -> None:
 
 @styled()
 def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
-    """Draw the curves on an empty page. The title "" stands for the run's summary, None for no title.
+    """Draw the curves on an empty page.
+
+    The title "" stands for the impact in view or the summary of the run, None for no title.
 
     Raises:
         ValueError: when there are no curves, or too many.
     """
     check_curves(curves)
     if title is not None:
-        write_head(page, recording, title or title_of(recording, curves))
+        seen = in_view(recording, curves)
+        summary = f"{recording.name}: {seen}" if seen else ""
+        write_head(page, recording, title or summary, seen if title else "")
     panels = curves.panels
     grid = page.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     draw_all(list(grid), recording, curves)
@@ -72,13 +76,13 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
     settle(page)
 
 
-def title_of(recording: Recording, curves: Curves) -> str:
-    """Return words for the impact in view; "", the run's summary, for a view of the whole run."""
+def in_view(recording: Recording, curves: Curves) -> str:
+    """Return words for the impact in view; "" for a view of the whole run."""
     if not curves.number:
         return ""
     impact, count = recording.impacts[curves.number - 1], len(recording.impacts)
     hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
-    return f"{recording.name}: {hit}, impact {curves.number} of {count}"
+    return f"{hit}, impact {curves.number} of {count}"
 
 
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:

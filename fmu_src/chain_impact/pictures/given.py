@@ -30,10 +30,12 @@ def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
     before = {one: set(one.findobj()) for one in grounds}
     for one in grounds:
         one.set_facecolor("white")
-    with styled(COLOURS if grounds else {}):
-        yield
-    for one, ground in grounds.items():
-        ground.suit([one.patch, *(set(one.findobj()) - before[one]), one.xaxis, one.yaxis])
+    try:
+        with styled(COLOURS if grounds else {}):
+            yield
+    finally:
+        for one, ground in grounds.items():
+            ground.suit([one.patch, *(set(one.findobj()) - before[one]), one.xaxis, one.yaxis])
 
 
 def fit_into_figure(axes: Sequence[Axes]) -> None:

@@ -146,7 +146,7 @@ def _place(
 ) -> bool:
     """Write one of some texts at the first free position; return whether there is one.
 
-    A text covers the best position of another label only if there is no other position.
+    A text covers the best position of another label only if the text has no other position.
 
     Args:
         axes: the axes inside which the text stays.

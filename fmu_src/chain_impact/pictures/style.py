@@ -84,7 +84,7 @@ SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
 STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten
 # a space at which a line may end: not beside the sign before a number, and not before a unit
-SPACE = re.compile(r"(?<![=≤]) (?![=≤]|(?:N|J|m|kg|rad|s)\b)")
+SPACE = re.compile(r"(?<![=≤]) (?![=≤]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
 
 
@@ -251,7 +251,7 @@ def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
 
 
 def _foot(page: Figure) -> float:
-    """Return the height of the texts at the foot, over the height of the page."""
+    """Return the height of the texts at the foot, relative to the height of the page."""
     engine = page.get_layout_engine()
     return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
 

@@ -11,7 +11,7 @@ from chain_impact.recording.course import Rerun
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.reading import matching
-from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.prepared import PreparedScene, of_series
 
 # WITHIN: the number of times within an impact; FOLLOWED: the largest number of impacts that get such times
 WITHIN, FOLLOWED = 50, 400
@@ -72,9 +72,8 @@ def curves_of(
         UnknownNameError: when no output has a name.
         ValueError: when no impact has the number.
     """
-    like = (
-        matching(recording.name, one, recording.columns, "no output", recording.output_hint) for one in names
-    )
+    hint = of_series(recording.output_hint)
+    like = (matching(recording.name, one, recording.columns, "no output", hint) for one in names)
     chosen = list(dict.fromkeys(name for found in like for name in found))
     onset, low, high = window(recording, around)
     time = recording.time

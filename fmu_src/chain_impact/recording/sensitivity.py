@@ -12,14 +12,14 @@ from chain_impact.recording.equality import same
 from chain_impact.recording.text import Table, as_html, plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
-from chain_impact.scene.unit_text import in_brackets, unit_text
+from chain_impact.scene.unit_text import in_brackets, with_unit
 from chain_impact.variables.listing import derivatives
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
-"""The change of a parameter for which changes of results are given: over its value or, if that is 0, over its
-unit."""
+"""The change of a parameter for which changes of results are given, relative to its value or, if that is 0,
+to its unit."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -94,7 +94,7 @@ class Sensitivities:
         )
         rows = [
             (
-                *(name, f"{value:.6g} {unit_text(self.units[name])}".rstrip(), f"+ {self.step_text(name)}"),
+                *(name, with_unit(f"{value:.6g}", self.units[name]), f"+ {self.step_text(name)}"),
                 *(f"{change:+.3g}" for end in ends for change in end[:, k]),
             )
             for k, (name, value) in enumerate(self.parameters.items())
@@ -156,7 +156,7 @@ class Sensitivities:
         return (
             f"{100.0 * PART:g} %"
             if self.parameters[parameter]
-            else f"{PART:g} {unit_text(self.units[parameter])}".rstrip()
+            else with_unit(f"{PART:g}", self.units[parameter])
         )
 
     def changes(self, output: str) -> np.ndarray:

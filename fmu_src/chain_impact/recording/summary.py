@@ -162,7 +162,7 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return a sentence on a wall in which a point went deeper than the smallest body is large.
+    """Return a sentence on a wall in which a point went deeper than the size of the smallest body.
 
     Such a wall does not act as a wall. The sentence names the wall with the largest penetration.
     """
@@ -193,4 +193,4 @@ def smallest_body(scene: Scene) -> tuple[float, str]:
     centre = ends.get(link.center_of_mass) if link.center_of_mass_offset == 0.0 else None
     if scene.chain.base == "free" and len(scene.chain.links) == 1 and points == (centre,):
         return scene.contact.radius or np.inf, "the radius of the ball"
-    return link.length, "the shortest link is long"
+    return link.length, "the length of the shortest link"

@@ -74,7 +74,8 @@ class Pictured(Recording):
                 ``["contact[*].y_min.force", "point[4].y"]``. Each unit has a panel. The run is repeated with
                 more rows within impacts.
             around: the number of an impact, from 1, around which the curves are drawn.
-            title: the title of the picture, by default a summary of the run; None for no title.
+            title: the title of the picture, by default the impact in view or a summary of the run; None
+                for no title.
             ax: axes of matplotlib to draw into, one for each panel; by default for ``motion`` alone. The axes
                 are returned.
 

@@ -17,7 +17,7 @@ from chain_impact.recording.tables import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.text import Table, as_html, as_text, plural
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching
-from chain_impact.scene.unit_text import in_brackets, unit_text
+from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,7 +65,7 @@ class Effect(NamedTuple):
     @property
     def told(self) -> str:
         """The value with its unit; if the value is 0, also the step: "0 + 0.01 N·m"."""
-        return f"{self.value:.6g} {unit_text(self.unit)}".rstrip() if self.value else f"0 + {self.step}"
+        return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -159,7 +159,7 @@ class Ranking:
         from chain_impact import pictures
 
         percent = f"{100.0 * PART:g} %"
-        shown, unit = self.effects[:DRAWN], f" {unit_text(self.unit)}".rstrip()
+        shown, unit = self.effects[:DRAWN], with_unit("", self.unit)
         added = [effect.value == 0.0 for effect in shown]
         more = len(self.effects) - len(shown)
         told = [

@@ -19,7 +19,7 @@ from chain_impact.results.pictured import Pictured
 from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
-from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.prepared import PreparedScene, of_series
 
 if TYPE_CHECKING:
     import pandas
@@ -116,7 +116,8 @@ class Result(Pictured):
             return self.motion[name]
         if name in self.names:
             return self.stepwise[name]
-        like = matching(self.scene.name, name, self.names, "no output of this result", self.output_hint)
+        hint = of_series(self.output_hint)
+        like = matching(self.scene.name, name, self.names, "no output of this result", hint)
         return {one: self[one] for one in like}
 
     @property
@@ -127,6 +128,11 @@ class Result(Pictured):
     def output_hint(self, name: str) -> str | None:
         """Return a hint for a name that is no output; None if none is known."""
         return self.prepared.output_hint(name)
+
+    @property
+    def model(self) -> PreparedScene:
+        """The same as ``prepared``, an earlier name."""
+        return self.prepared
 
     @cached_property
     def columns(self) -> Mapping[str, np.ndarray]:

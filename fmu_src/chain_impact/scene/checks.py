@@ -25,8 +25,8 @@ from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 PACKAGE = __name__.partition(".")[0]
-# a link that is longer [m], and lighter for its length [kg/m], than any arm or pole; a rope is as light, and
-# 0.5 m in mm would be as long
+# A link longer than LONG [m] with less mass per length than LIGHT [kg/m] is probably given in mm: only a long
+# rope is so light.
 LONG, LIGHT = 20.0, 0.2
 IN_MM = (9e3, 1.05e4)  # [m/s²] gravity on earth, if it is in mm/s²
 
@@ -315,13 +315,14 @@ def size_hints(scene: Contents) -> list[str]:
     """Return questions about the unit of lengths that are probably in millimetres."""
     links, pull = scene.chain.links, math.hypot(*scene.gravity)
     found = [
-        f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg"
+        f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
         for i, link in enumerate(links, 1)
         if link.length > LONG and link.mass < LIGHT * link.length
     ][:1]
     if IN_MM[0] < pull < IN_MM[1]:
-        found.append(f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth")
-    return [f"{one}: is it in mm?" for one in found]
+        strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
+        found.append(f"{strong}: is it in mm/s²?")
+    return found
 
 
 def base_hints(scene: Contents) -> list[str]:

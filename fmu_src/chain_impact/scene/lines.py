@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from chain_impact.scene.angles import degrees_pattern
 from chain_impact.scene.names import DataPath
@@ -64,6 +65,17 @@ def _steps(dotted: str) -> DataPath:
     return tuple(step.strip("\"'") for step in re.findall(_NAME, dotted))
 
 
+def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
+    """Return the keys that lines of a TOML file give after the last head of a table."""
+    keys: set[DataPath] = set()
+    for line in lines:
+        if _HEAD.match(line):
+            keys.clear()
+        elif key := _KEY.match(line):
+            keys.add(_steps(key[1]))
+    return keys
+
+
 def fault_hint(text: str, fault: str) -> str:
     """Return a hint how to write the line of a TOML file at which the parser found a fault.
 
@@ -73,8 +85,9 @@ def fault_hint(text: str, fault: str) -> str:
     lines = text.splitlines()
     line = lines[int(named[1]) - 1] if named and int(named[1]) <= len(lines) else ""
     key, head = _KEY.match(line), _HEAD.match(line)
-    if "overwrite" in fault and key:
-        return f"; {'.'.join(map(str, _steps(key[1])))} is given twice"
+    if "overwrite" in fault and key and named:
+        steps, before = _steps(key[1]), lines[: int(named[1]) - 1]
+        return f"; {'.'.join(map(str, steps))} is given twice" if steps in _keys_of_last_table(before) else ""
     if head:
         name = ".".join(map(str, _steps(head[2])))
         if name in LISTS and head[1] == "[":

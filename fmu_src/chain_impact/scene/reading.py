@@ -34,6 +34,11 @@ class SceneError(ValueError):
         super().__init__(" ".join(message.splitlines()))
         self.path = path
 
+    @property
+    def place(self) -> DataPath:
+        """The same as ``path``, an earlier name."""
+        return self.path
+
 
 @contextmanager
 def as_typed(names: Iterable[Any]) -> Iterator[None]:

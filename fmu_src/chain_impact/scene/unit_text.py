@@ -14,7 +14,14 @@ def unit_text(unit: str | None) -> str:
 
 def of_power(unit: str, exponent: float | None) -> str:
     """Return the unit of a stiffness, a force over a power of a penetration: N/m^1.5, or N/m."""
+    if exponent is None:
+        return f"{unit}^exponent"
     return unit if exponent == 1.0 else f"{unit}^{exponent:g}"
+
+
+def with_unit(text: str, unit: str | None) -> str:
+    """Return a text with a unit after a space; the text alone for a pure number."""
+    return f"{text} {unit_text(unit)}".rstrip()
 
 
 def in_brackets(unit: str | None) -> str:

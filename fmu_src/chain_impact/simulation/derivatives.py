@@ -36,7 +36,7 @@ from chain_impact.variables.variable import Variable
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The columns of impacts that have derivatives."""
 TOLD = 1e-5
-"""The least error of derivatives that a user is told, over the largest derivative.
+"""The least error of derivatives that a user is told, relative to the largest derivative.
 
 Smaller errors are like the errors that the tolerance allows.
 """

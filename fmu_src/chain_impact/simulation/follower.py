@@ -40,7 +40,7 @@ CALLS_PER_PIECE = 50  # the number of calls in addition to CALLS for each piece 
 SIMPLE = 4  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
 # a value belongs to one of two polynomials if it is nearer to that one by the factor NEARER
 NEARER = 0.1
-RESOLVED = 1e-14  # the relative error of a time, relative to the time; it changes the values
+RESOLVED = 1e-14  # the error of a time, relative to the time; it changes the values
 # the difference of two pieces where they meet, relative to the allowed error, above which there is a jump
 JOINED = 10.0
 # the size of a last coefficient, relative to the allowed error, below which the coefficient is left out

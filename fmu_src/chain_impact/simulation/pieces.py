@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.inputs import DEGREE
 
-ROUND_OFF = 4e-15  # the relative error of a function's values, relative to the largest value
+ROUND_OFF = 4e-15  # the error of a function's values, relative to the largest value
 
 
 @dataclass(frozen=True)

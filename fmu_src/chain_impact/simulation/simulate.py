@@ -99,7 +99,7 @@ def simulate(
         progress: called with the finished fraction, 0 to 1, if given.
 
     Warns:
-        SceneWarning: when a point goes farther beyond a wall than the shortest link is long.
+        SceneWarning: when a point goes farther beyond a wall than the length of the shortest link.
 
     Raises:
         SceneError: when one of the arguments is outside its range, or the result would be too large.

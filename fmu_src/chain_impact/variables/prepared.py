@@ -42,6 +42,9 @@ SAME = (
 """The attributes that do not depend on numbers of the scene."""
 NAMED = 64  # the largest number of selections of outputs whose indices are kept
 
+Hint = Callable[[str], str | None]
+"""A function that returns a hint for an unknown name; None if none is known."""
+
 
 class PreparedScene:
     """A scene and the data that follow from it. Each part is computed once, usually at its first use.
@@ -244,16 +247,18 @@ class PreparedScene:
         Raises:
             UnknownNameError: when no column has a name, or matches a pattern.
         """
-        found = self._named(wanted, self.columns, "no output", self.output_hint)
+        found = self._named(wanted, self.columns, "no output", of_series(self.output_hint))
         return {name: self.columns[name] for name in found}
 
     def output_hint(self, name: str) -> str | None:
         """Return a hint for a name that is no output: how to get such an output; None if none is known."""
         inputs = [variable.name for variable in self.inputs]
-        if hint := output_hint(name, inputs, self.parameter_paths, "a signal or --inputs FILE"):
+        if hint := output_hint(name, inputs, self.parameter_paths, "a signal in the scene or --inputs FILE"):
             return hint
         if asked := input_asked(name):
             return f"the scene does not have this input: it needs {asked}"
+        if matches(name, self._own_outputs):
+            return None
         for key in keys(Outputs):
             if getattr(self.scene.outputs, key.name) is False:
                 more = self.scene.with_values({f"outputs.{key.name}": True})
@@ -288,7 +293,7 @@ class PreparedScene:
         wanted: str | Iterable[str],
         there: Mapping[str, Any],
         what: str,
-        hint: Callable[[str], str | None] = lambda _: None,
+        hint: Hint = lambda _: None,
     ) -> dict[str, None]:
         """Return the entries of ``there`` with the wanted names, each once."""
         names = (wanted,) if isinstance(wanted, str) else wanted
@@ -306,17 +311,24 @@ def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
     return source if isinstance(source, PreparedScene) else PreparedScene(source)
 
 
-def output_hint(
-    name: str, inputs: Collection[str], parameters: Collection[str], how: str = "a signal in its scene"
-) -> str | None:
-    """Return a hint for a name that is no time series of a result: what it is; None if it is unknown.
+def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
+    """Return a hint for a name that is no output: what it is; None if it is unknown.
 
     ``how`` names what makes an input an output.
     """
     if matches(name, inputs):
-        return f"it is an input that no signal drives: {how} makes it an output"
+        return f"it is an input{how and f'; {how} makes it an output'}"
     if matches(name, parameters):
-        return "it is a parameter, which stays constant"
-    if name.startswith(("impact.", "impact[", "solver.")):
-        return "impacts are in result.impacts, counts of the solver in result.statistics"
+        return "parameters are no outputs: they stay constant during a run"
     return None
+
+
+def of_series(hint: Hint) -> Hint:
+    """Return a hint for names of time series: where values are that change at events only, else ``hint``."""
+
+    def found(name: str) -> str | None:
+        if name.startswith(("impact.", "impact[", "solver.")):
+            return "impacts are in result.impacts, counts of the solver in result.statistics"
+        return hint(name)
+
+    return found

@@ -47,7 +47,7 @@ TOUCH_OFF = 1e-9
 # The largest change of an acceleration that counts as round-off, relative to the largest position divided by
 # the squared step.
 ACCELERATION_ROUND_OFF = 1e-14
-# `change_rate` of a cubic motion, over 1/h; small, because the sixth derivative of a cubic is 0
+# `change_rate` of a cubic motion, relative to 1/h; small, because the sixth derivative of a cubic is 0
 CUBIC_CHANGE = 0.5
 # the largest time from the end of a step to the end of the piece with which the step ends, relative to the
 # time

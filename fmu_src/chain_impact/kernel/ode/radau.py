@@ -87,7 +87,7 @@ LEFT_Q = tuple(
 ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
 LEFT_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
 DIVERGES = 0.95  # the convergence rate θ above which the iteration is given up
-FARTHEST = 1e20  # the largest correction over the tolerance; beyond this the iteration has failed
+FARTHEST = 1e20  # the largest correction, relative to the tolerance; beyond this the iteration has failed
 
 
 def _transformed(i):

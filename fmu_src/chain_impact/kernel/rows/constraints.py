@@ -57,8 +57,8 @@ STIFFEST, STIFFER, SLOW_DECREASE = 1e12, 1e3, 0.1
 # whole motion, times the large D of the other iterations, would remain in the forces against motions that can
 # hardly be constrained, and steps at tight tolerances would be short.
 GENTLE = 1e3
-# The least W for which a single constraint is solved directly, over 1/(mean mass of a link). A smaller W, as
-# near a toggle position, has lost digits, and the iteration is used instead.
+# The least W for which a single constraint is solved directly, relative to 1/(mean mass of a link). A smaller
+# W, as near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
 # The residual of a constrained motion that may be round-off, relative to the largest motion. If NOISE is much

@@ -1,6 +1,7 @@
 // The contents of a scene file, completed and checked by the rules of the keys in `kit.py`. The kernel refuses values that
 // are valid alone but not together.
 
+import { unitText } from "./format.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 import { SLIDER_STOPS, STOPS } from "./view.js";
 
@@ -71,7 +72,10 @@ class ContentsReader {
   /** Return the rule of a key with the unit of the first input of a signal, if the values of the key have this unit. */
   #inUnitOf(names, rule) {
     if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
-    return rule.hasUnitOfInput ? { ...rule, unit: this.units.get(names[0]?.replace(/\[\d+\]/, "[{n}]")) } : rule;
+    if (!rule.hasUnitOfInput) return rule;
+    const unit = this.units.get(names[0]?.replace(/\[\d+\]/, "[{n}]").replace(/^wall\.\w+/, "wall.{name}"));
+    const told = unitText(unit ?? "1");
+    return { ...rule, unit, allowed: told ? `${rule.allowed} [${told}]` : rule.allowed };
   }
 
   #list(asked, { kind, keys, entries, each, length, orTrue, orOne }, path) {

@@ -101,8 +101,7 @@ def fit(
         if late
         else []
     )
-    long = _long(usual, whole)
-    warn(scene.name, long)  # before the first run, because runs of long data take long
+    warn(scene.name, _long(usual, whole))  # before the first run, because runs of long data take long
     _check_sigma(scene, sigma or {}, measured)
 
     def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
@@ -111,7 +110,7 @@ def fit(
         try:
             found = _fit(Problem(scenes, measured, parameters, interpolation), progress)
         except SceneError as error:
-            raise SceneError("; ".join([str(error), *long, *beyond])) from None
+            raise SceneError("; ".join([str(error), *beyond])) from None
         return replace(found, notes=(*beyond, *found.notes))
 
     if laws:

@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.pictures.style import number
 from chain_impact.recording.text import Table, plural
-from chain_impact.scene.unit_text import unit_text
+from chain_impact.scene.unit_text import with_unit
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
@@ -55,7 +55,7 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = []
     for one in fit.parameters:
         value, error = fit.values[one.label], fit.standard_errors[one.label]
-        unit = "" if one.unit.startswith("N/m^") else f" {unit_text(one.unit)}".rstrip()
+        unit = "" if one.unit.startswith("N/m^") else with_unit("", one.unit)
         place = error / value if one.logarithmic else error
         rows.append(
             (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator
 
-from chain_impact.scene.unit_text import unit_text
+from chain_impact.scene.unit_text import with_unit
 from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.uncertainty import Information
@@ -66,4 +66,4 @@ def size_of(parameter: Parameter, value: float, error: float) -> str:
     positive = parameter.low == 0.0 and not math.isfinite(parameter.high) and error < HUGE * value
     if parameter.logarithmic or positive:
         return f"{100.0 * (error if parameter.logarithmic else error / value):.2g} %"
-    return f"{error:.2g} {unit_text(parameter.unit)}".rstrip()
+    return with_unit(f"{error:.2g}", parameter.unit)

@@ -127,7 +127,7 @@ int set(Instance *one, const char *call, Element element, const uint32_t vr[], s
     if (!given(one, call, one->interface->references, vr) || !given(one, call, one->interface->values, values))
         return ERROR;
     if (length != count)
-        return say(one, ERROR, "%s: these %zu variables have as many values, but %zu are given", call, count,
+        return say(one, ERROR, "%s: %zu variables need one value each, but %zu values are given", call, count,
                    length);
     for (size_t i = 0; i < count; i++)
         if (check(one, call, element, vr[i], word_at(element, values, i)) != OK) return ERROR;
