@@ -127,3 +127,23 @@ def test_a_key_of_a_number_is_no_key_that_is_given_twice():
     with pytest.raises(SceneError) as refused:
         parse_scene(TEXT.replace("length = 0.2", "length = 0.2\nlength.x = 0.3"), "file.toml")
     assert "twice" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        ("points = [0]", "points = [7]", "contact.points holds 7, must hold"),
+        (
+            "length = 0.2",
+            "length = 0.2\ninertia = 0.0\ncenter_of_mass = 0.0",
+            "link[2].inertia = 0.0 must be > 0",
+        ),
+    ],
+)
+def test_values_that_are_wrong_together_have_the_line_of_the_first(before, after, told):
+    text = TEXT.replace(before, after)
+    with pytest.raises(SceneError, match=rf"{re.escape(told)}.*\(at line \d+\)$") as refused:
+        parse_scene(text, "file.toml")
+    key = {"contact.points": "points", "link[2].inertia": "inertia"}[told.partition(" ")[0]]
+    line = text.splitlines()[int(re.search(r"at line (\d+)", str(refused.value))[1]) - 1]
+    assert line.strip().startswith(key)

@@ -82,7 +82,8 @@ def check_together(scene: Contents) -> None:
     for i, wall in enumerate(scene.walls):
         others = *WALLS, *(other.name for other in scene.walls[:i])
         if wall.name in others:
-            raise SceneError(f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}")
+            told = f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}"
+            raise SceneError(told, ("walls", i, "name"))
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius:.15g} [m], which is {axis}_min + 2 contact.radius"
@@ -132,9 +133,10 @@ def check_reach(scene: Contents) -> None:
     ]
     pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
     if out_of_reach and len(scene.walls) > pairs:
-        number = [wall.name for wall in scene.walls].index(out_of_reach[0]) + 1
+        i = [wall.name for wall in scene.walls].index(out_of_reach[0])
         reason = "no point can reach it: all points that may touch slide parallel to it"
-        raise SceneError(f"walls[{number}].name = {out_of_reach[0]!r} must be left out: {reason}")
+        told = f"walls[{i + 1}].name = {out_of_reach[0]!r} must be left out: {reason}"
+        raise SceneError(told, ("walls", i, "name"))
 
 
 def check_motion(scene: Contents) -> None:
@@ -176,10 +178,10 @@ def check_stops(scene: Contents) -> None:
 
 def _check_names(scene: Contents, taken: tuple[str, ...], reason: str) -> None:
     """Refuse a wall that has the name of a stop."""
-    for number, wall in enumerate(scene.walls, 1):
+    for i, wall in enumerate(scene.walls):
         if wall.name in taken:
             needed = f"must be none of {', '.join(taken)}, {reason}"
-            raise SceneError(f"walls[{number}].name = {wall.name!r} {needed}")
+            raise SceneError(f"walls[{i + 1}].name = {wall.name!r} {needed}", ("walls", i, "name"))
 
 
 def _refuse_table(scene: Contents) -> None:

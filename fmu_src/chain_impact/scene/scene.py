@@ -144,15 +144,23 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         name, written = name_of(shapes.among_all_points(path, data), names), place_in_file(path)
         return f"{name} ({written})" if in_file and written != name else name
 
+    scene: Scene | None = None
     try:
         reader = Reader(Scene, label)
-        scene: Scene = reader.read(data)
+        scene = reader.read(data)
         scene = replace(scene, derived_paths=tuple(sorted(of_every_link(reader.derived, data))))
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
-        raise SceneError(f"{source}: {error}", error.path) from None
+        path = error.path or (_path_of_first_name(str(error), scene) if scene else ())
+        raise SceneError(f"{source}: {error}", path) from None
     return scene
+
+
+def _path_of_first_name(text: str, scene: Scene) -> DataPath:
+    """Return the path of the value with whose name a text begins; () if it begins with no name."""
+    name = text.partition(" ")[0]
+    return (_keys() | _names(scene)).get(name, ())
 
 
 def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
