@@ -35,6 +35,7 @@ WRONG = 1e-2  # largest error of a derivative that errors of a run explain, over
 # smallest derivative that is compared, over the largest one of a column, and over value over parameter;
 # smaller ones are errors of the runs
 LEAST = 1e-3
+ROUND_OFF = 1e-13  # the largest value of an output, in the output's unit, that may be round-off
 # factor on the error that a run reports: it is relative to the largest derivative of a position, and the
 # error of rates may be larger
 OPEN = 10.0
@@ -230,7 +231,8 @@ def compare_one(result: Result, parameter: str, value: float, near: Any, found: 
     )
     largest = np.abs(other).max(0)
     floor = LEAST * np.maximum(largest, np.abs(values).max(0) / abs(value))
-    wrong, compared = differ(slopes, one, other, floor, OPEN * left_open(result) * largest)
+    told = OPEN * left_open(result) * largest + ROUND_OFF / abs(near[0][2])
+    wrong, compared = differ(slopes, one, other, floor, told)
     found.rows += int(compared.any(1).sum())
     found.compared += int(compared.sum())
     for t, j in np.argwhere(wrong):
@@ -263,7 +265,8 @@ def left_open(result: Result) -> float:
 def differ(slopes: Any, one: Any, other: Any, floor: Any, told: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return which derivatives are wrong, and which are compared: those for which both differences agree.
 
-    Derivatives below ``floor`` are not compared; ``told`` is the error that the run reports.
+    Derivatives below ``floor`` are not compared. ``told`` is the error that the run reports, with
+    the round-off of differences.
     """
     size, apart = np.maximum(np.abs(other), floor + 1e-9), np.abs(one - other)
     compared = (apart <= AGREE * size) & ~np.isnan(slopes)

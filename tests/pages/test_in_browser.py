@@ -239,8 +239,8 @@ def test_a_run_that_fails_says_why_and_shows_what_came_before(show):
     page.evaluate("chainImpact.show({'solver.work_limit': 2000})")
     status = page.get_by_role("alert")
     status.wait_for()
-    told = "The simulation stopped at t = 1.62152 s: a second of simulated time takes more"
-    assert told in status.inner_text()
+    told = r"The simulation stopped at t = 1\.6215\d* s: a second of simulated time takes more"
+    assert re.search(told, status.inner_text())
     page.evaluate("chainImpact.show({'initial.y': -3})")
     until_told(page, "cannot start", "status")
     assert "The simulation cannot start: a contact point starts beyond a wall" in status.inner_text()
@@ -274,7 +274,7 @@ def test_a_table_that_is_too_large_or_not_complete_is_told_where_it_is_asked_for
     until_told(page, "stopped at", "status")
     page.get_by_role("button", name="Export…").click()
     saved(page, "Outputs as CSV")
-    said.get_by_text("The simulation stopped at t = 1.62152 s").wait_for()
+    said.get_by_text("The simulation stopped at t = 1.6215").wait_for()
 
 
 def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
