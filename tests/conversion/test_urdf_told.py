@@ -1,5 +1,6 @@
 """What the conversion of URDF tells, and what it refuses."""
 
+import numpy as np
 import pytest
 
 from tests.conversion.robot_files import TWO, joint, link, read, refused, urdf
@@ -90,3 +91,43 @@ def test_what_urdf_does_not_know_is_told(tmp_path):
 def test_of_a_xacro_file_it_is_said_to_run_xacro(tmp_path, part):
     told = refused(tmp_path, urdf(*TWO, part, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
     assert "run xacro first" in told
+
+
+SHAPE = """<collision name="{name}">
+  <origin xyz="{xyz}" rpy="{rpy}"/><geometry>{geometry}</geometry>
+</collision>"""
+
+
+@pytest.mark.parametrize(
+    ("geometry", "xyz", "rpy", "expected"),
+    [
+        # corners (x, z) of a box, turned by a quarter of a turn about the axis of the joint
+        ('<box size=".2 .1 .06"/>', ".3 0 0", "0 1.5707963267948966 0", [(0.27, 0.1), (0.33, 0.1)]),
+        ('<sphere radius=".02"/>', ".3 0 -.05", "0 0 0", [(0.3, -0.05)]),
+        (
+            '<cylinder radius=".03" length=".4"/>',
+            ".1 0 0",
+            "0 1.5707963267948966 0",
+            [(0.3, 0.03), (-0.1, 0.03)],
+        ),
+    ],
+)
+def test_collision_shapes_are_points(tmp_path, geometry, xyz, rpy, expected):
+    shape = SHAPE.format(name="heel", geometry=geometry, xyz=xyz, rpy=rpy)
+    parts = [link("u").replace("</link>", f"{shape}</link>"), joint("a", "base", "u")]
+    scene, done = read(tmp_path, urdf(*parts))
+    points = scene.chain.links[0].points
+    assert all(point.name.startswith("heel") for point in points)
+    # the link may point along any direction of the plane: distances from the joint do not depend on it
+    found = sorted({round(float(np.hypot(point.x, point.y)), 12) for point in points})
+    assert {round(float(np.hypot(*one)), 12) for one in expected} <= set(found)
+    assert {point.radius for point in points} == ({0.02} if "sphere" in geometry else {0.0})
+    assert not [text for text in done.left_out if "shapes" in text]
+
+
+def test_a_mesh_is_told_to_touch_with_joints_and_tip_only(tmp_path):
+    shape = SHAPE.format(name="skin", geometry='<mesh filename="no.stl"/>', xyz="0 0 0", rpy="0 0 0")
+    parts = [link("u").replace("</link>", f"{shape}</link>"), joint("a", "base", "u")]
+    scene, done = read(tmp_path, urdf(*parts))
+    assert not scene.chain.links[0].points
+    assert any("do not touch as shapes" in text for text in (*done.left_out, *done.notes, *done.differs))

@@ -126,7 +126,8 @@ class Walls:
 
     def _is_point(self, shape: Shape) -> bool:
         """Return whether points replace a shape: it can touch a wall or, without walls, anything."""
-        return shape.kind in OUTLINED and (shape.walls if self.robot.planes else shape.touches)
+        known = shape.kind in OUTLINED and len(shape.corners) > 0
+        return known and (shape.walls if self.robot.planes else shape.touches)
 
     def _balls(self, i: int, touching: set[int]) -> list[Ball]:
         """Return the balls of link ``i`` that can touch, without a ball around a fixed pivot."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -157,7 +158,10 @@ def hides(curves: Sequence[np.ndarray]) -> list[int]:
 
 
 def axis_label(names: Sequence[str], unit: str) -> str:
-    """Return the label of an axis: the unit, and the last part of the names if all names share it."""
-    last = {name.rpartition(".")[2] for name in names}
+    """Return the label of an axis: the unit, and the last part of the names if all names share it.
+
+    For a component of a vector, the label has the vector, too: "force.x".
+    """
+    last = {re.sub(r".*?((?:\w+\.)?[xy]|\w+)$", r"\1", name) for name in names}
     shared = last.pop() if len(last) == 1 else ""
     return f"{shared}{in_brackets(unit)}".lstrip()

@@ -112,7 +112,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
     force_factor, force_told = prefixed(force.max(initial=0.0), force_unit)
     depth_factor, depth_told = prefixed(depth.max(initial=0.0), depth_unit)
-    label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost"
+    label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost by the chain"
     x, y = depth_factor * depth, force_factor * force
     axes.plot(x, y, color=VERMILLION, label=label)
     if not lasts(impact):
@@ -151,7 +151,11 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
     """Return the line with restitution, duration, lost energy, speed, force and impulse of an impact."""
-    parts = [restitution_text(impact), duration_text(impact, course), f"{course.energy_lost:.3g} J lost"]
+    parts = [
+        restitution_text(impact),
+        duration_text(impact, course),
+        f"{course.energy_lost:.3g} J lost by the chain",
+    ]
     parts = parts[1:] if lasts(impact) else parts
     parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
     if impact["peak_force"] > 0.0:

@@ -38,6 +38,7 @@ OF_FMU = {"time": "onset", "speed": "impact_speed"}
 """Field of ``Result.impacts`` → name in the FMU's ``impact[j]``, where the two differ."""
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """Parameters that change the unit of a stiffness."""
+LARGE = 0.2  # the share of the quantity above which an effect is told to hold for smaller changes only
 NOTHING = 1e-12  # the largest effect that counts as round-off, relative to the quantity
 DRAWN = 16  # the largest number of bars
 ADDED = "*"  # the mark of a parameter with the value 0, to which the step is added
@@ -66,6 +67,11 @@ class Effect(NamedTuple):
     def told(self) -> str:
         """The value with its unit; if the value is 0, also the step: "0 + 0.01 N·m"."""
         return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
+
+
+def percents(share: float) -> str:
+    """Return a share in percent, with its sign and two digits or, from 100 % on, a whole number."""
+    return f"{100.0 * share:+.2g}" if abs(share) < 1.0 else f"{100.0 * share:+.0f}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,7 +130,7 @@ class Ranking:
                         effect.parameter,
                         effect.told,
                         f"{effect.change:+.3g}",
-                        f"{100.0 * self.share(effect):+.2g}" if self.value else "—",
+                        percents(self.share(effect)) if self.value else "—",
                         f"{effect.derivative:.4g}",
                     )
                     for effect in self.effects
@@ -134,6 +140,9 @@ class Ranking:
             yield f"without effect: {', '.join(self.without)}"
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
+        if any(abs(self.share(effect)) > LARGE for effect in self.effects):
+            large = f"effects of more than {100.0 * LARGE:g} %"
+            yield f"{large} hold for smaller changes only: check them by another run"
         for name in self.left_out:
             yield f"{name} is left out: it changes the unit of the stiffness"
         yield from (f"limit    {limit}" for limit in self.limits)
@@ -180,7 +189,7 @@ class Ranking:
             ],
             values=[effect.change for effect in shown],
             told=[
-                f"{100.0 * self.share(effect):+.2g} %" if self.value else f"{effect.change:+.2g}"
+                f"{percents(self.share(effect))} %" if self.value else f"{effect.change:+.2g}"
                 for effect in shown
             ],
             label=f"change of {self.quantity}{in_brackets(self.unit)}",

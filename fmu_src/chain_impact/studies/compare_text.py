@@ -72,7 +72,8 @@ def legend(comparison: LawRuns) -> str:
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (
         f"Columns e′ to lost describe the {first_place(scene)}; e′ is its restitution, separation over "
-        "approach speed. 'differs at' is the first impact with another point "
+        "approach speed, and lost is the energy that the whole chain dissipates meanwhile. "
+        "'differs at' is the first impact with another point "
         f"or wall than under {comparison.reference}: its number and time.{kept}"
     )
 

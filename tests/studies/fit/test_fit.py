@@ -8,7 +8,7 @@ import numpy as np
 import pandas
 import pytest
 
-from chain_impact import SceneWarning, fit, load_scene, simulate
+from chain_impact import SceneError, fit, load_scene, simulate
 from chain_impact.studies.fit import horizon
 from chain_impact.studies.fit.fit import _not_random
 from tests.helpers.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
@@ -256,17 +256,19 @@ def test_the_last_residual_of_a_data_set_is_no_neighbour_of_the_next_ones_first(
     assert len(said(grows.reshape(4, 10))) == len(said(grows.reshape(1, 40))) == 1
 
 
-def test_data_in_another_unit_of_time_are_asked_about_before_the_first_run(monkeypatch):
+def test_data_in_another_unit_of_time_are_refused_before_the_first_run(monkeypatch):
     drop = load_scene("rod_drop")
     columns = {"time": [0.0, 1e3, 2e3], "point[1].y": [1.0, 0.5, 0.2]}
-    asked = "data lasts 2000 s, 1000 times as long as the scene, 2 s: is its time in s, and not in ms?"
+    asked = "data lasts 2000 s, 1000 times as long as the scene, 2 s: its time must be in s, not in ms"
 
     def run(*_):
         raise AssertionError("a run began")
 
     monkeypatch.setattr("chain_impact.studies.fit.fit.Problem", run)
-    with pytest.warns(SceneWarning, match=re.escape(asked)), pytest.raises(AssertionError, match="a run"):
+    with pytest.raises(SceneError, match=re.escape(asked)):
         fit(drop, columns, ["contact.restitution"])
+    with pytest.raises(AssertionError, match="a run"):
+        fit(drop, columns, ["contact.restitution"], stop_time=2e3)
 
 
 def test_an_input_can_be_free():

@@ -11,7 +11,6 @@ import numpy as np
 
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.text import plural
-from chain_impact.scene.checks import warn
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.scene.table_file import Source, is_table
@@ -74,11 +73,9 @@ def fit(
         interpolation: interpolation of inputs between the rows of the data, as in ``simulate``.
         progress: called with the finished fraction, 0 to 1, if given.
 
-    Warns:
-        SceneWarning: when data are so long that their time is probably not in seconds.
-
     Raises:
-        SceneError: when an argument or a table cannot be used.
+        SceneError: when an argument or a table cannot be used, or, without ``stop_time``, data are so long
+            that their time is probably not in seconds.
         OSError: when a file cannot be read.
         BuildError: when the kernel cannot be compiled.
     """
@@ -101,7 +98,8 @@ def fit(
         if late
         else []
     )
-    warn(scene.name, _long(usual, whole))  # before the first run, because runs of long data take long
+    if stop_time is None and (long := _long(usual, whole)):
+        raise SceneError(f"{scene.name}: {'; '.join(long)}: if it is in s, give the stop time")
     _check_sigma(scene, sigma or {}, measured)
 
     def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
@@ -210,11 +208,11 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -
 
 
 def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
-    """Return questions about the unit of time, for data much longer than the scene's stop time [s]."""
+    """Return sentences on the unit of time, for data much longer than the scene's stop time [s]."""
     lasting = [(one.source, float(np.nanmax(one.order, initial=0.0))) for one in data]
     return [
         f"{source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, {stop_time:g} s: "
-        "is its time in s, and not in ms?"
+        "its time must be in s, not in ms"
         for source, last in lasting
         if last >= LONG * stop_time
     ]

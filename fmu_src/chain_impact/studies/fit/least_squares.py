@@ -77,6 +77,9 @@ def minimize(
             return np.full(int(rows.sum()), np.inf)
         return np.asarray(found.residuals[rows] / sigma[rows])
 
+    if not np.isfinite(residuals(first.coordinates[moved])).all():
+        return Search(first, False, 0)
+
     from scipy import optimize  # this import takes long
 
     found = optimize.least_squares(
