@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect
-from chain_impact.conversion.robot import Plane, Shape, identifier
+from chain_impact.conversion.robot import Plane, Shape, identifier, outline
 
 BITS = 16  # number of bits of a body's index in the signature of a pair
 
@@ -99,25 +99,18 @@ class Contacts:
         kind = kinds(model.geom_type[g])
         rotation = np.zeros(9)
         self.mujoco.mju_quat2Mat(rotation, model.geom_quat[g])
-        size, corners, radius, disc = model.geom_size[g], np.zeros((1, 3)), 0.0, None
-        if kind == kinds.mjGEOM_SPHERE:
-            radius = float(size[0])
-        elif kind == kinds.mjGEOM_CAPSULE:
-            corners, radius = np.outer([-size[1], size[1]], [0.0, 0.0, 1.0]), float(size[0])
-        elif kind == kinds.mjGEOM_CYLINDER:
-            corners, disc = np.outer([-size[1], size[1]], [0.0, 0.0, 1.0]), [0.0, 0.0, float(size[0])]
-        elif kind == kinds.mjGEOM_MESH and model.geom_dataid[g] not in self.stand_ins:
+        word, radius, disc = kind.name.removeprefix("mjGEOM_").lower(), 0.0, None
+        if kind == kinds.mjGEOM_MESH and model.geom_dataid[g] not in self.stand_ins:
             m = model.geom_dataid[g]
             start = model.mesh_vertadr[m]
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # a box, or the box that encloses an ellipsoid
-            signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-            corners = signs * size
+        else:  # for an ellipsoid the box that encloses it
+            corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         return Shape(
-            kind=kind.name.removeprefix("mjGEOM_").lower(),
+            kind=word,
             touches=any(self._touch(g, other) for other in range(model.ngeom) if other != g),
             name=identifier(name, "geom") if name else "",
             walls=any(self._touch(g, wall) for wall in self.still if self._is_wall(wall)),

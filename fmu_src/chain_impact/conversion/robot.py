@@ -86,6 +86,25 @@ class Shape:
     disc: np.ndarray | None = None
 
 
+def outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray | None]:
+    """Return corners, radius and disc of a shape about its centre.
+
+    Args:
+        kind: sphere, capsule or cylinder; any other kind is replaced by a box.
+        sizes: radius of a sphere; radius and half the length along z of a capsule or cylinder; half the sides
+            of a box [m].
+    """
+    ends = np.outer([-1.0, 1.0], [0.0, 0.0, 1.0])
+    if kind == "sphere":
+        return np.zeros((1, 3)), float(sizes[0]), None
+    if kind == "capsule":
+        return sizes[1] * ends, float(sizes[0]), None
+    if kind == "cylinder":
+        return sizes[1] * ends, 0.0, np.array([0.0, 0.0, sizes[0]])
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    return signs * sizes, 0.0, None
+
+
 @dataclass(frozen=True, kw_only=True)
 class Body:
     """A rigid body.

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from chain_impact.conversion.differences import SHOWN, Difference, Effect, heard, of_joint
-from chain_impact.conversion.robot import Body, Joint, Robot, Shape, identifier
+from chain_impact.conversion.robot import Body, Joint, Robot, Shape, identifier, outline
 from chain_impact.conversion.urdf_elements import SHAPES, other_elements
 from chain_impact.extras import require
 from chain_impact.recording.text import few
@@ -187,27 +187,26 @@ def _shapes(link: Element) -> Iterator[Shape]:
 def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
     """Return corners, radius and disc of a shape; nothing for a mesh, or for sizes that are no numbers."""
 
-    def numbers(element: Element | None, key: str, count: int) -> np.ndarray:
+    def numbers(element: Element | None, key: str, count: int = 1) -> np.ndarray:
         text = "0 " * count if element is None else element.get(key, "0 " * count)
         return np.array([float(word) for word in text.split()]).reshape(count)
 
     try:
         if geometry.tag == "box":
-            signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-            found: dict[str, Any] = {"corners": 0.5 * signs * numbers(geometry, "size", 3)}
+            sizes = 0.5 * numbers(geometry, "size", 3)
         elif geometry.tag == "sphere":
-            found = {"corners": np.zeros((1, 3)), "radius": float(numbers(geometry, "radius", 1)[0])}
+            sizes = numbers(geometry, "radius")
         elif geometry.tag == "cylinder":
-            half = 0.5 * float(numbers(geometry, "length", 1)[0])
-            disc = [0.0, 0.0, float(numbers(geometry, "radius", 1)[0])]
-            found = {"corners": np.outer([-half, half], [0.0, 0.0, 1.0]), "disc": np.array(disc)}
+            sizes = np.append(numbers(geometry, "radius"), 0.5 * numbers(geometry, "length"))
         else:
             return {}
         axes = Rotation.from_euler("xyz", numbers(origin, "rpy", 3)).as_matrix()
-        found["corners"] = found["corners"] @ axes.T + numbers(origin, "xyz", 3)
+        position = numbers(origin, "xyz", 3)
     except ValueError:
         return {}
-    return found | ({"disc": axes @ found["disc"]} if "disc" in found else {})
+    corners, radius, disc = outline(geometry.tag, sizes)
+    placed = {"corners": corners @ axes.T + position, "radius": radius}
+    return placed if disc is None else placed | {"disc": axes @ disc}
 
 
 def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:

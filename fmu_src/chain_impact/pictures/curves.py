@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.message import write_head
+from chain_impact.pictures.message import hit, write_head
 from chain_impact.pictures.over_time import impact_lines, mark_impacts
 from chain_impact.pictures.pages import settle
 from chain_impact.pictures.rest import shade_rests, shown_time
@@ -82,8 +82,7 @@ def in_view(recording: Recording, curves: Curves) -> str:
     if not curves.number:
         return ""
     impact, count = recording.impacts[curves.number - 1], len(recording.impacts)
-    hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
-    return f"{hit}, impact {curves.number} of {count}"
+    return f"{hit(recording, impact)}, impact {curves.number} of {count}"
 
 
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:

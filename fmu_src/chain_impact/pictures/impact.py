@@ -12,6 +12,7 @@ from matplotlib.ticker import EngFormatter
 
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.message import hit
 from chain_impact.pictures.pages import settle
 from chain_impact.pictures.style import (
     BLUE,
@@ -47,8 +48,8 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
     """Draw the impact ``number`` on an empty page, with the loop on the right or, on a narrow page, below."""
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
-    hit = f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
-    headline(page, f"{recording.name}: {hit}, impact {number}", conditions(impact, course, stop))
+    title = f"{recording.name}: {hit(recording, impact)}, impact {number}"
+    headline(page, title, conditions(impact, course, stop))
     if not is_narrow(page):
         grid = page.add_gridspec(3, 2)
         loop = page.add_subplot(grid[:, 1], label="loop")

@@ -34,6 +34,11 @@ def dissipated(recording: Recording) -> str:
     return f"{lost:.3g} J dissipated" if lost > least else ""
 
 
+def hit(recording: Recording, impact: np.void) -> str:
+    """Return words for an impact: "point 4 hits y_min"."""
+    return f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
+
+
 def write_head(page: Figure, recording: Recording, title: str, *first: str) -> None:
     """Write a title, or the message if the title is "", and the conditions, which begin with other parts.
 

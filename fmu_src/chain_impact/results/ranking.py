@@ -118,8 +118,7 @@ class Ranking:
     def parts(self) -> Iterator[str | Table]:
         """Yield the lines of the ranking, and the table of the effects."""
         unit = unit_text(self.unit)
-        told = f" {unit}" if unit else ""
-        yield f"{self.source}  {self.quantity} = {self.value:.6g}{told} ({self.where})"
+        yield f"{self.source}  {self.quantity} = {with_unit(f'{self.value:.6g}', self.unit)} ({self.where})"
         yield "effect   of 1 % of each parameter, or of the step added to 0, to first order"
         if self.effects:
             change = f"effect, {unit}" if unit else "effect"
