@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, compare, simulate
 from chain_impact.scene.scene import with_values
-from chain_impact.studies.compare_text import advice
+from chain_impact.studies.compare_text import advice, law_table
 from tests.helpers.problems import default_scene, driven
 
 
@@ -61,6 +61,13 @@ def test_printed_it_is_a_small_table():
     assert [line.split()[0] for line in lines[1:4]] == ["law", "zhang_sharf", "flores"]
     assert lines[-1] == "within 5 % of e = 0.7 in this impact: zhang_sharf, flores"
     assert len(repr(found["flores"])) < 500
+
+
+def test_the_unit_of_each_column_suits_its_largest_value():
+    soft = default_scene().with_values({"contact.stiffness": 1e2})
+    head, rows = law_table(compare(soft, laws=["flores"]))
+    assert head[2:4] == ("peak, N", "depth, mm")
+    assert all(1.0 <= float(row[2]) < 1000.0 for row in rows)
 
 
 def test_without_rebound_rigid_walls_are_what_is_left():

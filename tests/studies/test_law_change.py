@@ -8,7 +8,7 @@ from chain_impact import compare, simulate
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.compare import OVERLAPS
 from chain_impact.studies.compare_plot import conditions, looks_of, message
-from chain_impact.studies.compare_text import advice, head, heading, legend
+from chain_impact.studies.compare_text import advice, heading, law_table, legend
 from chain_impact.studies.law_change import contact_at, keeps_exponents, law_values, with_law
 from tests.helpers.stops import UP, knee
 
@@ -64,7 +64,7 @@ def test_laws_are_compared_at_a_stop(up):
     assert found.contact.restitution == 0.5
     assert " kg·m² at " in heading(found)
     assert heading(found).endswith("rad/s")
-    assert head(found)[2:4] == ("peak, kN·m", "depth, mrad")
+    assert law_table(found).head[2:4] == ("peak, N·m", "depth, mrad")
     run, first = found["zhang_sharf"], impacts(up)[0]
     assert run.stiffness == 1e4
     # the loop consists of samples in time: the largest sample is near the peak
@@ -83,7 +83,7 @@ def test_where_stops_keep_their_law_the_laws_are_compared_at_a_wall(kept):
     assert not found.at_stop
     assert found.contact.restitution == 0.25
     assert f"first impact at a wall at {at_wall['onset']:.6g} s" in heading(found)
-    assert head(found)[2] == "peak, kN"
+    assert law_table(found).head[2] == "peak, kN"
     assert legend(found).endswith(f"The stops keep {kept} under every law.")
     assert advice(found) == "within 5 % of e = 0.25 in this impact: zhang_sharf"
     for law in ("flores", "zhang_sharf"):

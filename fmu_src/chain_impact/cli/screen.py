@@ -19,14 +19,7 @@ from chain_impact.recording.text import Table as TextTable, plural
 from chain_impact.scene.tables import Box
 from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
-from chain_impact.studies.compare_text import (
-    advice,
-    cells,
-    head,
-    heading,
-    legend,
-    told,
-)
+from chain_impact.studies.compare_text import advice, heading, law_table as compared, legend, told
 
 PHASES = 20  # the largest number of phases of dry friction in the table
 RELATIVE = {
@@ -155,10 +148,10 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
     """Yield the table of the laws, and lines on the laws that suit the restitution."""
     yield f"\n{escape(heading(comparison))}"
-    names = head(comparison)
-    table = table_of(names, names[1:-1])
-    for run in comparison.runs:
-        table.add_row(*map(escape, cells(run)))
+    laws = compared(comparison)
+    table = table_of(laws.head, laws.head[1:-1])
+    for row in laws.rows:
+        table.add_row(*map(escape, row))
     yield table
     yield escape(legend(comparison))
     yield escape(f"advice   {advice(comparison)}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from chain_impact.cli.completers import complete, outputs, parameters
@@ -19,6 +20,7 @@ from chain_impact.cli.options import (
     add_verb,
     check_outputs,
     check_size,
+    names_in,
     pairs,
     scene_of_options,
     settings_of,
@@ -76,11 +78,14 @@ def add(verbs: Verbs) -> None:
         "after an interruption the same command continues",
     )
     add_plot(sweep, "the main results over the parameters that vary")
+    what = "draw only these columns or outputs: peak_force,point[4].x"
+    complete(add_repeated(sweep, "--panels", "NAMES", what), outputs, listed=True)
     sweep.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the sweep, write the files that the options name, and print how many runs failed, with reasons."""
+    from chain_impact.studies.sweep.job import job_of
     from chain_impact.studies.sweep.partial import partial_path
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
@@ -92,11 +97,17 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(table, options.plot, inputs=[options.source])
     scene = scene_of_options(options)
     vary = variations(options.vary, settings_of(options.set))
+    panels, wanted = names_in(*options.panels), list(options.columns)
+    if panels and not options.plot:
+        raise UsageError("--panels: they are panels of a picture: give --plot FILE too")
     if options.plot:
         from chain_impact.studies.sweep.plot import check_picture
+        from chain_impact.studies.sweep.quantities import outputs_for
 
-        runs = math.prod(len(one.values) for one in variations_of(PreparedScene(scene), vary))
+        varied = variations_of(prepared := PreparedScene(scene), vary)
+        runs = math.prod(len(one.values) for one in varied)
         check_picture(len(vary), options.samples, runs, scene.name)
+        wanted += outputs_for(job_of(prepared, varied, wanted), panels)
     try:
         with progress("sweeping") as advance:
             found = sweep(
@@ -105,7 +116,7 @@ def run(options: argparse.Namespace) -> int:
                 samples=options.samples,
                 sampling=options.sampling,
                 seed=options.seed,
-                outputs=options.columns,
+                outputs=wanted,
                 path=options.table,
                 threads=options.threads,
                 scheduler=options.scheduler,
@@ -116,7 +127,7 @@ def run(options: argparse.Namespace) -> int:
             complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
-    write_picture(options.plot, options.size, found.plot)
+    write_picture(options.plot, options.size, partial(found.plot, panels=panels))
     say(repr(found))
     return 0
 

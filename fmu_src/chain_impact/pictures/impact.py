@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import EngFormatter
 
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
@@ -31,7 +30,7 @@ from chain_impact.recording.course import Course
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import speed_unit
+from chain_impact.recording.text import prefixed, speed_unit
 
 SIZE = (7.5, 4.8)  # [inch] default width and height of the page
 PEAK = 0.95  # the force, relative to the largest force, from which on the peak counts as reached
@@ -170,10 +169,3 @@ def restitution_text(impact: np.void) -> str:
     """Return words for the realised restitution: the separation speed over the impact speed."""
     found = impact["separation_speed"] / impact["impact_speed"]
     return "in contact to the end" if math.isnan(found) else f"restitution {found:.4g} realised"
-
-
-def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Return a unit with a prefix that suits the largest value, and the factor to this unit."""
-    power = 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
-    power = min(max(power, min(EngFormatter.ENG_PREFIXES)), max(EngFormatter.ENG_PREFIXES))
-    return 10.0**-power, f"{EngFormatter.ENG_PREFIXES[power]}{unit}"

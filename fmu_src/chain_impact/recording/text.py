@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from itertools import groupby, zip_longest
@@ -32,6 +33,17 @@ def what(number: int, stop: str, names: Mapping[int, str]) -> str:
     if stop in SLIDER_STOPS:
         return "slider"
     return f"joint {number}" if stop else point_label(number, names)
+
+
+PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+"""Power of ten → prefix of a unit."""
+
+
+def prefixed(largest: float, unit: str) -> tuple[float, str]:
+    """Return the factor to a unit with the prefix that suits the largest value, and this unit."""
+    power = 3 * math.floor(math.log10(largest) / 3.0) if 0.0 < largest < math.inf else 0
+    power = min(max(power, min(PREFIXES)), max(PREFIXES))
+    return 10.0**-power, f"{PREFIXES[power]}{unit}"
 
 
 def speed_unit(at_stop: bool) -> str:

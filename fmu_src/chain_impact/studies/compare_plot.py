@@ -33,7 +33,7 @@ from chain_impact.pictures.style import (
     raised,
     styled,
 )
-from chain_impact.recording.text import plural
+from chain_impact.recording.text import plural, prefixed
 from chain_impact.scene.unit_text import of_power
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
@@ -43,7 +43,6 @@ NAMED = 6  # largest number of laws that get a colour
 FINE = 400  # number of penetrations at which a band is computed
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that many programs and papers use."""
-MILLI, KILO = 1e3, 1e-3
 
 Looks = dict[str, dict[str, Any]]
 
@@ -170,18 +169,21 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     Laws without a colour are drawn together as a band.
     """
     band = banded(comparison, looks)
-    fill_loops(axes, [loop for law in band if (loop := comparison[law].loop) is not None and loop.size])
-    for law, look in looks.items():
-        run = comparison[law]
-        if run.loop is None or (law in band and run.loop.size):
-            continue
-        if run.loop.size:
-            depth, force = run.loop
-            axes.plot(MILLI * depth, KILO * force, **look)
-        else:
-            axes.axvline(0.0, **look)
-    depth_unit, name = ("mrad", "moment [kN·m]") if comparison.at_stop else ("mm", "force [kN]")
-    axes.set(xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]", ylabel=name)
+    loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
+    name, *units = ("moment", "rad", "N·m") if comparison.at_stop else ("force", "m", "N")
+    largest = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
+    factors, (depth_unit, force_unit) = zip(*map(prefixed, largest, units), strict=True)
+    loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
+    fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
+    for law, loop in loops.items():
+        if not loop.size:
+            axes.axvline(0.0, **looks[law])
+        elif law not in band:
+            axes.plot(*loop, **looks[law])
+    axes.set(
+        xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]",
+        ylabel=f"{name} [{force_unit}]",
+    )
     give_ticks(axes)
 
 
@@ -213,7 +215,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
             order = np.argsort(depth[part], kind="stable")
             known = {"left": np.nan, "right": np.nan}
             branches.append(np.interp(depths, depth[part][order], force[part][order], **known))
-    fill_band(axes, MILLI * depths, KILO * np.array(branches))
+    fill_band(axes, depths, branches)
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:

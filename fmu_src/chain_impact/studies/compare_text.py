@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+
+import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.text import Table
+from chain_impact.recording.text import Table, prefixed
 from chain_impact.studies.law_change import EXACT, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
@@ -14,20 +16,12 @@ from chain_impact.studies.law_runs import LawRun, LawRuns
 # restitution
 NEAR = 0.05
 NOTHING = "–"
-NUMBERS = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")
-AT_STOPS = {"peak, kN": "peak, kN·m", "depth, mm": "depth, mrad"}
-
-
-def head(comparison: LawRuns) -> tuple[str, ...]:
-    """Return the head of the table: the law, the names of the numbers, and an empty cell for the note."""
-    numbers = (AT_STOPS.get(name, name) if comparison.at_stop else name for name in NUMBERS)
-    return ("law", *numbers, "")
 
 
 def report(comparison: LawRuns) -> Iterator[str | Table]:
     """Yield the whole text: lines and a table."""
     yield heading(comparison)
-    yield Table(head(comparison), [cells(run) for run in comparison.runs])
+    yield law_table(comparison)
     yield legend(comparison)
     yield advice(comparison)
 
@@ -44,21 +38,36 @@ def heading(comparison: LawRuns) -> str:
     )
 
 
-def cells(run: LawRun) -> tuple[str, ...]:
-    """Return the cells of a law's row, in the order of ``head``."""
+def law_table(comparison: LawRuns) -> Table:
+    """Return the table with a row for each law; the last column, without a name, has the notes.
+
+    The unit of each column suits its largest value.
+    """
+    force, depth = ("N·m", "rad") if comparison.at_stop else ("N", "m")
+    quantities = {
+        # an impulse has no peak force
+        f"peak, {force}": [run.peak_force or math.nan for run in comparison.runs],
+        f"depth, {depth}": [run.max_penetration for run in comparison.runs],
+        "time, s": [run.duration for run in comparison.runs],
+        "lost, J": [run.energy_lost for run in comparison.runs],
+    }
+    shown = [shared_unit(name, values) for name, values in quantities.items()]
+    head = ("law", "e′", *(name for name, _ in shown), "impacts", "differs at", "steps", "")
+    rows = zip(comparison.runs, *(cells for _, cells in shown), strict=True)
+    return Table(head, [_row(run, cells) for run, *cells in rows])
+
+
+def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
+    """Return the head of a column, "peak, kN" for the name "peak, N", and its cells with four digits."""
+    what, _, unit = name.partition(", ")
+    factor, unit = prefixed(np.nanmax([0.0, *values]), unit)
+    return f"{what}, {unit}", [told(factor * value, "#.4g") for value in values]
+
+
+def _row(run: LawRun, values: Sequence[str]) -> tuple[str, ...]:
     differs = NOTHING if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
-    return (
-        run.law,
-        told(run.restitution, ".4f"),
-        told(1e-3 * run.peak_force or math.nan, "#.4g"),  # an impulse has no peak force
-        told(1e3 * run.max_penetration, "#.4g"),
-        told(1e3 * run.duration, "#.4g"),
-        told(run.energy_lost, "#.4g"),
-        str(run.impacts) if run.result else NOTHING,
-        differs,
-        str(run.steps) if run.result else NOTHING,
-        run.note,
-    )
+    impacts, steps = (str(count) if run.result else NOTHING for count in (run.impacts, run.steps))
+    return (run.law, told(run.restitution, ".4f"), *values, impacts, differs, steps, run.note)
 
 
 def told(value: float, form: str) -> str:

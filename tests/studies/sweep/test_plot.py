@@ -8,7 +8,9 @@ from matplotlib.figure import Figure
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill, results_of, usual_size
+from chain_impact.studies.sweep.maps import FAILED_COLOUR, count_bins
+from chain_impact.studies.sweep.plot import COLOURS, fill, usual_size
+from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers.stops import knee
 
@@ -63,7 +65,7 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     assert page.get_figwidth() == width / 25.4
     told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title().partition(":")[0]) for axes in page.axes]
     labels = {label for each in told for label in each}
-    assert {quantity.label for quantity in QUANTITIES if quantity.column in found.names} <= labels
+    assert {quantity.label for quantity in results_of(found).every} <= labels
 
 
 def test_a_page_that_is_too_low_is_refused():
@@ -75,7 +77,7 @@ def test_a_page_that_is_too_low_is_refused():
 def test_lines_are_the_columns():
     found = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
     page = drawn(found)
-    quantities = [quantity for quantity in QUANTITIES if quantity.column in found.names]
+    quantities = results_of(found).every
     assert [axes.get_ylabel() for axes in page.axes] == [quantity.label for quantity in quantities]
     for axes, quantity in zip(page.axes, quantities, strict=True):
         for line, law in zip(axes.lines, ("flores", "hertz"), strict=False):
@@ -96,7 +98,7 @@ def test_a_scene_with_stops_has_panels_for_them():
     page, changing = drawn(found), [name for name in outputs if np.ptp(found[name]) > 0.0]
     labels = [axes.get_ylabel() for axes in page.axes]
     # joint forces are unknown without loads
-    assert labels[:6] == [quantity.label for quantity in QUANTITIES if quantity.column != "joint_force"]
+    assert labels[:6] == [one.label for one in results_of(found).every if one.column != "joint_force"][:6]
     assert len(labels) == 6 + len(changing)
     assert all(name in page.texts[1].get_text() for name in {*outputs} - {*changing})
     assert "kN, peak moment of stops" in page.get_suptitle()
@@ -105,8 +107,8 @@ def test_a_scene_with_stops_has_panels_for_them():
 def test_a_scene_without_walls_has_no_panels_for_them():
     scene = load_scene("kneed_leg").with_values({"outputs.loads": True})
     page = drawn(sweep(scene, {"stop.restitution": "0.0,0.5"}))
-    assert page.axes[0].get_ylabel() == "peak moment of stops [N·m]"
-    assert len(page.axes) == len(QUANTITIES) - 2 - 2
+    assert page.axes[0].get_ylabel() == "peak moment of stops [mN·m]"
+    assert len(page.axes) == 3
     assert (
         "the same in all runs: largest rotation beyond a stop 0 rad, largest force"
         in page.texts[1].get_text()
@@ -126,6 +128,45 @@ def test_maps_are_the_columns_with_ordered_axes():
     assert np.array_equal(shown[[1, 2]], force[::-1][:, [0, 2]].T)
     assert shown.mask[0].all()
     assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
+
+
+def test_colours_of_a_wide_range_are_logarithmic_and_counts_have_a_colour_each():
+    """The peak force grows by three decades with the stiffness; the number of impacts is whole."""
+    vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.8"}
+    page = sweep(SCENE, vary).plot(panels=["peak_force", "impact.count"])
+    force, impacts = (axes.collections[0] for axes in page.axes if axes.get_xlabel())
+    assert [type(one.norm).__name__ for one in (force, impacts)] == ["LogNorm", "BoundaryNorm"]
+    counts = np.unique(impacts.get_array())
+    assert len({tuple(impacts.to_rgba(one)) for one in counts}) == len(counts) > 1
+
+
+@pytest.mark.parametrize(("least", "most"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
+def test_counts_share_few_colours_with_limits_between_them(least, most):
+    bins = count_bins(least, most)
+    assert bins[0] < least <= most < bins[-1]
+    assert 2 <= len(bins) - 1 <= 12
+    assert {one % 1.0 for one in bins} == {0.5}
+
+
+def test_only_the_panels_that_are_named_are_drawn():
+    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:3"}, outputs=["point[4].x"])
+    assert [axes.get_ylabel() for axes in found.plot(panels="peak*").axes] == ["peak force [kN]"]
+    page = found.plot(panels=["point[4].x", "energy.kinetic"])
+    assert [axes.get_ylabel() for axes in page.axes] == [
+        "point[4].x at the end [m]",
+        "energy.kinetic at the end [J]",
+    ]
+    with pytest.raises(SceneError, match=r"peek_force.*the nearest is peak_force"):
+        found.plot(panels="peek_force")
+
+
+def test_the_unit_of_a_force_suits_its_values():
+    found = sweep("bouncing_ball", {"contact.stiffness": "1e2:1e4:3:log"})
+    most = found["peak_force"].max()
+    (axes,) = found.plot(panels="peak_force").axes
+    assert 1.0 <= most < 1000.0
+    assert axes.get_ylabel() == "peak force [N]"
+    assert axes.lines[0].get_ydata().max() == most
 
 
 def test_axes_are_logarithmic_where_values_are_or_spread_far():

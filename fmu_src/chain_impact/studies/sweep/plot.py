@@ -10,15 +10,12 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.pictures.pages import drawn
@@ -33,68 +30,34 @@ from chain_impact.pictures.style import (
     styled,
 )
 from chain_impact.recording.text import plural
-from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.unit_text import in_brackets, of_power
+from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.maps import (
+    NEVER,
+    WIDE_RANGE,
+    draw_maps,
+    is_logarithmic,
+    label_of,
+    spread,
+    unit_of,
+)
+from chain_impact.studies.sweep.quantities import Quantity, Results, constants, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.indices import PEAKS
-from chain_impact.variables.prepared import PreparedScene
 
 # P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision
 COLOURS = (
     "#332288", "#cc6677", "#117733", "#ddcc77", "#88ccee", "#882255", "#44aa99", "#999933", "#aa4499", "0.4",
 )  # fmt: skip
-MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 NAMES, DOTS_WIDTH = 0.9, 2.0  # [inch] width of the names of choices, and smallest width of a panel with dots
-MOST_VARIED, MOST_ASKED = 2, 4  # largest number of parameters that vary, and of additional outputs
+MOST_VARIED = 2  # largest number of parameters that vary
 MOST_DRAWN = 2**18  # largest number of runs in a picture
-# WIDE_RANGE: the ratio of values above which an axis is logarithmic; MOST: the part of the values that this
-# ratio considers
-WIDE_RANGE, MOST = 1e3, 0.95
 FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
+ALONE = 6.5  # [inch] the width of a page with one panel
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
-ROUND_OFF = 1e-9  # the largest difference of equal results, relative to their size
-NEVER = "no run has a finite value"
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """The quantity of a panel: a column of the table, in a readable unit.
-
-    Attributes:
-        column: the name of the column.
-        label: the label of the axis.
-        factor: factor from the unit of the column to the unit of the panel.
-        told: words in the headline for the smallest and the largest value; "" for no words.
-    """
-
-    column: str
-    label: str
-    factor: float = 1.0
-    told: str = ""
-
-    def of(self, found: Runs) -> np.ndarray:
-        """Return the values of the quantity, NaN where a run failed, shape (R,)."""
-        return np.where(found.failed, np.nan, self.factor * found[self.column].astype(float))
-
-
-QUANTITIES = (
-    Quantity("peak_force", "peak force [kN]", 1e-3, "peak force {:.3g} to {:.3g} kN"),
-    Quantity("max_penetration", "largest penetration [mm]", 1e3),
-    Quantity(
-        "stop.peak_moment",
-        "peak moment of stops [N·m]",
-        told="peak moment of stops {:.3g} to {:.3g} N·m",
-    ),
-    Quantity("stop.max_penetration", "largest rotation beyond a stop [rad]"),
-    Quantity("joint_force", "largest force in a joint [kN]", 1e-3),
-    Quantity("impact.count", "impacts"),
-    Quantity("energy.dissipated", "energy dissipated [J]"),
-)
 
 
 def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
@@ -115,17 +78,20 @@ def check_picture(varied: int, samples: int | None, runs: int, source: str) -> N
 
 
 def plot_sweep(
-    found: Runs, path: str | os.PathLike[str] | None = None, size: Size | None = None
+    found: Runs,
+    path: str | os.PathLike[str] | None = None,
+    size: Size | None = None,
+    panels: Sequence[str] = (),
 ) -> Figure | None:
     """Draw a sweep, see ``Sweep.plot``.
 
     Raises:
-        SceneError: when too many parameters vary, or there are too many runs.
+        SceneError: when too many parameters vary, there are too many runs, or no column for a panel.
         ValueError: when the size is not possible.
         OSError: when the file cannot be written.
     """
     check_picture(len(found.varied), found.design.samples, len(found), found.scene.name)
-    results = results_of(found)
+    results = results_of(found, panels)
     return drawn(partial(fill, found=found, results=results), path, size, usual_size(found, results))
 
 
@@ -134,7 +100,7 @@ def fill(page: Figure, found: Runs, results: Results) -> None:
     """Draw all panels on an empty page."""
     quantities, kind = results.drawn, kind_of(found.design)
     varying = varying_in(found.design)
-    parts = [conditions(found, varying), constants(found, results.same)]
+    parts = [conditions(found, varying), constants(found, results)]
     mark = "" if kind == MAPS else " (×)"
     headline(page, title(found, results, mark), "; ".join(filter(None, parts)))
     # parameters that are numbers come before choices
@@ -144,7 +110,7 @@ def fill(page: Figure, found: Runs, results: Results) -> None:
     elif kind == CURVES:
         _curves(page, found, quantities, first, *rest)
     else:
-        _maps(page, found, quantities, first, *rest)
+        draw_maps(page, _panels(page, len(quantities)), found, quantities, (first, *rest))
 
 
 def kind_of(design: Design) -> str:
@@ -162,7 +128,8 @@ def usual_size(found: Runs, results: Results) -> tuple[float, float]:
     if kind == DOTS:
         return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(found.design)[0].values)
     across = _across(count, kind)
-    return 10.8 if kind == MAPS else 10.0, 0.6 + 2.7 * math.ceil(count / across)
+    width = ALONE if count == 1 else 10.8 if kind == MAPS else 10.0
+    return width, 0.6 + 2.7 * math.ceil(count / across)
 
 
 def title(found: Runs, results: Results, mark: str) -> str:
@@ -171,8 +138,8 @@ def title(found: Runs, results: Results, mark: str) -> str:
     for quantity in results.every:
         values = quantity.of(found)
         values = values[~np.isnan(values)]
-        if quantity.told and values.any():
-            parts.append(quantity.told.format(values.min(), values.max()))
+        if quantity.is_told and values.any():
+            parts.append(quantity.range_text(values))
     return ", ".join(parts + ([f"{failed} failed{mark}"] if failed else []))
 
 
@@ -181,7 +148,8 @@ def conditions(found: Runs, varying: list[Variation]) -> str:
     parts = []
     for one in varying:
         ends = " to ".join(number(end) for end in dict.fromkeys((one.values.min(), one.values.max())))
-        parts.append(f"{len(one.values)} of {one.name}" if one.choices else f"{_label(found, one)} {ends}")
+        told = f"{ends} {raised(unit_text(unit_of(found, one)))}".rstrip()
+        parts.append(f"{len(one.values)} of {one.name}" if one.choices else f"{one.name} {told}")
     return "; ".join(parts)
 
 
@@ -189,52 +157,6 @@ def varying_in(design: Design) -> list[Variation]:
     """Return the variations with more than one value; if there are none, the first variation."""
     found = [one for one in design.variations if len(np.unique(one.values)) > 1]
     return found or list(design.variations[:1])
-
-
-@dataclass(frozen=True)
-class Results:
-    """The quantities of a sweep: the main results, then the additional outputs.
-
-    Attributes:
-        every: all quantities.
-        drawn: the quantities that differ between the runs; each has a panel. All if none differs.
-    """
-
-    every: list[Quantity]
-    drawn: list[Quantity]
-
-    @property
-    def same(self) -> list[Quantity]:
-        """The quantities without a panel."""
-        return [one for one in self.every if one not in self.drawn]
-
-
-def results_of(found: Runs) -> Results:
-    """Return the quantities of a sweep; those at walls and at stops only if the scene has these."""
-    absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
-    main = [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
-    units, known = PreparedScene(found.scene).units, {quantity.column for quantity in main}
-    asked = [name for name in found.outputs if name not in known]
-    every = main + [
-        Quantity(name, f"{name} at the end{in_brackets(units[name])}") for name in asked[:MOST_ASKED]
-    ]
-    return Results(every, [one for one in every if _differs(one.of(found))] or every)
-
-
-def _differs(values: np.ndarray) -> bool:
-    """Return whether finite values differ by more than round-off, or there is none."""
-    finite = values[np.isfinite(values)]
-    return not finite.size or bool(np.ptp(finite) > ROUND_OFF * np.abs(finite).max())
-
-
-def constants(found: Runs, same: Sequence[Quantity]) -> str:
-    """Return words for the quantities without a panel: "the same in all runs: impacts 14"."""
-    parts = []
-    for one in same:
-        name, _, unit = one.label.partition(" [")
-        value = number(float(np.nanmax(one.of(found))))
-        parts.append(f"{name} {value} {unit.rstrip(']')}".rstrip())
-    return f"the same in all runs: {', '.join(parts)}" if parts else ""
 
 
 def _across(count: int, kind: str) -> int:
@@ -275,8 +197,8 @@ def _curves(
         failed = values[found.failed]
         if len(failed):
             axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
-        axes.set_xscale("log" if _is_logarithmic(across) else "linear")
-        axes.set_xlabel(_label(found, across))
+        axes.set_xscale("log" if is_logarithmic(across) else "linear")
+        axes.set_xlabel(label_of(found, across))
         give_ticks(axes)
         _dress(axes, quantity, shown)
     if choice:
@@ -300,70 +222,10 @@ def _dots(page: Figure, found: Runs, quantities: list[Quantity], across: Variati
         failed = rows[found.failed]
         axes.plot(np.full(len(failed), 0.02), failed, transform=axes.get_yaxis_transform(), **CROSS)
         axes.set_xlabel(quantity.label)
-        if quantity.column == "impact.count":
+        if quantity.is_count:
             axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     panels[0].set_yticks(rows, names)
     panels[0].invert_yaxis()
-
-
-def _maps(page: Figure, found: Runs, quantities: list[Quantity], first: Variation, second: Variation) -> None:
-    """Draw a map for each quantity, over two parameters."""
-    x, y = _axis(first), _axis(second)
-    colours = mpl.colormaps[MAP_COLOURS].with_extremes(bad=FAILED_COLOUR)
-    grey: list[Patch] = []
-    places = [list(found.varied).index(one.name) for one in (second, first)]
-    for axes, quantity in zip(_panels(page, len(quantities)), quantities, strict=True):
-        shown = quantity.of(found).reshape(found.design.shape)
-        spare = tuple(k for k in range(shown.ndim) if k not in places)
-        shown = shown.transpose(*places, *spare).reshape(len(second.values), len(first.values))
-        shown = np.ma.masked_invalid(shown[np.ix_(y.order, x.order)])
-        axes.set_facecolor(FAILED_COLOUR)
-        if shown.count():
-            mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, rasterized=True)
-            bar = page.colorbar(mesh, ax=axes, label=quantity.label)
-            if quantity.column == "impact.count":
-                bar.locator = MaxNLocator(integer=True, min_n_ticks=1)
-        else:
-            axes.set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
-        axes.set_xscale("log" if x.logarithmic else "linear")
-        axes.set_yscale("log" if y.logarithmic else "linear")
-        for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):
-            if scale.names:
-                axis.set_ticks(range(len(scale.names)), scale.names)
-        axes.set(xlabel=_label(found, first), ylabel=_label(found, second))
-        if x.names:
-            axes.tick_params(axis="x", rotation=90)
-        if np.ma.is_masked(shown):
-            grey = [Patch(facecolor=FAILED_COLOUR, label="failed")]
-    if grey:
-        legend_at_foot(page, grey)
-
-
-@dataclass(frozen=True)
-class _Scale:
-    """An axis of a map: the order of the values, the edges of the cells, and the names of choices."""
-
-    order: np.ndarray
-    edges: np.ndarray
-    logarithmic: bool
-    names: list[str]
-
-
-def _axis(variation: Variation) -> _Scale:
-    if variation.choices:
-        names = variation.shown(variation.values).tolist()
-        return _Scale(np.arange(len(names)), np.arange(len(names) + 1) - 0.5, False, names)
-    order = np.argsort(variation.values)
-    logarithmic = _is_logarithmic(variation)
-    at = np.log(variation.values[order]) if logarithmic else variation.values[order]
-    middles = 0.5 * (at[1:] + at[:-1])
-    edges = np.array([2 * at[0] - middles[0], *middles, 2 * at[-1] - middles[-1]])
-    return _Scale(order, np.exp(edges) if logarithmic else edges, logarithmic, [])
-
-
-def _is_logarithmic(variation: Variation) -> bool:
-    low, high = variation.values.min(), variation.values.max()
-    return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
 
 
 def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
@@ -372,22 +234,13 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
     finite = shown[np.isfinite(shown)]
     if not finite.size:
         axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
-    elif quantity.column == "impact.count":
+    elif quantity.is_count:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     elif finite.min() > 0.0:
         is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
-        if is_over_log or np.divide(*np.quantile(finite, [MOST, 1.0 - MOST])) >= WIDE_RANGE:
+        if is_over_log or spread(finite) >= WIDE_RANGE:
             axes.set_yscale("log")
         if axes.get_yscale() == "log" and finite.max() < WIDE_RANGE * finite.min():
             axes.yaxis.set_minor_locator(LogLocator(subs=FEW_TICKS))
             for kind in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
                 kind(FuncFormatter(lambda value, _: f"{value:g}"))
-
-
-def _label(found: Runs, variation: Variation) -> str:
-    """Return the name and unit of a parameter; a unit has the exponent if all runs have the same exponent."""
-    unit = variation.variable.unit
-    part = found.scene.stops if unit.startswith("N.m") else found.scene.contact
-    if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*found.varied}:
-        unit = of_power(unit.removesuffix("^exponent"), part.exponent) if "^" in unit else unit
-    return f"{variation.name}{raised(in_brackets(unit))}"

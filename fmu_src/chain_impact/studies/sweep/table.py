@@ -7,7 +7,7 @@ import errno
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -97,23 +97,31 @@ class Sweep(Runs):
             raise SceneError(f"{path} must be a file whose name ends in {' or '.join(TABLES)}")
         write_table(table_path(path), self.chunks(self.names))
 
-    def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
-        """Draw the main results over the varied parameters.
+    def plot(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        size: Size | None = None,
+        panels: str | Sequence[str] = (),
+    ) -> Figure | None:
+        """Draw the main results, or some columns, over the varied parameters.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
             size: width and height [inches]; a height of None is what the contents need.
                 On a page narrower than 6 inches all panels are in one column.
+            panels: the columns to draw, ``*`` for any text, such as ``"peak_force"``; by default the main
+                results and the additional outputs, as far as they differ between the runs.
 
         Raises:
-            SceneError: when too many parameters vary for a picture.
+            SceneError: when too many parameters vary for a picture, or there is no column for a panel.
             ValueError: when the size is not possible, or has no room for the panels.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.sweep.plot import plot_sweep
 
-        return plot_sweep(self, path, size)
+        return plot_sweep(self, path, size, [panels] if isinstance(panels, str) else panels)
 
 
 def write_table(path: Path, chunks: Iterable[Columns]) -> None:

@@ -1,0 +1,150 @@
+"""Maps of a sweep: colours over two parameters, and the axes of varied parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import count, pairwise
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter
+
+from chain_impact.pictures.style import legend_at_foot, raised
+from chain_impact.scene.unit_text import in_brackets, of_power
+from chain_impact.studies.sweep.quantities import Quantity
+from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.variation import Variation
+
+MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
+WIDE_RANGE = 1e3  # the ratio of values above which an axis is logarithmic
+# the ratio of values above which their colours are logarithmic: with linear colours, values below a hundredth
+# of the largest one look the same
+WIDE_COLOURS = 100.0
+MOST = 0.95  # the part of the values that such a ratio considers
+LONGEST = 1e4  # the number from which on numbers at a bar of logarithmic colours are powers of ten
+MOST_COLOURS = 12  # the largest number of colours of counts; more counts share colours
+NEVER = "no run has a finite value"
+
+
+def draw_maps(
+    page: Figure,
+    panels: Sequence[Axes],
+    found: Runs,
+    quantities: Sequence[Quantity],
+    over: Sequence[Variation],
+) -> None:
+    """Draw a map for each quantity, over two parameters."""
+    first, second = over
+    x, y = axis_of(first), axis_of(second)
+    grey: list[Patch] = []
+    places = [list(found.varied).index(one.name) for one in (second, first)]
+    for axes, quantity in zip(panels, quantities, strict=True):
+        shown = quantity.of(found).reshape(found.design.shape)
+        spare = tuple(k for k in range(shown.ndim) if k not in places)
+        shown = shown.transpose(*places, *spare).reshape(len(second.values), len(first.values))
+        shown = np.ma.masked_invalid(shown[np.ix_(y.order, x.order)])
+        axes.set_facecolor(FAILED_COLOUR)
+        if shown.count():
+            _draw_map(page, axes, (x, y), quantity, shown)
+        else:
+            axes.set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
+        axes.set_xscale("log" if x.logarithmic else "linear")
+        axes.set_yscale("log" if y.logarithmic else "linear")
+        for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):
+            if scale.names:
+                axis.set_ticks(range(len(scale.names)), scale.names)
+        axes.set(xlabel=label_of(found, first), ylabel=label_of(found, second))
+        if x.names:
+            axes.tick_params(axis="x", rotation=90)
+        if np.ma.is_masked(shown):
+            grey = [Patch(facecolor=FAILED_COLOUR, label="failed")]
+    if grey:
+        legend_at_foot(page, grey)
+
+
+def _draw_map(page: Figure, axes: Axes, scales: tuple[Scale, Scale], quantity: Quantity, shown: Any) -> None:
+    """Draw the colours of one map, and the bar that explains them."""
+    x, y = scales
+    least, most = float(shown.min()), float(shown.max())
+    colours: Colormap = mpl.colormaps[MAP_COLOURS]
+    norm, ticks = Normalize(), None
+    if quantity.is_count and least < most:
+        bins = count_bins(least, most)
+        norm, colours = BoundaryNorm(bins, len(bins) - 1), colours.resampled(len(bins) - 1)
+        ticks = {
+            0.5 * (low + high): f"{low + 0.5:.0f}" + (f"–{high - 0.5:.0f}" if high - low > 1.0 else "")
+            for low, high in pairwise(bins)
+        }
+    elif spread(shown.compressed()) >= WIDE_COLOURS:
+        norm = LogNorm(least, most)
+    colours = colours.with_extremes(bad=FAILED_COLOUR)
+    mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, rasterized=True)
+    bar = page.colorbar(mesh, ax=axes, label=quantity.label)
+    if isinstance(norm, LogNorm) and most < LONGEST:
+        bar.formatter = FuncFormatter(lambda value, _: f"{value:g}")
+    if ticks:
+        bar.set_ticks(list(ticks), labels=list(ticks.values()))
+        bar.ax.tick_params(which="both", length=0)
+
+
+def spread(values: np.ndarray) -> float:
+    """Return the ratio of large to small values, without a few extremes; 1 if a value is not positive."""
+    low, high = np.quantile(values, [1.0 - MOST, MOST])
+    return float(high / low) if values.min() > 0.0 else 1.0
+
+
+def count_bins(least: float, most: float) -> list[float]:
+    """Return the limits of the colours of counts, between whole numbers: at most MOST_COLOURS colours."""
+    sizes = (round(step * 10**power) for power in count() for step in (1, 2, 5))
+    size = next(one for one in sizes if most // one - least // one < MOST_COLOURS)
+    first, last = least // size, most // size
+    return [float(size * one) - 0.5 for one in np.arange(first, last + 2)]
+
+
+@dataclass(frozen=True)
+class Scale:
+    """An axis of a map: the order of the values, the edges of the cells, and the names of choices."""
+
+    order: np.ndarray
+    edges: np.ndarray
+    logarithmic: bool
+    names: list[str]
+
+
+def axis_of(variation: Variation) -> Scale:
+    """Return the axis of a map for a parameter."""
+    if variation.choices:
+        names = variation.shown(variation.values).tolist()
+        return Scale(np.arange(len(names)), np.arange(len(names) + 1) - 0.5, False, names)
+    order = np.argsort(variation.values)
+    logarithmic = is_logarithmic(variation)
+    at = np.log(variation.values[order]) if logarithmic else variation.values[order]
+    middles = 0.5 * (at[1:] + at[:-1])
+    edges = np.array([2 * at[0] - middles[0], *middles, 2 * at[-1] - middles[-1]])
+    return Scale(order, np.exp(edges) if logarithmic else edges, logarithmic, [])
+
+
+def is_logarithmic(variation: Variation) -> bool:
+    """Return whether the axis of a parameter is logarithmic."""
+    low, high = variation.values.min(), variation.values.max()
+    return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
+
+
+def label_of(found: Runs, variation: Variation) -> str:
+    """Return the name and unit of a parameter."""
+    return f"{variation.name}{raised(in_brackets(unit_of(found, variation)))}"
+
+
+def unit_of(found: Runs, variation: Variation) -> str:
+    """Return the unit of a parameter; it has the exponent if all runs have the same exponent."""
+    unit = variation.variable.unit
+    part = found.scene.stops if unit.startswith("N.m") else found.scene.contact
+    if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*found.varied}:
+        unit = of_power(unit.removesuffix("^exponent"), part.exponent) if "^" in unit else unit
+    return unit

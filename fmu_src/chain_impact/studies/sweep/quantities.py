@@ -1,0 +1,166 @@
+"""The quantities that the picture of a sweep shows: columns of its table, each in a readable unit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from chain_impact.recording.text import few, prefixed
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.reading import SceneError, matching
+from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.studies.sweep.job import ENDED, Job
+from chain_impact.studies.sweep.runs import Runs
+from chain_impact.variables.indices import PEAKS
+from chain_impact.variables.prepared import PreparedScene
+
+# the largest number of outputs that have a panel because they are in the table, and of panels that are named
+MOST_ASKED, MOST_PANELS = 4, 8
+ROUND_OFF = 1e-9  # the largest difference of equal results, relative to their size
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """The quantity of a panel: a column of the table.
+
+    Attributes:
+        column: the name of the column.
+        name: the words for the quantity.
+        unit: the unit of the panel; in QUANTITIES the unit of the column, without a prefix.
+        is_told: whether the headline has the smallest and the largest value.
+        factor: factor from the unit of the column to the unit of the panel.
+    """
+
+    column: str
+    name: str
+    unit: str = ""
+    is_told: bool = False
+    factor: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """The label of the axis."""
+        return f"{self.name}{in_brackets(self.unit)}"
+
+    @property
+    def is_count(self) -> bool:
+        """Whether the values are whole numbers."""
+        return self.column == COUNT
+
+    def of(self, found: Runs) -> np.ndarray:
+        """Return the values of the quantity, NaN where a run failed, shape (R,)."""
+        return np.where(found.failed, np.nan, self.factor * found[self.column].astype(float))
+
+    def range_text(self, values: np.ndarray) -> str:
+        """Return words for the smallest and the largest value: "peak force 1.2 to 3.4 kN"."""
+        return with_unit(f"{self.name} {np.nanmin(values):.3g} to {np.nanmax(values):.3g}", self.unit)
+
+
+COUNT = "impact.count"
+QUANTITIES = (
+    Quantity("peak_force", "peak force", "N", is_told=True),
+    Quantity("max_penetration", "largest penetration", "m"),
+    Quantity("stop.peak_moment", "peak moment of stops", "N·m", is_told=True),
+    Quantity("stop.max_penetration", "largest rotation beyond a stop", "rad"),
+    Quantity("joint_force", "largest force in a joint", "N"),
+    Quantity(COUNT, "impacts"),
+    Quantity("energy.dissipated", "energy dissipated", "J"),
+)
+
+
+@dataclass(frozen=True)
+class Results:
+    """The quantities of a sweep: the main results, then the additional outputs; or those that are named.
+
+    Attributes:
+        every: all quantities.
+        drawn: the quantities that have a panel.
+    """
+
+    every: list[Quantity]
+    drawn: list[Quantity]
+
+    @property
+    def same(self) -> list[Quantity]:
+        """The quantities without a panel."""
+        return [one for one in self.every if one not in self.drawn]
+
+
+def results_of(found: Runs, panels: Sequence[str] = ()) -> Results:
+    """Return the quantities of a sweep; those at walls and at stops only if the scene has these.
+
+    Those that differ between the runs are drawn, or all if none differs; with ``panels``, the columns that
+    these name.
+
+    Raises:
+        UnknownNameError: when there is no column for a panel.
+        SceneError: when there are too many panels.
+    """
+    main = {quantity.column: quantity for quantity in QUANTITIES}
+    prepared = PreparedScene(found.scene)
+    if panels:
+        known = list(found.rows.dtype.names or ())
+        chosen = columns_named(prepared, panels, known)
+        every = [_in_unit(found, main.get(name) or _at_end(name, prepared)) for name in chosen]
+        return Results(every, every)
+    absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
+    shown = [quantity for name, quantity in main.items() if name in {*found.names} - absent]
+    asked = [_at_end(name, prepared) for name in found.outputs if name not in main]
+    every = [_in_unit(found, quantity) for quantity in shown] + asked[:MOST_ASKED]
+    return Results(every, [one for one in every if _differs(one.of(found))] or every)
+
+
+def columns_named(prepared: PreparedScene, panels: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Return the columns of the table that have a panel; in ``panels``, ``*`` stands for any text.
+
+    Raises:
+        UnknownNameError: when there is no such column.
+        SceneError: when there are too many.
+    """
+    source = prepared.scene.name
+    found = (matching(source, panel, known, "no column", lambda _: None) for panel in panels)
+    chosen = list(dict.fromkeys(name for names in found for name in names))
+    if len(chosen) > MOST_PANELS:
+        raise SceneError(f"{source}: {len(chosen)} panels ({few(chosen, 3)}) must be <= {MOST_PANELS}")
+    return chosen
+
+
+def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
+    """Return the outputs that the table of a job needs in addition, so that a picture has some panels.
+
+    Raises:
+        UnknownNameError: when there is neither a column nor an output for a panel.
+        SceneError: when there are too many panels.
+    """
+    standard = job.dtype.names or ()
+    known = [*dict.fromkeys((*standard, *job.prepared.outputs_by_name))]
+    return [name for name in columns_named(job.prepared, panels, known) if name not in standard]
+
+
+def constants(found: Runs, results: Results) -> str:
+    """Return words for the quantities without a panel: "the same in all runs: impacts 14"."""
+    parts = [with_unit(f"{one.name} {np.nanmax(one.of(found)):.4g}", one.unit) for one in results.same]
+    return f"the same in all runs: {', '.join(parts)}" if parts else ""
+
+
+def _at_end(name: str, prepared: PreparedScene) -> Quantity:
+    """Return the quantity of an output at the end of each run."""
+    unit = "s" if name == ENDED else prepared.units[name]
+    return Quantity(name, f"{name} at the end", unit_text(unit))
+
+
+def _in_unit(found: Runs, quantity: Quantity) -> Quantity:
+    """Return a quantity with the prefix of its unit that suits its largest value."""
+    if not quantity.unit or quantity not in QUANTITIES:
+        return quantity
+    values = np.abs(quantity.of(found))
+    factor, unit = prefixed(float(np.max(values[np.isfinite(values)], initial=0.0)), quantity.unit)
+    return replace(quantity, unit=unit, factor=factor)
+
+
+def _differs(values: np.ndarray) -> bool:
+    """Return whether finite values differ by more than round-off, or there is none."""
+    finite = values[np.isfinite(values)]
+    return not finite.size or bool(np.ptp(finite) > ROUND_OFF * np.abs(finite).max())
