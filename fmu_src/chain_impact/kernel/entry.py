@@ -100,31 +100,32 @@ def within_bounds(d):
 
 def signals_within_bounds(d):
     """Return whether the indices of signals are within their bounds."""
-    fits, own = True, d.signal
+    fits, signal = True, d.signal
     for j in range(d.signals):
-        most = d.channels - 1 if own.input[j] == CHANNEL else d.links - 1
-        most = 1 if own.input[j] == TIP_FORCE else most
-        fits = fits and within(own.input[j], TORQUE, CHANNEL) and within(own.index[j], 0, most)
-        fits = fits and within(own.source[j], 0, d.signals - 1) and within(own.order[j], 0, 2)
-        fits = fits and within(own.integrals[j], 0, 2)
-        fits = fits and within(own.form[j], CONSTANT, TABLE) and within(own.degree[j], 0, SIGNAL_DEGREE)
-        fits = fits and within(own.first[j], 0, own.last[j]) and within(own.last[j], 0, d.knots - 1)
-        fits = fits and within(own.segment[j], own.first[j], own.last[j])
+        most = d.channels - 1 if signal.input[j] == CHANNEL else d.links - 1
+        most = 1 if signal.input[j] == TIP_FORCE else most
+        fits = fits and within(signal.input[j], TORQUE, CHANNEL) and within(signal.index[j], 0, most)
+        fits = fits and within(signal.source[j], 0, d.signals - 1) and within(signal.order[j], 0, 2)
+        fits = fits and within(signal.integrals[j], 0, 2)
+        fits = fits and within(signal.form[j], CONSTANT, TABLE) and within(signal.degree[j], 0, SIGNAL_DEGREE)
+        fits = fits and within(signal.first[j], 0, signal.last[j]) and within(signal.last[j], 0, d.knots - 1)
+        fits = fits and within(signal.segment[j], signal.first[j], signal.last[j])
         if fits:
             # number of given knots in the record, and number of knots that a form of signal needs
-            given, needed = own.first[own.source[j]] + own.last[j] - own.first[j], 0
-            if own.form[j] == SINE or own.form[j] == RAMP:
-                needed = 4 if own.shape[own.source[j]] == TRAPEZOID else 2
-            fits = within(given, 0, d.knots - 1) and own.last[j] - own.first[j] >= needed
+            given, needed = signal.first[signal.source[j]] + signal.last[j] - signal.first[j], 0
+            if signal.form[j] == SINE or signal.form[j] == RAMP:
+                needed = 4 if signal.shape[signal.source[j]] == TRAPEZOID else 2
+            fits = within(given, 0, d.knots - 1) and signal.last[j] - signal.first[j] >= needed
     return fits
 
 
 def friction_within_bounds(d):
     """Return whether the indices and counts of dry friction are within their bounds."""
-    own = d.friction
-    fits = within(own.used, 0, min(1, d.elements)) and within(own.count, 0, d.elements)
-    fits = fits and within(own.contact_count, 0, min(own.count, d.candidates))
-    fits = fits and within(own.stuck_count, 0, own.count) and within(own.stuck_joints, 0, own.stuck_count)
+    friction = d.friction
+    fits = within(friction.used, 0, min(1, d.elements)) and within(friction.count, 0, d.elements)
+    fits = fits and within(friction.contact_count, 0, min(friction.count, d.candidates))
+    fits = fits and within(friction.stuck_count, 0, friction.count)
+    fits = fits and within(friction.stuck_joints, 0, friction.stuck_count)
     fits = fits and d.changes.count >= 0
     for e in range(d.elements):
         fits = fits and within(d.element.index[e], 0, d.elements - 1)

@@ -16,19 +16,19 @@ def dispatch(functions):
     """Return a function of (number, …) that calls the function with this number, from 0, in ``functions``."""
     first, others = functions[0], functions[1:]
     if not others:
-        return lambda _number, *rest: first(*rest)
+        return lambda _number, *arguments: first(*arguments)
     after = dispatch(others)
-    return lambda number, *rest: first(*rest) if number == 0 else after(number - 1, *rest)
+    return lambda number, *arguments: first(*arguments) if number == 0 else after(number - 1, *arguments)
 
 
 def sequence(first, *others):
     """Return a function that calls several functions in turn with its arguments, and returns nothing."""
     if not others:
         return first
-    rest = sequence(*others)
+    following = sequence(*others)
 
     def both(d, h, *more):
         first(d, h, *more)
-        rest(d, h, *more)
+        following(d, h, *more)
 
     return both

@@ -153,8 +153,8 @@ def derive_chain(d):
         model.center_of_mass_ratio[i] = c / model.length[i]
         # the inertia I + m c² about the proximal joint
         model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c
-        rest = model.length[i] - c
-        model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
+        to_distal = model.length[i] - c
+        model.distal_inertia[i] = model.inertia[i] + model.mass[i] * to_distal * to_distal
         if d.skewed:
             beside = model.center_of_mass_offset[i]
             model.offset_ratio[i] = beside / model.length[i]
@@ -258,11 +258,13 @@ def check_parameters(d):
 
 def slider_is_valid(d):
     """Return whether the parameters of the slider are in their ranges."""
-    own = d.slider
-    positive = own.mass >= 0.0 and own.damping >= 0.0 and own.stiffness >= 0.0 and own.friction >= 0.0
-    total = own.mass + own.damping + own.stiffness + own.friction + own.angle
+    slider = d.slider
+    positive = (
+        slider.mass >= 0.0 and slider.damping >= 0.0 and slider.stiffness >= 0.0 and slider.friction >= 0.0
+    )
+    total = slider.mass + slider.damping + slider.stiffness + slider.friction + slider.angle
     total += d.given.slider_target_position + d.initial.slider_velocity
-    return positive and own.force_limit >= 0.0 and own.min < own.max and math.isfinite(total)
+    return positive and slider.force_limit >= 0.0 and slider.min < slider.max and math.isfinite(total)
 
 
 def walls_are_finite(d):

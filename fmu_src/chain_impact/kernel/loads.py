@@ -41,12 +41,12 @@ NEAR_PEAK = 0.95
 
 def start_loads(d, time):
     """Begin a run at ``time`` [s] without peaks, in the state at the end of the last step."""
-    own = d.transmitted
+    transmitted = d.transmitted
     locate_points(d, d.step.state_end)
-    own.start_time, own.seen_end = time, math.nan
-    link_momenta(d, own.start_x, own.start_y)
+    transmitted.start_time, transmitted.seen_end = time, math.nan
+    link_momenta(d, transmitted.start_x, transmitted.start_y)
     for i in range(d.links):
-        own.peak[i] = 0.0
+        transmitted.peak[i] = 0.0
 
 
 def keep_tip_impulse(d, j, impulse):
@@ -135,10 +135,10 @@ def fill_loads(d, y, rate):
 
 def fill_guide(d):
     """Fill the outputs of the line's force and moment on the slider's carriage, from the loads of joint 1."""
-    out, own, gravity = d.output, d.slider, d.model.gravity
+    out, slider, gravity = d.output, d.slider, d.model.gravity
     # R = n·(f₁ − m g),  n = (−u_y, u_x); the carriage does not turn
-    fx, fy = out.load.x[0] - own.mass * gravity[0], out.load.y[0] - own.mass * gravity[1]
-    out.slider_reaction, out.slider_moment = own.ux * fy - own.uy * fx, out.load.moment[0]
+    fx, fy = out.load.x[0] - slider.mass * gravity[0], out.load.y[0] - slider.mass * gravity[1]
+    out.slider_reaction, out.slider_moment = slider.ux * fy - slider.uy * fx, out.load.moment[0]
 
 
 def load_wall(d, c):
@@ -160,15 +160,15 @@ def load_wall(d, c):
 
 def fill_load_impulses(d):
     """Fill the outputs of impulses in joints at the communication point, for the located points."""
-    out, own = d.output, d.transmitted
-    x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.time - own.start_time
+    out, transmitted = d.output, d.transmitted
+    x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.time - transmitted.start_time
     link_momenta(d, x, y)
     for i in range(d.links):
-        x[i] -= own.start_x[i] + d.model.mass[i] * d.model.gravity[0] * lasted
-        y[i] -= own.start_y[i] + d.model.mass[i] * d.model.gravity[1] * lasted
+        x[i] -= transmitted.start_x[i] + d.model.mass[i] * d.model.gravity[0] * lasted
+        y[i] -= transmitted.start_y[i] + d.model.mass[i] * d.model.gravity[1] * lasted
     for c in range(d.candidates):
         subtract_contact(d, c, out.impulse, out.friction.impulse, x, y)
-    sum_from_tip(d, own.tip_impulse, x, y)
+    sum_from_tip(d, transmitted.tip_impulse, x, y)
 
 
 def fill_load_peaks(d):
@@ -176,19 +176,19 @@ def fill_load_peaks(d):
 
     Most steps raise no peak; the rows of such a step need no search.
     """
-    out, own, rises = d.output.load, d.transmitted, False
-    if own.seen_breaks != d.step.breaks or own.seen_end != d.step.end:
+    out, transmitted, rises = d.output.load, d.transmitted, False
+    if transmitted.seen_breaks != d.step.breaks or transmitted.seen_end != d.step.end:
         search_step(d)
         for i in range(d.links):
-            own.seen[i] = own.top[i]
-        own.seen_breaks, own.seen_end = d.step.breaks, d.step.end
+            transmitted.seen[i] = transmitted.top[i]
+        transmitted.seen_breaks, transmitted.seen_end = d.step.breaks, d.step.end
     for i in range(d.links):
-        own.top[i] = max(own.peak[i], out.x[i] * out.x[i] + out.y[i] * out.y[i])
-        rises = rises or own.seen[i] > own.top[i]
+        transmitted.top[i] = max(transmitted.peak[i], out.x[i] * out.x[i] + out.y[i] * out.y[i])
+        rises = rises or transmitted.seen[i] > transmitted.top[i]
     if rises:
         search_peaks(d, d.step.time)
     for i in range(d.links):
-        out.peak[i] = math.sqrt(own.top[i]) if own.top[i] > 0.0 else 0.0
+        out.peak[i] = math.sqrt(transmitted.top[i]) if transmitted.top[i] > 0.0 else 0.0
 
 
 def update_load_peaks(d):
@@ -196,16 +196,16 @@ def update_load_peaks(d):
 
     As outputs, loads do not count as work.
     """
-    own, touch, counted = d.transmitted, d.touch, counted_work(d)
+    transmitted, touch, counted = d.transmitted, d.touch, counted_work(d)
     ensure_dense(d, OUTPUTS)
     search_step(d)
     for i in range(d.links):
-        own.peak[i] = max(own.peak[i], own.top[i])
+        transmitted.peak[i] = max(transmitted.peak[i], transmitted.top[i])
     for k in range(touch.active_count):
         c = touch.active_index[k]
         for i in range(0 if d.model.pinned else 1, d.links):
-            if own.top[i] > touch.joint_top[c]:
-                set_joint_top(d, c, own.top[i], i + 1)
+            if transmitted.top[i] > touch.joint_top[c]:
+                set_joint_top(d, c, transmitted.top[i], i + 1)
     # this call leaves the forces, and the values that follow from them, at the end of the step
     load_joints_at(d, fraction(d, d.step.end))
     ensure_points(d)
@@ -218,29 +218,29 @@ def search_step(d):
     If neither the largest force so far nor the largest force during an active contact rises, the search may
     end with a smaller value.
     """
-    own, least = d.transmitted, math.inf
+    transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):
         least = min(least, d.touch.joint_top[d.touch.active_index[k]])
     for i in range(d.links):
-        own.top[i] = min(own.peak[i], least)
+        transmitted.top[i] = min(transmitted.peak[i], least)
     search_peaks(d, d.step.end)
 
 
 def search_peaks(d, time):
     """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step up to a ``time`` [s]."""
-    own, end = d.transmitted, fraction(d, time)
+    transmitted, end = d.transmitted, fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
         load_joints_at(d, end * m / intervals)
         for i in range(d.links):
-            own.after[i] = square_of_force(d, i)
+            transmitted.after[i] = square_of_force(d, i)
         for i in range(d.links):
-            left, top, right = own.before[i], own.middle[i], own.after[i]
-            own.before[i], own.middle[i] = top, right
-            own.top[i] = max(own.top[i], right)
-            if m >= 2 and rises_between(left, top, right, own.top[i]):
-                found = largest_square(d, i, end * (m - 1) / intervals, end / intervals, end)
-                own.top[i] = max(own.top[i], found)
+            left, top, right = transmitted.before[i], transmitted.middle[i], transmitted.after[i]
+            transmitted.before[i], transmitted.middle[i] = top, right
+            transmitted.top[i] = max(transmitted.top[i], right)
+            if m >= 2 and rises_between(left, top, right, transmitted.top[i]):
+                largest = largest_square(d, i, end * (m - 1) / intervals, end / intervals, end)
+                transmitted.top[i] = max(transmitted.top[i], largest)
 
 
 def rises_between(left, top, right, highest):

@@ -150,11 +150,11 @@ def fill_forces(d):
 
 def fill_friction(d):
     """Fill the outputs of dry friction, except impulses and energy."""
-    own, out = d.friction, d.output.friction
+    friction, out = d.friction, d.output.friction
     for e in range(d.elements):
         out.force[e], out.sticking[e] = 0.0, 0.0
         out.joint_moment[e], out.joint_sticking[e] = 0.0, 0.0
-    for i in range(own.count):
+    for i in range(friction.count):
         e = d.element.index[i]
         mode = d.element.mode[e]
         sticks = 1.0 if mode == STICKS else 0.0
@@ -175,11 +175,11 @@ def fill_quadratures(d, theta):
 
     The impulse of the force at the tip is stored for the impulses in the joints.
     """
-    own = d.quadrature
-    for i in range(len(own.total)):
-        fill_quadrature(d, i, own.total[i])
-    for k in range(own.count):
-        fill_quadrature(d, own.index[k], quadrature_within(d, theta, k))
+    quadrature = d.quadrature
+    for i in range(len(quadrature.total)):
+        fill_quadrature(d, i, quadrature.total[i])
+    for k in range(quadrature.count):
+        fill_quadrature(d, quadrature.index[k], quadrature_within(d, theta, k))
 
 
 def fill_quadrature(d, i, value):
@@ -226,6 +226,11 @@ def combine_impulses(d):
 
 def first_stop(d, c):
     """Return the first stop of the joint to which stop c belongs: c, or the candidate before c."""
-    own = d.candidate
-    second = c > 0 and own.stop[c] < 0 and own.stop[c - 1] > 0 and own.point[c - 1] == own.point[c]
+    candidate = d.candidate
+    second = (
+        c > 0
+        and candidate.stop[c] < 0
+        and candidate.stop[c - 1] > 0
+        and candidate.point[c - 1] == candidate.point[c]
+    )
     return c - 1 if second else c

@@ -86,10 +86,12 @@ def wanted_torque(d, y, i):
     """Return u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i [N·m] of motor, damper and spring, before a limit."""
     if i == 0 and not d.model.pinned:
         return 0.0
-    own, first = d.inputs, omega_at(d.links)
+    inputs, first = d.inputs, omega_at(d.links)
     turning = y[first + i] - (y[first + i - 1] if i > 0 else 0.0)
-    rate, bent = turning - own.joint_target_velocity[i], stretch(d, y, i)
-    return wanted_drive(own.joint_torque[i], own.joint_damping[i], rate, own.joint_stiffness[i], bent)
+    rate, bent = turning - inputs.joint_target_velocity[i], stretch(d, y, i)
+    return wanted_drive(
+        inputs.joint_torque[i], inputs.joint_damping[i], rate, inputs.joint_stiffness[i], bent
+    )
 
 
 def joint_torque(d, y, i):

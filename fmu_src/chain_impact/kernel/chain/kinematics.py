@@ -82,8 +82,8 @@ def place_points(d, y):
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
     if d.channels > 0 and d.model.base_moves:
-        own = d.moved
-        x, y_, vx, vy = own.position[0], own.position[1], own.velocity[0], own.velocity[1]
+        moved = d.moved
+        x, y_, vx, vy = moved.position[0], moved.position[1], moved.velocity[0], moved.velocity[1]
     for i in range(n):
         position.x[i], position.y[i], velocity.x[i], velocity.y[i] = x, y_, vx, vy
         omega = y[omega_at(n) + i]

@@ -22,22 +22,24 @@ def move_with(d, y):
 
 def move(d, time):
     """Set position [m], velocity [m/s], acceleration [m/s²] of all channels at a time [s], and move walls."""
-    own, course = d.moved, d.inputs.course
-    x, since = (time - course.middle) * course.scale, time - own.began
+    moved, course = d.moved, d.inputs.course
+    x, since = (time - course.middle) * course.scale, time - moved.began
     for m in range(d.channels):
-        s, v, half_a = own.course[course.order, m], 0.0 * x, 0.0 * x
+        s, v, half_a = moved.course[course.order, m], 0.0 * x, 0.0 * x
         for k in range(1, course.order + 1):
             half_a = half_a * x + v
             v = v * x + s
-            s = s * x + own.course[course.order - k, m]
+            s = s * x + moved.course[course.order - k, m]
         # the added terms have the value 0; in a tangent instance they have derivatives
-        own.position[m] = s + own.added[m] + since * (own.added_rate[m] + 0.5 * since * own.added_push[m])
-        own.velocity[m] = v * course.scale + own.added_rate[m] + since * own.added_push[m]
-        own.acceleration[m] = 2.0 * half_a * course.scale * course.scale + own.added_push[m]
+        moved.position[m] = (
+            s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_push[m])
+        )
+        moved.velocity[m] = v * course.scale + moved.added_rate[m] + since * moved.added_push[m]
+        moved.acceleration[m] = 2.0 * half_a * course.scale * course.scale + moved.added_push[m]
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL:
             m = d.signal.index[j]
-            own.position[m], own.velocity[m], own.acceleration[m] = signal_at(d, j, time)
+            moved.position[m], moved.velocity[m], moved.acceleration[m] = signal_at(d, j, time)
     for c in range(d.candidates):
         m = d.shift.channel[c]
         if m >= 0:
@@ -46,22 +48,22 @@ def move(d, time):
 
 def move_wall(d, c, m):
     """Move the wall of candidate c with channel m, and its belt with the next channel."""
-    wall, own = d.shift, d.moved
-    d.candidate.offset[c] = wall.rest[c] + own.position[m]
-    wall.rate[c], wall.push[c] = own.velocity[m], own.acceleration[m]
-    wall.travel[c], wall.belt_rate[c] = own.position[m + 1], own.velocity[m + 1]
-    wall.belt_push[c] = own.acceleration[m + 1]
+    wall, moved = d.shift, d.moved
+    d.candidate.offset[c] = wall.rest[c] + moved.position[m]
+    wall.rate[c], wall.push[c] = moved.velocity[m], moved.acceleration[m]
+    wall.travel[c], wall.belt_rate[c] = moved.position[m + 1], moved.velocity[m + 1]
+    wall.belt_push[c] = moved.acceleration[m + 1]
 
 
 def motion_bounds(d, m):
     """Return bounds on the speed [m/s] and the acceleration [m/s²] of channel m over the last step."""
-    course, own = d.inputs.course, d.moved
+    course, moved = d.inputs.course, d.moved
     scale = course.scale
     most = max(abs(d.step.start - course.middle), abs(d.step.end - course.middle)) * scale
     speed, bend = 0.0 * most, 0.0 * most
     for k in range(1, course.order + 1):
         p = course.order + 1 - k
-        size = p * abs(own.course[p, m])
+        size = p * abs(moved.course[p, m])
         speed = speed * most + size
         if p > 1:
             bend = bend * most + (p - 1) * size

@@ -73,9 +73,9 @@ def complex_hinge(link, axx, axy, ayy):
 
     Numba would make a copy of ``hinge`` with a complex L.
     """
-    hx, hy, own = hinge(link, axx.real, axy.real, ayy.real)
+    hx, hy, about_joint = hinge(link, axx.real, axy.real, ayy.real)
     gx, gy, part = hinge((link[0], link[1], 0.0, 0.0, 0.0), axx.imag, axy.imag, ayy.imag)
-    return complex(hx, gx), complex(hy, gy), complex(own, part)
+    return complex(hx, gx), complex(hy, gy), complex(about_joint, part)
 
 
 COMPLEX = {reciprocal: complex_reciprocal, cross: complex_cross, hinge: complex_hinge}
@@ -140,12 +140,13 @@ def take_factors(d, coupled):
     """
     if d.model.geared:
         return
-    found, factors = d.work.elimination, d.work.factors
-    set_middle(d, factors, FREE, found.middle_xx, found.middle_xy, found.middle_yy)
+    elimination, factors = d.work.elimination, d.work.factors
+    set_middle(d, factors, FREE, elimination.middle_xx, elimination.middle_xy, elimination.middle_yy)
     factors.coupled[FREE] = 1 if coupled else 0
     for i in range(d.links):
-        factors.gain_x[FREE, i], factors.gain_y[FREE, i] = found.gain_x[i], found.gain_y[i]
-        factors.inverse[FREE, i], factors.share[FREE, i], factors.rest[FREE, i] = found.inverse[i], 0.0, 1.0
+        factors.gain_x[FREE, i], factors.gain_y[FREE, i] = elimination.gain_x[i], elimination.gain_y[i]
+        factors.inverse[FREE, i] = elimination.inverse[i]
+        factors.share[FREE, i], factors.rest[FREE, i] = 0.0, 1.0
 
 
 def set_middle(d, factors, row, axx, axy, ayy):
@@ -168,7 +169,7 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
     axy += space.impedance.xy[point]
     ayy += space.impedance.yy[point]
     link = lx, ly, _, _, _ = arm(d, links, i, outward)
-    hx, hy, own = hinge(link, axx, axy, ayy)
+    hx, hy, about_joint = hinge(link, axx, axy, ayy)
     for s in range(
         d.model.first_site[i] if d.sites > 0 else 0, d.model.first_site[i + 1] if d.sites > 0 else 0
     ):
@@ -179,17 +180,17 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
         xx, xy, yy = space.impedance.xx[k], space.impedance.xy[k], space.impedance.yy[k]
         # D r⊥
         sx, sy = xy * rx - xx * ry, yy * rx - xy * ry
-        hx, hy, own = hx + sx, hy + sy, own + cross(rx, ry, sx, sy)
+        hx, hy, about_joint = hx + sx, hy + sy, about_joint + cross(rx, ry, sx, sy)
         axx, axy, ayy = axx + xx, axy + xy, ayy + yy
     if coupled:
-        hx, hy, own = hx + ex, hy + ey, own + (cross(2.0 * lx, 2.0 * ly, ex, ey) + p)
-        inverse = reciprocal(own + resistance)
+        hx, hy, about_joint = hx + ex, hy + ey, about_joint + (cross(2.0 * lx, 2.0 * ly, ex, ey) + p)
+        inverse = reciprocal(about_joint + resistance)
         share = resistance * inverse
-        factors.share[row, i], factors.rest[row, i] = share, own * inverse
+        factors.share[row, i], factors.rest[row, i] = share, about_joint * inverse
         # e = σ h,  p = σ H
-        ex, ey, p = share * hx, share * hy, share * own
+        ex, ey, p = share * hx, share * hy, share * about_joint
     else:
-        inverse = reciprocal(own)
+        inverse = reciprocal(about_joint)
     kx, ky, m = hx * inverse, hy * inverse, d.model.mass[i]
     factors.gain_x[row, i], factors.gain_y[row, i], factors.inverse[row, i] = kx, ky, inverse
     # A = A' + m 1 − h hᵀ/(H + κ)

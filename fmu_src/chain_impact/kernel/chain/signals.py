@@ -33,7 +33,7 @@ STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 def signal_at(d, j, time):
     """Return value, rate and second derivative of signal j at a ``time`` [s], in the segment in use."""
-    own, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
+    signal, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
     x = since_knot(d, j, time)
     u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
     for p in range(1, degree + 1):
@@ -44,7 +44,7 @@ def signal_at(d, j, time):
     if is_sine(d, j):
         su, sv, sa = sine_at(d, j, time)
         u, v, a = u + su, v + sv, a + sa
-    return u + own.begin[j] + own.lap[j] * own.gain[j], v, a
+    return u + signal.begin[j] + signal.lap[j] * signal.gain[j], v, a
 
 
 def drives(d, m):
@@ -62,32 +62,32 @@ def since_knot(d, j, time):
 
 def sine_at(d, j, time):
     """Return value, rate and second derivative of the sine of signal j, or of its integral, at a time [s]."""
-    own, i = d.signal, d.signal.source[j]
-    s = time - own.start[i]
-    rise = own.rise[i] if own.segment[j] == own.first[j] + 1 else 0.0
-    rate, chirp = TAU * (own.frequency[i] + own.frequency_rate[i] * s), TAU * own.frequency_rate[i]
+    signal, i = d.signal, d.signal.source[j]
+    s = time - signal.start[i]
+    rise = signal.rise[i] if signal.segment[j] == signal.first[j] + 1 else 0.0
+    rate, chirp = TAU * (signal.frequency[i] + signal.frequency_rate[i] * s), TAU * signal.frequency_rate[i]
     cosine, sine = direction(phase(d, i, s))
-    a = own.amplitude[i]
+    a = signal.amplitude[i]
     u, v, w = a * sine, a * rate * cosine, a * (chirp * cosine - rate * rate * sine)
     if rise > 0.0:
         r, slope, curve = smooth(s / rise)
         slope, curve = slope / rise, curve / (rise * rise)
         u, v, w = r * u, r * v + slope * u, r * w + 2.0 * slope * v + curve * u
-    for m in range(1, own.integrals[j] + 1):
+    for m in range(1, signal.integrals[j] + 1):
         u, v, w = a * integral(d, i, m, s, rise), u, v
     return u, v, w
 
 
 def signal_bounds(d, j):
     """Return bounds on the rate and on the second derivative of signal j over the last step."""
-    own, knot, k = d.signal, d.knot, d.signal.segment[j]
+    signal, knot, k = d.signal, d.knot, d.signal.segment[j]
     half = 0.5 * (d.step.end - d.step.start)
     x = since_knot(d, j, d.step.start + half)
     rate, bend, power = 0.0 * x, 0.0 * x, 1.0
-    for n in range(1, own.degree[j] + 1):
+    for n in range(1, signal.degree[j] + 1):
         # c′ = u⁽ⁿ⁾/n! at the middle of the step, coefficient n of the Taylor series there
         c, weight = knot.powers[k, n] + 0.0 * x, 1.0 + 0.0 * x
-        for p in range(n + 1, own.degree[j] + 1):
+        for p in range(n + 1, signal.degree[j] + 1):
             weight *= x * (p / (p - n))
             c += weight * knot.powers[k, p]
         rate += n * abs(c) * power
@@ -95,15 +95,15 @@ def signal_bounds(d, j):
             bend += n * (n - 1) * abs(c) * power / half
         power *= half
     if is_sine(d, j):
-        i, size = own.source[j], abs(own.amplitude[own.source[j]])
-        w, chirp = fastest(d, j), TAU * abs(own.frequency_rate[i])
-        rises = own.segment[j] == own.first[j] + 1 and own.rise[i] > 0.0
-        slope = STEEPEST / own.rise[i] if rises else 0.0
-        curve = ROUNDEST / (own.rise[i] * own.rise[i]) if rises else 0.0
-        if own.integrals[j] == 0:
+        i, size = signal.source[j], abs(signal.amplitude[signal.source[j]])
+        w, chirp = fastest(d, j), TAU * abs(signal.frequency_rate[i])
+        rises = signal.segment[j] == signal.first[j] + 1 and signal.rise[i] > 0.0
+        slope = STEEPEST / signal.rise[i] if rises else 0.0
+        curve = ROUNDEST / (signal.rise[i] * signal.rise[i]) if rises else 0.0
+        if signal.integrals[j] == 0:
             rate += size * (w + slope)
             bend += size * (w * w + chirp + 2.0 * slope * w + curve)
-        elif own.integrals[j] == 1:
+        elif signal.integrals[j] == 1:
             rate, bend = rate + size, bend + size * (w + slope)
         else:
             _, v, _ = sine_at(d, j, d.step.start + half)
@@ -118,9 +118,9 @@ def is_sine(d, j):
 
 def fastest(d, j):
     """Return the largest angular frequency [rad/s] of the sine of signal j in the last step."""
-    own, i = d.signal, d.signal.source[j]
-    f, chirp = own.frequency[i], own.frequency_rate[i]
-    begin, end = f + chirp * (d.step.start - own.start[i]), f + chirp * (d.step.end - own.start[i])
+    signal, i = d.signal, d.signal.source[j]
+    f, chirp = signal.frequency[i], signal.frequency_rate[i]
+    begin, end = f + chirp * (d.step.start - signal.start[i]), f + chirp * (d.step.end - signal.start[i])
     return TAU * max(abs(begin), abs(end))
 
 
@@ -153,16 +153,16 @@ def acts_in_limited_drive(d, j):
 
 def sway_of_signals(d):
     """Estimate the sum of the amplitudes of all sines and of their integrals."""
-    own, total = d.signal, 0.0
+    signal, total = d.signal, 0.0
     for j in range(d.signals):
-        if own.form[j] == SINE:
-            i = own.source[j]
-            size = abs(own.amplitude[i])
+        if signal.form[j] == SINE:
+            i = signal.source[j]
+            size = abs(signal.amplitude[i])
             # while the frequency is near 0, an integral of the sine moves by about a/√|ḟ|, a the amplitude
-            slow = math.sqrt(abs(own.frequency_rate[i]))
-            falls = own.frequency[i] * own.frequency_rate[i] < 0.0
-            for _ in range(own.integrals[j]):
-                size /= slow if falls else max(TAU * abs(own.frequency[i]), slow)
+            slow = math.sqrt(abs(signal.frequency_rate[i]))
+            falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
+            for _ in range(signal.integrals[j]):
+                size /= slow if falls else max(TAU * abs(signal.frequency[i]), slow)
             total += size
     return total
 
@@ -172,22 +172,22 @@ def sway_of_signals(d):
 
 def segment_end(d, j):
     """Return the end of the present segment of signal j [s]; infinity if it has no end."""
-    own, k = d.signal, d.signal.segment[j]
-    if k < own.last[j]:
-        return own.lap[j] * own.period[j] + d.knot.time[k + 1]
-    if own.period[j] > 0.0:
-        return (own.lap[j] + 1) * own.period[j] + d.knot.time[own.first[j]]
+    signal, k = d.signal, d.signal.segment[j]
+    if k < signal.last[j]:
+        return signal.lap[j] * signal.period[j] + d.knot.time[k + 1]
+    if signal.period[j] > 0.0:
+        return (signal.lap[j] + 1) * signal.period[j] + d.knot.time[signal.first[j]]
     return math.inf
 
 
 def next_segment(d, j):
     """Begin the next segment of signal j."""
-    own = d.signal
-    if own.segment[j] < own.last[j]:
-        own.segment[j] += 1
+    signal = d.signal
+    if signal.segment[j] < signal.last[j]:
+        signal.segment[j] += 1
     else:
-        own.segment[j] = own.first[j]
-        own.lap[j] += 1
+        signal.segment[j] = signal.first[j]
+        signal.lap[j] += 1
 
 
 def set_segment(d, j, k, lap):
@@ -200,37 +200,37 @@ def set_segment(d, j, k, lap):
 
 def derive_signals(d, time):
     """Derive the polynomials of all signals from the given numbers, and begin all at a ``time`` [s]."""
-    own = d.signal
+    signal = d.signal
     for j in range(d.signals):
-        i, k = own.source[j], own.first[j]
-        own.begin[j], own.integrals[j] = 0.0, 0
-        own.degree[j] = own.order[j] + (RAMP_DEGREE if own.form[j] == RAMP else 0)
-        if own.form[j] == TABLE:
-            own.degree[j] = own.order[j] + SPLINE_DEGREE
-        if own.form[j] == CONSTANT:
-            set_level(d, k, time, own.value[i])
-        elif own.form[j] == SINE:
+        i, k = signal.source[j], signal.first[j]
+        signal.begin[j], signal.integrals[j] = 0.0, 0
+        signal.degree[j] = signal.order[j] + (RAMP_DEGREE if signal.form[j] == RAMP else 0)
+        if signal.form[j] == TABLE:
+            signal.degree[j] = signal.order[j] + SPLINE_DEGREE
+        if signal.form[j] == CONSTANT:
+            set_level(d, k, time, signal.value[i])
+        elif signal.form[j] == SINE:
             derive_sine(d, i, k)
-        elif own.form[j] == RAMP:
-            derive_ramp(d, i, k, own.shape[i])
-        elif own.form[j] == STEPS:
-            for n in range(own.last[j] - k + 1):
-                given = own.first[i] + n
+        elif signal.form[j] == RAMP:
+            derive_ramp(d, i, k, signal.shape[i])
+        elif signal.form[j] == STEPS:
+            for n in range(signal.last[j] - k + 1):
+                given = signal.first[i] + n
                 set_level(d, k + n, d.knot.given_time[given], d.knot.given_value[given])
-        if own.form[j] != TABLE:
-            for _ in range(own.order[j]):
+        if signal.form[j] != TABLE:
+            for _ in range(signal.order[j]):
                 integrate(d, j, time)
         begin_signal(d, j, time)
-        if own.order[j] > 0 and d.model.base_moves and own.index[j] < 2:
-            own.begin[j] = d.initial.position[own.index[j]]
+        if signal.order[j] > 0 and d.model.base_moves and signal.index[j] < 2:
+            signal.begin[j] = d.initial.position[signal.index[j]]
 
 
 def begin_signal(d, j, time):
     """Set the segment of signal j that is in use at a ``time`` [s]."""
-    own = d.signal
-    own.segment[j], own.lap[j] = own.first[j], 0
-    while own.period[j] > 0.0 and own.lap[j] * own.period[j] + d.knot.time[own.first[j]] > time:
-        own.lap[j] -= 1
+    signal = d.signal
+    signal.segment[j], signal.lap[j] = signal.first[j], 0
+    while signal.period[j] > 0.0 and signal.lap[j] * signal.period[j] + d.knot.time[signal.first[j]] > time:
+        signal.lap[j] -= 1
     while segment_end(d, j) <= time:
         next_segment(d, j)
 
@@ -245,21 +245,21 @@ def set_level(d, k, time, level):
 
 def derive_sine(d, i, k):
     """Set the knots of a sine, from knot k on, from row i of the given numbers."""
-    own = d.signal
-    rises = own.rise[i] > 0.0
-    _, sine = direction(own.phase[i])
-    before = own.mean[i] + (0.0 if rises else own.amplitude[i] * sine)
-    set_level(d, k, own.start[i], before)
-    set_level(d, k + 1, own.start[i], own.mean[i])
-    set_level(d, k + 2, own.start[i] + own.rise[i], own.mean[i])
+    signal = d.signal
+    rises = signal.rise[i] > 0.0
+    _, sine = direction(signal.phase[i])
+    before = signal.mean[i] + (0.0 if rises else signal.amplitude[i] * sine)
+    set_level(d, k, signal.start[i], before)
+    set_level(d, k + 1, signal.start[i], signal.mean[i])
+    set_level(d, k + 2, signal.start[i] + signal.rise[i], signal.mean[i])
 
 
 def derive_ramp(d, i, k, shape):
     """Set the knots of a ramp, from knot k on, from row i of the given numbers."""
-    own, powers = d.signal, d.knot.powers
-    way, lasts, start = own.final[i] - own.initial[i], own.duration[i], own.start[i]
-    set_level(d, k, start, own.initial[i])
-    set_level(d, k + 1, start, own.initial[i])
+    signal, powers = d.signal, d.knot.powers
+    way, lasts, start = signal.final[i] - signal.initial[i], signal.duration[i], signal.start[i]
+    set_level(d, k, start, signal.initial[i])
+    set_level(d, k + 1, start, signal.initial[i])
     speed = way / lasts
     if shape == LINEAR:
         powers[k + 1, 1] = speed
@@ -272,47 +272,47 @@ def derive_ramp(d, i, k, shape):
         # deceleration
         bend = 2.25 * speed / lasts
         powers[k + 1, 2] = bend
-        set_level(d, k + 2, start + lasts / 3.0, own.initial[i] + 0.25 * way)
-        set_level(d, k + 3, start + 2.0 * lasts / 3.0, own.initial[i] + 0.75 * way)
+        set_level(d, k + 2, start + lasts / 3.0, signal.initial[i] + 0.25 * way)
+        set_level(d, k + 3, start + 2.0 * lasts / 3.0, signal.initial[i] + 0.75 * way)
         powers[k + 2, 1], powers[k + 3, 1], powers[k + 3, 2] = 1.5 * speed, 1.5 * speed, -bend
         k += 2
-    set_level(d, k + 2, start + lasts, own.final[i])
+    set_level(d, k + 2, start + lasts, signal.final[i])
 
 
 def integrate(d, j, time):
     """Replace signal j by its integral over time; the integral is 0 at a ``time`` [s]."""
-    own, knot = d.signal, d.knot
-    own.integrals[j] += 1
-    for k in range(own.first[j], own.last[j] + 1):
+    signal, knot = d.signal, d.knot
+    signal.integrals[j] += 1
+    for k in range(signal.first[j], signal.last[j] + 1):
         for p in range(SIGNAL_DEGREE, 0, -1):
             knot.powers[k, p] = knot.powers[k, p - 1] / p
         knot.powers[k, 0] = 0.0
-        if k > own.first[j]:
-            own.segment[j] = k - 1
+        if k > signal.first[j]:
+            signal.segment[j] = k - 1
             before, _, _ = signal_at(d, j, knot.time[k])
-            own.segment[j] = k
+            signal.segment[j] = k
             after, _, _ = signal_at(d, j, knot.time[k])
             knot.powers[k, 0] = before - after
     begin_signal(d, j, time)
     u, _, _ = signal_at(d, j, time)
-    for k in range(own.first[j], own.last[j] + 1):
+    for k in range(signal.first[j], signal.last[j] + 1):
         knot.powers[k, 0] -= u
 
 
 def signals_are_valid(d):
     """Return whether the given numbers of signals are in their ranges."""
-    own = d.signal
+    signal = d.signal
     for j in range(d.signals):
-        i = own.source[j]
-        total = own.amplitude[i] + own.phase[i] + own.frequency[i] + own.frequency_rate[i]
-        for k in range(own.first[j], own.last[j] + 1):
-            if k > own.first[j] and not d.knot.time[k] >= d.knot.time[k - 1]:
+        i = signal.source[j]
+        total = signal.amplitude[i] + signal.phase[i] + signal.frequency[i] + signal.frequency_rate[i]
+        for k in range(signal.first[j], signal.last[j] + 1):
+            if k > signal.first[j] and not d.knot.time[k] >= d.knot.time[k - 1]:
                 return False
             total += d.knot.time[k]
             for p in range(SIGNAL_DEGREE + 1):
                 total += d.knot.powers[k, p]
         # the integral of a sine that does not swing is none
-        still = own.form[j] == SINE and own.frequency[i] == 0.0 and own.frequency_rate[i] == 0.0
-        if not math.isfinite(total) or (still and own.order[j] > 0) or own.rise[i] < 0.0:
+        still = signal.form[j] == SINE and signal.frequency[i] == 0.0 and signal.frequency_rate[i] == 0.0
+        if not math.isfinite(total) or (still and signal.order[j] > 0) or signal.rise[i] < 0.0:
             return False
     return True

@@ -52,8 +52,8 @@ def smooth(x):
 
 def phase(d, i, s):
     """Return Φ [rad] of the sine with the numbers in row i, a time s [s] after its start."""
-    own = d.signal
-    return own.phase[i] + TAU * s * (own.frequency[i] + 0.5 * own.frequency_rate[i] * s)
+    signal = d.signal
+    return signal.phase[i] + TAU * s * (signal.frequency[i] + 0.5 * signal.frequency_rate[i] * s)
 
 
 def integral(d, i, m, s, rise):
@@ -72,11 +72,11 @@ def integral(d, i, m, s, rise):
         u, v = fresnel(middle, omega / g, g, u, v)
         return by_recurrence(m, (cosine, sine, u, v), (omega, g), s, rise)
     u, v = by_fraction(m, (omega, g), s, rise)
-    found = sine * u + cosine * v
+    total = sine * u + cosine * v
     if begins_up != (omega > 0.0):
         _, u, v = at_standstill(d, i, begins_up)
-        found += by_recurrence(m, (0.0 * u, 0.0 * v, 2.0 * u, 2.0 * v), (omega, g), s, rise)
-    return found
+        total += by_recurrence(m, (0.0 * u, 0.0 * v, 2.0 * u, 2.0 * v), (omega, g), s, rise)
+    return total
 
 
 def by_fraction(m, rates, s, rise):
@@ -106,13 +106,13 @@ def by_recurrence(m, first, rates, s, rise):
     """Return Im Σ_k c_k E_{m+k} from the ``first`` two, real and imaginary parts of E_0 and of E_1."""
     u, v, next_u, next_v = first
     omega, g = rates
-    found = part(m, 0, s, rise) * next_v if m == 1 else 0.0 * next_v
+    total = part(m, 0, s, rise) * next_v if m == 1 else 0.0 * next_v
     for n in range(1, m + (RISING if rise > 0.0 else 0)):
         after_u, after_v = (omega * next_u - v) / (n * g), (omega * next_v + u) / (n * g)
         u, v, next_u, next_v = next_u, next_v, after_u, after_v
         if n + 1 >= m:
-            found += part(m, n + 1 - m, s, rise) * next_v
-    return found
+            total += part(m, n + 1 - m, s, rise) * next_v
+    return total
 
 
 def part(m, k, s, rise):
@@ -142,9 +142,9 @@ def at_standstill(d, i, begins_up):
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start; each other sign turns C, and g < 0
     also the angle π/4.
     """
-    own = d.signal
-    rate = own.frequency_rate[i]
-    middle = own.phase[i] - 0.5 * TAU * own.frequency[i] * own.frequency[i] / rate
+    signal = d.signal
+    rate = signal.frequency_rate[i]
+    middle = signal.phase[i] - 0.5 * TAU * signal.frequency[i] * signal.frequency[i] / rate
     sign = 1.0 if rate > 0.0 else -1.0
     size = (-0.5 if begins_up else 0.5) * sign / math.sqrt(abs(rate))
     cosine, sine = direction(middle + sign * 0.25 * math.pi)
@@ -169,7 +169,7 @@ def by_quadrature(d, i, m, s, rise):
     panels = 1
     while panels * PANEL < turn:
         panels += 1
-    found = 0.0 * s
+    total = 0.0 * s
     for panel in range(panels):
         for n in range(len(NODES)):
             t = s * ((panel + NODES[n]) / panels)
@@ -177,5 +177,5 @@ def by_quadrature(d, i, m, s, rise):
             _, sine = direction(phase(d, i, t))
             for _ in range(1, m):
                 r *= s - t
-            found += WEIGHTS[n] / panels * s * r * sine
-    return found
+            total += WEIGHTS[n] / panels * s * r * sine
+    return total

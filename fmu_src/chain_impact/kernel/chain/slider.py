@@ -61,9 +61,9 @@ def slider_stretch(d, y):
 
 def wanted_force(d, y):
     """Return F − c (ṡ − v_t) − k (s − s₀) [N] of motor, damper and spring, before a limit."""
-    own = d.inputs
-    rate = slider_velocity(d, y) - own.slider_target_velocity
-    return wanted_drive(own.slider_force, d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y))
+    inputs = d.inputs
+    rate = slider_velocity(d, y) - inputs.slider_target_velocity
+    return wanted_drive(inputs.slider_force, d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y))
 
 
 def slider_force(d, y):

@@ -72,8 +72,8 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
     # d = b' − f − ω² A' L: the force at the outer joint for α = 0 and a = 0
     dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
-    hx, hy, own = hinge(link, axx, axy, ayy)
-    return eliminate_link(d, i, w2, link, hx, hy, 1.0 / own, axx, axy, ayy, dx, dy)
+    hx, hy, about_joint = hinge(link, axx, axy, ayy)
+    return eliminate_link(d, i, w2, link, hx, hy, 1.0 / about_joint, axx, axy, ayy, dx, dy)
 
 
 def eliminate_end(d, y, i, outward):
@@ -108,11 +108,11 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 
 def accelerate(d, y, i, outward, ax, ay, rate):
     """Set α_i from the acceleration of the inner joint; return the acceleration of the outer joint."""
-    kept, own = d.work.elimination, omega_at(d.links) + i
+    kept, speed_index = d.work.elimination, omega_at(d.links) + i
     # α = −(h·a + h₀)/H
     a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
-    rate[own] = a
-    w2 = y[own] * y[own]
+    rate[speed_index] = a
+    w2 = y[speed_index] * y[speed_index]
     sign = 1.0 if outward else -1.0
     lx, ly = sign * d.work.link.x[i], sign * d.work.link.y[i]
     # a' = a + α L⊥ − ω² L

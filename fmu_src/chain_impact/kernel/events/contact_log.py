@@ -160,15 +160,15 @@ def list_latest(d):
         log_contact(d, c, rows, time, gap_rate, peak, depth, d.output.impulse[c])
         rows += 1
     for row in range(min(rows, len(log.point))):
-        place = d.impact.count - log.number[row]
-        if 0 <= place < latest.kept:
-            latest.point[place], latest.wall[place] = log.point[row], log.wall[row] + 1
-            latest.time[place], latest.end[place] = log.onset[row], log.end[row]
-            latest.speed[place] = log.impact_speed[row]
-            latest.separation_speed[place] = log.separation_speed[row]
-            latest.peak_force[place] = log.peak_force[row]
-            latest.max_penetration[place] = log.max_penetration[row]
-            latest.impulse[place] = log.impulse[row]
+        entry = d.impact.count - log.number[row]
+        if 0 <= entry < latest.kept:
+            latest.point[entry], latest.wall[entry] = log.point[row], log.wall[row] + 1
+            latest.time[entry], latest.end[entry] = log.onset[row], log.end[row]
+            latest.speed[entry] = log.impact_speed[row]
+            latest.separation_speed[entry] = log.separation_speed[row]
+            latest.peak_force[entry] = log.peak_force[row]
+            latest.max_penetration[entry] = log.max_penetration[row]
+            latest.impulse[entry] = log.impulse[row]
 
 
 def rate_of_force(d, c):
@@ -220,15 +220,15 @@ def collect(d):
     d.finished.collected = d.finished.count
 
 
-def end_contact(d, c, held):
+def end_contact(d, c, was_rigid):
     """End the contact of candidate c, and log it. In a full log the entry overwrites the oldest one.
 
-    ``held``: whether a rigid wall held the point until now. The law of the wall may have changed just now to
+    ``was_rigid``: whether a rigid wall held the point until now. The law of the wall may just have changed to
     a law with a force.
     """
     _, gap_rate = clearance(d, c)
     # a point that a rigid wall held has no speed, so a negative rate is round-off
-    log_with_peaks(d, c, d.finished.count, d.step.end, max(0.0, gap_rate) if held else gap_rate)
+    log_with_peaks(d, c, d.finished.count, d.step.end, max(0.0, gap_rate) if was_rigid else gap_rate)
     d.finished.count += 1
     deactivate(d, c)
 
@@ -272,17 +272,17 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         impulse: ∫F dt of the candidate since the start of the run [N·s].
     """
     touch, log, arm = d.touch, d.finished, lever(d, c)
-    place = row % len(log.point)
-    log.number[place] = touch.number[c]
-    log.point[place] = d.candidate.point[c]
-    log.wall[place] = d.candidate.wall[c]
-    log.onset[place] = touch.onset[c]
-    log.end[place] = end
-    log.impact_speed[place] = touch.onset_speed[c] / arm
-    log.separation_speed[place] = separation_speed / arm
-    log.peak_force[place] = peak_force * arm
-    log.max_penetration[place] = max_penetration / arm
-    log.effective_mass[place] = touch.effective_mass[c] * arm * arm
-    log.impulse[place] = (impulse - d.quadrature.onset[c]) * arm
-    log.joint_force[place] = math.sqrt(touch.joint_top[c]) if touch.joint_top[c] > 0.0 else 0.0
-    log.joint[place] = touch.joint[c]
+    entry = row % len(log.point)
+    log.number[entry] = touch.number[c]
+    log.point[entry] = d.candidate.point[c]
+    log.wall[entry] = d.candidate.wall[c]
+    log.onset[entry] = touch.onset[c]
+    log.end[entry] = end
+    log.impact_speed[entry] = touch.onset_speed[c] / arm
+    log.separation_speed[entry] = separation_speed / arm
+    log.peak_force[entry] = peak_force * arm
+    log.max_penetration[entry] = max_penetration / arm
+    log.effective_mass[entry] = touch.effective_mass[c] * arm * arm
+    log.impulse[entry] = (impulse - d.quadrature.onset[c]) * arm
+    log.joint_force[entry] = math.sqrt(touch.joint_top[c]) if touch.joint_top[c] > 0.0 else 0.0
+    log.joint[entry] = touch.joint[c]

@@ -175,7 +175,7 @@ def nearly_linear(d, c, part):
 
 def locate(d, a, b):
     """Find the earliest event in (a, b], and mark the candidates; no suspect may be SPLIT there."""
-    first, found = b, -1
+    first, located = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         kind = END if d.touch.active[c] else ONSET
@@ -186,12 +186,12 @@ def locate(d, a, b):
         # later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
             first = find_root(d, c, a, first)
-            found = c
+            located = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # the candidate `found` is always kept, because round-off may exceed this limit for a slow point
-        if c != found and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
+        # the candidate `located` is always kept, because round-off may exceed this limit for a slow point
+        if c != located and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             mark(d, c, NONE)
     return first
 

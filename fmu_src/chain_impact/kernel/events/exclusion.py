@@ -40,12 +40,12 @@ def known_clearances(d):
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 
-def remember_clearances(d, what):
+def remember_clearances(d, extent):
     """Record which data of the clearances are known at the end of the last step.
 
     A jump makes them invalid.
     """
-    d.search.known, d.search.known_for = what, d.step.breaks
+    d.search.known, d.search.known_for = extent, d.step.breaks
 
 
 def excludes_events(d):

@@ -52,28 +52,28 @@ def update_modes(d, jumped):
         d: the instance, with the points located at the end of the last step.
         jumped: whether speeds may have jumped. If not, the speed of an element that stuck is an error.
     """
-    own = d.friction
+    friction = d.friction
     list_friction(d)
     for e in range(d.elements):
         d.element.before[e] = NO_FRICTION if begins(d, e) else d.element.mode[e]
         set_mode(d, e, NO_FRICTION)
-    for i in range(own.count):
+    for i in range(friction.count):
         set_mode(d, d.element.index[i], first_guess(d, d.element.index[i], jumped))
     drop_changes(d)
     decide_onsets(d)
     choose_modes(d)
     clear_other_forces(d)
-    for i in range(own.stuck_count):
+    for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         if jumped or d.element.before[e] != STICKS:
             set_anchor(d, e)
     log_changes(d)
-    for i in range(own.count):
+    for i in range(friction.count):
         set_slack(d, d.element.index[i])
     if any_sticking(d):
         project_state(d, d.step.state_end)
         locate_points(d, d.step.state_end)
-    for i in range(own.count):
+    for i in range(friction.count):
         widen_slack(d, d.element.index[i])
 
 
@@ -97,8 +97,8 @@ def set_slack(d, e):
     If other forces hold an element whose friction is at its limit, errors decide whether it slides. The speed
     is then the tolerance; for all other elements it is 0.
     """
-    held = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
-    d.element.slack[e] = d.solver.tolerance * d.model.size if held and d.element.undecided[e] else 0.0
+    unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
+    d.element.slack[e] = d.solver.tolerance * d.model.size if unchanged and d.element.undecided[e] else 0.0
 
 
 def widen_slack(d, e):
@@ -184,12 +184,12 @@ def any_over(d):
 
 def let_go(d):
     """Let elements slide whose forces are at their limits or, if there are none, exceed their limits."""
-    held = True
+    all_stick = True
     for i in range(d.friction.stuck_count):
         if d.share.at_limit[i] != 0:
             set_mode(d, d.element.stuck[i], against(float(d.share.at_limit[i])))
-            held = False
-    for i in range(d.friction.stuck_count if held else 0):
+            all_stick = False
+    for i in range(d.friction.stuck_count if all_stick else 0):
         e = d.element.stuck[i]
         if is_inconsistent(d, e):
             set_mode(d, e, against(d.element.force[e]))

@@ -188,22 +188,22 @@ def find_impulses(d, share):
     Returns:
         The energy [J] that the impulses dissipate, and Σ p (|u⁻| + |u⁺|) [J].
     """
-    own, lost, moved = d.rigid, 0.0, 0.0
+    rigid, lost, moved = d.rigid, 0.0, 0.0
     activate_all(d)
     start_from_state(d, 1)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         least = d.law.minimum_impact_speed[c]
-        arrives = -own.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
+        arrives = -rigid.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # u⁺ ≥ −e u⁻
-        rebound = -share * d.law.restitution[c] * own.start[k] if arrives else 0.0
+        rebound = -share * d.law.restitution[c] * rigid.start[k] if arrives else 0.0
         require(d, k, rebound if rebound > STICK * least else 0.0)
     factorize_free(d)
     solve_lcp(d, fastest_of_all(d))
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
-        lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
-        moved += own.impulse[k] * (abs(own.start[k]) + abs(own.reached[k]))
+        lost -= 0.5 * rigid.impulse[k] * (rigid.start[k] + rigid.reached[k])
+        moved += rigid.impulse[k] * (abs(rigid.start[k]) + abs(rigid.reached[k]))
     return lost, moved
 
 

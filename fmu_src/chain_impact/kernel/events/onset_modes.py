@@ -24,8 +24,8 @@ def begins(d, e):
 
 def decide_onsets(d):
     """Choose the modes of contacts that begin now and may stick, for the located points."""
-    own, open_ones = d.friction, 0
-    for i in range(own.contact_count):
+    friction, open_ones = d.friction, 0
+    for i in range(friction.contact_count):
         open_ones += is_open(d, d.element.index[i])
     if open_ones == 0:
         return
@@ -39,7 +39,7 @@ def decide_onsets(d):
     activate_all(d)
     solve_equality(d, scale)
     count_other_work(d, 1)
-    for i in range(own.stuck_count):
+    for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         force = d.rigid.impulse[d.touch.active_count + i]
         if is_open(d, e) and abs(force) > d.law.static_friction[e] * force_soon(d, e):

@@ -99,27 +99,27 @@ def search_for(
         resolution: accuracy of the location [s], as in ``first_passage``.
 
     Returns:
-        A function of (d, found). If an event of this kind happens before the event at ``found`` (−1: before
-        the end of the step), the function marks only this event and returns its θ; otherwise it returns
-        ``found``. The points must be located at ``found``; afterwards the points of contacts are located at
-        the result.
+        A function of (d, earliest). If an event of this kind happens before the event at ``earliest`` (−1:
+        before the end of the step), the function marks only this event and returns its θ; otherwise it
+        returns ``earliest``. The points must be located at ``earliest``; afterwards the points of contacts
+        are located at the result.
     """
     count, member = members
     first_end = first_passage(value, samples, resolution)
 
-    def find(d, found):
-        first, which = found if found >= 0.0 else 1.0, -1
+    def find(d, earliest):
+        first, at = earliest if earliest >= 0.0 else 1.0, -1
         for k in range(count(d)):
             c = member(d, k)
             if suspected(d, c):
                 theta = first_end(d, c, first)
                 if theta >= 0.0:
-                    first, which = theta, c
+                    first, at = theta, c
                 locate_at(d, first)
-        if which < 0:
-            return found
+        if at < 0:
+            return earliest
         drop_events(d)
-        mark_ended(d, which, first)
+        mark_ended(d, at, first)
         return first
 
     return find
@@ -128,8 +128,8 @@ def search_for(
 def search_by_inputs(still, swept):
     """Return a search that is ``swept`` in a step in which inputs turn by more than SWEPT, else ``still``."""
 
-    def find(d, found):
-        return swept(d, found) if turn_of_inputs(d) > SWEPT else still(d, found)
+    def find(d, earliest):
+        return swept(d, earliest) if turn_of_inputs(d) > SWEPT else still(d, earliest)
 
     return find
 

@@ -48,8 +48,8 @@ def start_laws(d):
     """Find which candidates share a law, and set the laws of all candidates; return a status."""
     for c in range(d.candidates):
         d.law.number[c] = 0  # 0: the law is set anew, because any parameter may have changed
-        first, own = 0, origin(d, c)
-        while origin(d, first) != own:
+        first, source = 0, origin(d, c)
+        while origin(d, first) != source:
             first += 1
         d.law.same_as[c] = first
     return update_laws(d)
@@ -65,9 +65,9 @@ def origin(d, c):
     if d.candidate.stop[c] != 0:
         return -2 if at_joint(d, c) else -3
     wall = d.candidate.wall[c]
-    own = d.walls
-    collides = own.stiffness[wall] > 0.0 or own.restitution[wall] >= 0.0
-    return wall if collides or own.friction[wall] >= 0.0 or own.static_friction[wall] >= 0.0 else -1
+    walls = d.walls
+    collides = walls.stiffness[wall] > 0.0 or walls.restitution[wall] >= 0.0
+    return wall if collides or walls.friction[wall] >= 0.0 or walls.static_friction[wall] >= 0.0 else -1
 
 
 def update_laws(d):
@@ -137,8 +137,8 @@ def given_stiffness(d, c):
         return d.given.stop_stiffness / power(d.model.size, d.stops.exponent + 1.0)
     if d.candidate.stop[c] != 0:
         return d.given.stiffness
-    own = d.walls.stiffness[d.candidate.wall[c]]
-    return own if own > 0.0 else d.given.stiffness
+    stiffness = d.walls.stiffness[d.candidate.wall[c]]
+    return stiffness if stiffness > 0.0 else d.given.stiffness
 
 
 def given_restitution(d, c):
@@ -147,8 +147,8 @@ def given_restitution(d, c):
         return in_use(d.given.stop_restitution, d.given.restitution)
     if d.candidate.stop[c] != 0:
         return d.given.restitution
-    own = d.walls.restitution[d.candidate.wall[c]]
-    return own if own >= 0.0 else d.given.restitution
+    restitution = d.walls.restitution[d.candidate.wall[c]]
+    return restitution if restitution >= 0.0 else d.given.restitution
 
 
 def given_friction(d, c):

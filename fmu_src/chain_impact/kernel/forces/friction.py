@@ -76,37 +76,37 @@ def list_friction(d):
 
     A free base has no joint, so its first element has no friction.
     """
-    own = d.friction
-    own.count = 0
+    friction = d.friction
+    friction.count = 0
     for k in range(d.touch.compliant_count):
         if may_rub(d, d.touch.active_index[k]):
-            d.element.index[own.count] = d.touch.active_index[k]
-            own.count += 1
-    own.contact_count = own.count
+            d.element.index[friction.count] = d.touch.active_index[k]
+            friction.count += 1
+    friction.contact_count = friction.count
     for i in range(0 if d.model.pinned else 1, d.links if d.model.rubbing else 0):
         if d.model.joint_friction[i] > 0.0:
             e = d.candidates + i
-            d.element.index[own.count] = e
+            d.element.index[friction.count] = e
             d.element.limit[e] = d.model.joint_friction[i] / d.model.size
-            own.count += 1
+            friction.count += 1
     if d.slides and d.slider.friction > 0.0:
         e = d.candidates + d.links
-        d.element.index[own.count] = e
+        d.element.index[friction.count] = e
         d.element.limit[e] = d.slider.friction
-        own.count += 1
+        friction.count += 1
     list_sticking(d)
 
 
 def list_sticking(d):
     """Pack the sticking elements; each is a constraint. They follow the constraints of the contacts."""
-    own = d.friction
-    own.stuck_count, own.stuck_joints = 0, 0
-    for i in range(own.count):
+    friction = d.friction
+    friction.stuck_count, friction.stuck_joints = 0, 0
+    for i in range(friction.count):
         e = d.element.index[i]
         if d.element.mode[e] == STICKS:
-            d.element.stuck[own.stuck_count] = e
-            own.stuck_count += 1
-            own.stuck_joints += e >= d.candidates
+            d.element.stuck[friction.stuck_count] = e
+            friction.stuck_count += 1
+            friction.stuck_joints += e >= d.candidates
 
 
 def suspend_sticking(d):
@@ -147,9 +147,9 @@ def apply_friction(d):
     Returns:
         The dissipated power [W].
     """
-    own = d.friction
-    own.power = 0.0
-    for i in range(own.count):
+    friction = d.friction
+    friction.power = 0.0
+    for i in range(friction.count):
         e = d.element.index[i]
         sliding = d.element.limit[e]  # for a joint the limits of static and of sliding friction are equal
         if e < d.candidates:
@@ -157,8 +157,8 @@ def apply_friction(d):
             d.element.limit[e] = d.law.static_friction[e] * normal
             sliding = d.law.friction[e] * normal
         if d.element.mode[e] != STICKS:
-            own.power += slide(d, e, sliding)
-    return own.power
+            friction.power += slide(d, e, sliding)
+    return friction.power
 
 
 def slide(d, e, size):
@@ -174,8 +174,8 @@ def slide(d, e, size):
 
 def keep_static_forces(d):
     """Store the forces of sticking elements, found as constraint forces, and the margins to their limits."""
-    own, first = d.friction, d.touch.active_count
-    for i in range(own.stuck_count):
+    friction, first = d.friction, d.touch.active_count
+    for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         d.element.force[e] = d.rigid.impulse[first + i]
         d.element.margin[e] = min(d.element.margin[e], d.element.limit[e] - abs(d.element.force[e]))
@@ -188,27 +188,27 @@ def static_power(d):
     an implicit step leave the power out, because their last correction changes the speeds: the work along
     the corrected motion is found instead (ode/friction_work.py).
     """
-    own, dissipated = d.friction, 0.0
-    for i in range(own.stuck_count):
+    friction, dissipated = d.friction, 0.0
+    for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         dissipated -= d.element.force[e] * tangential_rate(d, e)
-    own.power += dissipated
+    friction.power += dissipated
     return dissipated
 
 
-def work_of_friction(d, held):
+def work_of_friction(d, sticking_only):
     """Return the work [J] of dry friction along the distances of elements from their anchors.
 
     Only differences of this work have a meaning, because a sliding element has left its anchor.
 
     Args:
         d: the instance, with the points located.
-        held: whether to count the sticking elements only.
+        sticking_only: whether to count the sticking elements only.
     """
     work = 0.0
     for i in range(d.friction.count):
         e = d.element.index[i]
-        if d.element.mode[e] == STICKS or not held:
+        if d.element.mode[e] == STICKS or not sticking_only:
             work += d.element.force[e] * (tangential_position(d, e) - d.element.anchor[e])
     return work
 
@@ -219,8 +219,8 @@ def keep_anchors(d):
     The projection misses an anchor only where a motion can hardly be constrained (constraints.py). To correct
     such a motion in each step would do work.
     """
-    own = d.friction
-    for i in range(own.stuck_count):
+    friction = d.friction
+    for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         if abs(tangential_position(d, e) - d.element.anchor[e]) > NOT_HELD * d.model.size:
             set_anchor(d, e)

@@ -64,16 +64,16 @@ def start_from_state(d, derivative):
 
     If ``derivative`` is 1, set ``start`` to the rates of these values.
     """
-    own, first = d.rigid, d.touch.active_count
+    rigid, first = d.rigid, d.touch.active_count
     for k in range(first):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
-        own.start[k] = gap_rate if derivative else gap
+        rigid.start[k] = gap_rate if derivative else gap
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
         if derivative:
-            own.start[first + i] = tangential_rate(d, e)
+            rigid.start[first + i] = tangential_rate(d, e)
         else:
-            own.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
+            rigid.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
 def start_from_loads(d):
@@ -113,7 +113,7 @@ def add_constraint_forces(d, y, rate):
 
     Afterwards ``d.rigid.impulse`` holds the forces [N]; apart from errors these forces do no work.
     """
-    own = d.rigid
+    rigid = d.rigid
     take_factors(d, joints_loaded(d))
     scale = start_from_accelerations(d, y, rate)
     activate_all(d)
@@ -122,8 +122,8 @@ def add_constraint_forces(d, y, rate):
     add_change(d, rate, velocity_at(d.links))
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
-        own.least_force[c] = min(own.least_force[c], own.impulse[k])
-        keep_force(d, c, own.impulse[k])
+        rigid.least_force[c] = min(rigid.least_force[c], rigid.impulse[k])
+        keep_force(d, c, rigid.impulse[k])
     if any_sticking(d):
         keep_static_forces(d)
 
@@ -139,9 +139,9 @@ def project_state(d, y):
     size. If walls would pull more than the errors explain, the points that leave the walls keep their rate ġ
     > 0, in ``d.rigid.reached``. The loss of kinetic energy in the projection counts as dissipated.
     """
-    own, lost = d.rigid, dissipated_at(d.links)
+    rigid, lost = d.rigid, dissipated_at(d.links)
     for k in range(d.touch.compliant_count if any_sticking(d) else 0):
-        own.resistance[k] = contact_resistance(d)
+        rigid.resistance[k] = contact_resistance(d)
     for derivative in range(2):
         activate_all(d)
         start_from_state(d, derivative)
@@ -157,12 +157,12 @@ def project_state(d, y):
         y[supplied_at(d.links)] += work_of_impulses(d)
     for k in range(constraint_rows(d)):
         # the dissipated energy −½ p (u⁻ + u⁺) of a constraint's impulse p
-        y[lost] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+        y[lost] -= 0.5 * rigid.impulse[k] * (rigid.start[k] + rigid.reached[k])
     for k in range(d.touch.compliant_count):
         # the impulse −D (u⁺ − u⁻) of the resistance D also changes the energy
-        squares = own.reached[k] * own.reached[k] - own.start[k] * own.start[k]
-        y[lost] += 0.5 * own.resistance[k] * squares
-        own.resistance[k] = 0.0
+        squares = rigid.reached[k] * rigid.reached[k] - rigid.start[k] * rigid.start[k]
+        y[lost] += 0.5 * rigid.resistance[k] * squares
+        rigid.resistance[k] = 0.0
 
 
 def power_of_motion(d, y, rate):
@@ -198,20 +198,20 @@ def power_of_motion(d, y, rate):
 
 def work_of_impulses(d):
     """Return the work [J] of moving walls and base while the impulses found last change the velocities."""
-    own, work, px, py = d.rigid, 0.0, 0.0, 0.0
+    rigid, work, px, py = d.rigid, 0.0, 0.0, 0.0
     for k in range(constraint_rows(d)):
         sticks = k >= d.touch.active_count
         e = d.element.stuck[k - d.touch.active_count] if sticks else d.touch.active_index[k]
         if e < d.candidates and d.candidate.stop[e] == 0:
             _, nx, ny = constraint(d, k)
-            impulse = own.impulse[k]
+            impulse = rigid.impulse[k]
             if k < d.touch.compliant_count:
-                impulse -= own.resistance[k] * (own.reached[k] - own.start[k])
+                impulse -= rigid.resistance[k] * (rigid.reached[k] - rigid.start[k])
             work += impulse * (d.shift.belt_rate[e] if sticks else d.shift.rate[e])
             px, py = px + impulse * nx, py + impulse * ny
     if not d.model.base_moves:
         return work
-    move_points(d, d.work.link, own.change, d.work.motion)
+    move_points(d, d.work.link, rigid.change, d.work.motion)
     x, y = momentum(d, d.work.motion)
     return work + (x - px) * d.moved.velocity[0] + (y - py) * d.moved.velocity[1]
 
@@ -237,15 +237,15 @@ def solve_positions(d):
     Sticking elements then stay, because their motions, which can hardly be constrained, would be large. They
     also stay where the change is in vain, as for two corners of a box: each step would change the energy.
     """
-    own, size, asked, moved, left = d.rigid, d.model.size, 0.0, 0.0, 0.0
+    rigid, size, asked, moved, left = d.rigid, d.model.size, 0.0, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        asked = max(asked, abs(own.target[k] - own.start[k]))
+        asked = max(asked, abs(rigid.target[k] - rigid.start[k]))
     factorize_free(d)
     solve_equality(d, size)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        left = max(left, abs(own.target[k] - own.reached[k]))
+        left = max(left, abs(rigid.target[k] - rigid.reached[k]))
     for j in range(coordinate_count(d.links)):
-        moved = max(moved, abs(own.change[j]) / (size if j < ANGLES else 1.0))
+        moved = max(moved, abs(rigid.change[j]) / (size if j < ANGLES else 1.0))
     in_vain = left > max(IN_VAIN * asked, NOT_HELD * size) and not any_point_held(d)
     if in_vain or moved > MISPLACED * (d.solver.tolerance + asked / size):
         if any_point_held(d):

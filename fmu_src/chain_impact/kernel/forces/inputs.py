@@ -57,29 +57,29 @@ SAME_TIME = 4e-15
 def apply_inputs(d):
     """Use the given inputs from now on, and clear the request to apply them."""
     d.given.changed = 0
-    given, course, own = d.given, d.given.course, d.inputs.course
-    own.order, own.change_rate, own.until = course.order, course.change_rate, course.until
-    own.middle, own.scale = course.middle, course.scale
+    given, course, used = d.given, d.given.course, d.inputs.course
+    used.order, used.change_rate, used.until = course.order, course.change_rate, course.until
+    used.middle, used.scale = course.middle, course.scale
     for i in range(d.links):
         d.inputs.joint_damping[i], d.inputs.joint_stiffness[i] = (
             given.joint_damping[i],
             given.joint_stiffness[i],
         )
-        d.inputs.joint_torque[i] = own.joint_torque[0, i] = given.joint_torque[i]
-        d.inputs.joint_target_angle[i] = own.joint_target_angle[0, i] = given.joint_target_angle[i]
-        d.inputs.joint_target_velocity[i] = own.joint_target_velocity[0, i] = given.joint_target_velocity[i]
-        for m in range(1, own.order + 1):
-            own.joint_torque[m, i] = course.joint_torque[m, i]
-            own.joint_target_angle[m, i] = course.joint_target_angle[m, i]
-            own.joint_target_velocity[m, i] = course.joint_target_velocity[m, i]
+        d.inputs.joint_torque[i] = used.joint_torque[0, i] = given.joint_torque[i]
+        d.inputs.joint_target_angle[i] = used.joint_target_angle[0, i] = given.joint_target_angle[i]
+        d.inputs.joint_target_velocity[i] = used.joint_target_velocity[0, i] = given.joint_target_velocity[i]
+        for m in range(1, used.order + 1):
+            used.joint_torque[m, i] = course.joint_torque[m, i]
+            used.joint_target_angle[m, i] = course.joint_target_angle[m, i]
+            used.joint_target_velocity[m, i] = course.joint_target_velocity[m, i]
     for j in range(2):
-        d.inputs.tip_force[j] = own.tip_force[0, j] = given.tip_force[j]
-        for m in range(1, own.order + 1):
-            own.tip_force[m, j] = course.tip_force[m, j]
+        d.inputs.tip_force[j] = used.tip_force[0, j] = given.tip_force[j]
+        for m in range(1, used.order + 1):
+            used.tip_force[m, j] = course.tip_force[m, j]
     if d.slides:
         apply_slider_inputs(d)
     for j in range(d.channels):
-        for m in range(own.order + 1):
+        for m in range(used.order + 1):
             d.moved.course[m, j] = d.motion.course[m, j]
     if d.signals > 0:
         set_driven(d, d.step.end)
@@ -87,14 +87,14 @@ def apply_inputs(d):
 
 def apply_slider_inputs(d):
     """Use the given inputs of the slider from now on."""
-    given, course, own, used = d.given, d.given.course, d.inputs.course, d.inputs
-    used.slider_force = own.slider_force[0, 0] = given.slider_force
-    used.slider_target_position = own.slider_target_position[0, 0] = given.slider_target_position
-    used.slider_target_velocity = own.slider_target_velocity[0, 0] = given.slider_target_velocity
-    for m in range(1, own.order + 1):
-        own.slider_force[m, 0] = course.slider_force[m, 0]
-        own.slider_target_position[m, 0] = course.slider_target_position[m, 0]
-        own.slider_target_velocity[m, 0] = course.slider_target_velocity[m, 0]
+    given, course, used, inputs = d.given, d.given.course, d.inputs.course, d.inputs
+    inputs.slider_force = used.slider_force[0, 0] = given.slider_force
+    inputs.slider_target_position = used.slider_target_position[0, 0] = given.slider_target_position
+    inputs.slider_target_velocity = used.slider_target_velocity[0, 0] = given.slider_target_velocity
+    for m in range(1, used.order + 1):
+        used.slider_force[m, 0] = course.slider_force[m, 0]
+        used.slider_target_position[m, 0] = course.slider_target_position[m, 0]
+        used.slider_target_velocity[m, 0] = course.slider_target_velocity[m, 0]
 
 
 def withdraw_request(d):
@@ -104,7 +104,7 @@ def withdraw_request(d):
 
 def inputs_in_use(d):
     """Return whether the inputs in use are constants and equal the given inputs."""
-    given, own, used = d.given, d.inputs, d.inputs.course
+    given, inputs, used = d.given, d.inputs, d.inputs.course
     if given.course.order > 0 or used.order > 0:
         return False
     for j in range(d.channels):
@@ -115,8 +115,8 @@ def inputs_in_use(d):
             given.joint_torque[i] != used.joint_torque[0, i]
             or given.joint_target_angle[i] != used.joint_target_angle[0, i]
             or given.joint_target_velocity[i] != used.joint_target_velocity[0, i]
-            or given.joint_damping[i] != own.joint_damping[i]
-            or given.joint_stiffness[i] != own.joint_stiffness[i]
+            or given.joint_damping[i] != inputs.joint_damping[i]
+            or given.joint_stiffness[i] != inputs.joint_stiffness[i]
         ):
             return False
     if d.slides and (
@@ -148,11 +148,11 @@ def set_inputs(d, time):
     for j in range(2):
         d.inputs.tip_force[j] = polynomial(course.tip_force, course.order, j, x)
     if d.slides:
-        own, order = d.inputs, course.order
-        own.slider_force = polynomial(course.slider_force, order, 0, x)
+        inputs, order = d.inputs, course.order
+        inputs.slider_force = polynomial(course.slider_force, order, 0, x)
         if d.model.followed:
-            own.slider_target_position = polynomial(course.slider_target_position, order, 0, x)
-            own.slider_target_velocity = polynomial(course.slider_target_velocity, order, 0, x)
+            inputs.slider_target_position = polynomial(course.slider_target_position, order, 0, x)
+            inputs.slider_target_velocity = polynomial(course.slider_target_velocity, order, 0, x)
     if d.signals > 0:
         set_driven(d, time)
     if d.channels > 0:
@@ -161,26 +161,26 @@ def set_inputs(d, time):
 
 def set_driven(d, time):
     """Set the inputs that signals drive, except prescribed motions, to their values at a ``time`` [s]."""
-    own = d.inputs
+    inputs = d.inputs
     for j in range(d.signals):
         driven, i = d.signal.input[j], d.signal.index[j]
         if driven == CHANNEL:
             continue
         u, rate, _ = signal_at(d, j, time)
         if driven == TORQUE:
-            own.joint_torque[i] = u
+            inputs.joint_torque[i] = u
         elif driven == TARGET:
-            own.joint_target_angle[i], own.joint_target_velocity[i] = u, rate
+            inputs.joint_target_angle[i], inputs.joint_target_velocity[i] = u, rate
         elif driven == TARGET_VELOCITY:
-            own.joint_target_velocity[i] = u
+            inputs.joint_target_velocity[i] = u
         elif driven == TIP_FORCE:
-            own.tip_force[i] = u
+            inputs.tip_force[i] = u
         elif driven == SLIDER_FORCE:
-            own.slider_force = u
+            inputs.slider_force = u
         elif driven == SLIDER_TARGET:
-            own.slider_target_position, own.slider_target_velocity = u, rate
+            inputs.slider_target_position, inputs.slider_target_velocity = u, rate
         elif driven == SLIDER_TARGET_VELOCITY:
-            own.slider_target_velocity = u
+            inputs.slider_target_velocity = u
 
 
 def polynomial(powers, order, i, x):
@@ -205,10 +205,10 @@ def limit_to_piece(d, h):
 
 def limit_to(d, time, h):
     """Return a size ≤ h of the next step: the step ends at a ``time`` [s], or well before it."""
-    rest = time - d.step.end
-    if rest <= 0.0 or 2.0 * h <= rest:
+    remaining = time - d.step.end
+    if remaining <= 0.0 or 2.0 * h <= remaining:
         return h
-    return rest if h >= rest else 0.5 * rest
+    return remaining if h >= remaining else 0.5 * remaining
 
 
 def belts_jump(d):
@@ -218,13 +218,13 @@ def belts_jump(d):
 
 def begin_motion(d, time):
     """Begin all prescribed motions at a ``time`` [s], with the given values or with the given polynomials."""
-    given, own, course = d.motion, d.moved, d.given.course
-    own.began, own.until, own.contradiction = time, time, 0
+    given, moved, course = d.motion, d.moved, d.given.course
+    moved.began, moved.until, moved.contradiction = time, time, 0
     for j in range(d.channels):
-        own.given_position[j], own.given_velocity[j] = given.position[j], given.velocity[j]
-        own.given_acceleration[j], own.given_at[j], own.mean[j] = given.acceleration[j], time, 0.0
-        own.from_position[j], own.from_velocity[j] = given.position[j], given.velocity[j]
-        own.anchored[j] = 1 - given.belt[j]
+        moved.given_position[j], moved.given_velocity[j] = given.position[j], given.velocity[j]
+        moved.given_acceleration[j], moved.given_at[j], moved.mean[j] = given.acceleration[j], time, 0.0
+        moved.from_position[j], moved.from_velocity[j] = given.position[j], given.velocity[j]
+        moved.anchored[j] = 1 - given.belt[j]
     if not given.follows:
         return
     course.order, course.middle, course.scale, course.until = 0, time, 1.0, math.inf
@@ -249,17 +249,17 @@ def follow_motion(d, time):
         WALL_JUMPS if the given positions of a wall jump by a distance that the given velocities do not
         explain; else OK.
     """
-    given, own, course = d.motion, d.moved, d.given.course
+    given, moved, course = d.motion, d.moved, d.given.course
     if d.channels == 0 or not given.follows or not time > d.step.time:
         return OK
-    if time == own.until and d.given.changed != AT_ONCE:
+    if time == moved.until and d.given.changed != AT_ONCE:
         return OK  # an interrupted communication step continues
     now, h = d.step.time, time - d.step.time
     move(d, now)
     for j in range(d.channels):
         if not drives(d, j) and not note_given(d, j, now):
             return refuse_channel(d, j)
-    own.until = time
+    moved.until = time
     moves, jumps = False, False
     for j in range(d.channels):
         if drives(d, j):
@@ -292,12 +292,12 @@ def set_cubic(d, j, time, h):
 
     Returns whether the acceleration does not change, so that the motion does not bend.
     """
-    given, own = d.motion, d.moved
-    s, v, lasted = own.position[j], own.velocity[j], time - own.given_at[j]
-    speed = own.from_velocity[j] + own.mean[j]
+    given, moved = d.motion, d.moved
+    s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]
+    speed = moved.from_velocity[j] + moved.mean[j]
     v_end = speed + lasted * given.acceleration[j]
-    if own.anchored[j]:
-        s_end = own.from_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
+    if moved.anchored[j]:
+        s_end = moved.from_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
     else:
         s_end = s + 0.5 * h * (v + v_end)
     v, v_end = 0.5 * h * v, 0.5 * h * v_end
@@ -309,7 +309,7 @@ def set_cubic(d, j, time, h):
     given.course[2, j] = 0.25 * (v_end - v)
     given.course[1, j] = 0.5 * (s_end - s) - third
     given.course[0, j] = 0.5 * (s + s_end) - given.course[2, j]
-    bend = (given.course[2, j] - 3.0 * third) * 8.0 - own.acceleration[j] * h * h
+    bend = (given.course[2, j] - 3.0 * third) * 8.0 - moved.acceleration[j] * h * h
     return abs(bend) <= ACCELERATION_ROUND_OFF * size
 
 
@@ -320,31 +320,31 @@ def note_given(d, j, now):
 
     If no velocity of a base is given, its velocity is the mean velocity since the position before.
     """
-    given, own = d.motion, d.moved
+    given, moved = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
-    as_before = s == own.given_position[j] and own.mean[j] == 0.0
-    if as_before and v == own.given_velocity[j] and a == own.given_acceleration[j]:
+    as_before = s == moved.given_position[j] and moved.mean[j] == 0.0
+    if as_before and v == moved.given_velocity[j] and a == moved.given_acceleration[j]:
         return True
-    lasted, before, moved = now - own.given_at[j], own.from_velocity[j], s - own.from_position[j]
-    rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != own.given_velocity[j]
-    own.given_position[j], own.given_velocity[j], own.given_acceleration[j] = s, v, a
-    own.given_at[j], own.mean[j], own.from_position[j], own.from_velocity[j] = now, 0.0, s, v
-    own.anchored[j] = 1
+    lasted, before, displacement = now - moved.given_at[j], moved.from_velocity[j], s - moved.from_position[j]
+    at_rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != moved.given_velocity[j]
+    moved.given_position[j], moved.given_velocity[j], moved.given_acceleration[j] = s, v, a
+    moved.given_at[j], moved.mean[j], moved.from_position[j], moved.from_velocity[j] = now, 0.0, s, v
+    moved.anchored[j] = 1
     if as_before:
         # the position continues from its present value; a velocity that is not given anew stays the same
-        own.from_position[j], own.anchored[j] = own.position[j], 0
-        own.from_velocity[j] = v if v_anew else own.velocity[j]
+        moved.from_position[j], moved.anchored[j] = moved.position[j], 0
+        moved.from_velocity[j] = v if v_anew else moved.velocity[j]
         return True
-    unexplained = abs(moved - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
+    unexplained = abs(displacement - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
     speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.size
     if not unexplained > UNEXPLAINED * speeds + ignored:
         return True
     of_base = d.model.base_moves and j < 2  # the first two channels belong to the base
     if not of_base and unexplained > speeds + ignored:
-        own.contradiction, own.distance, own.lasted, own.speed = j + 1, moved, lasted, v
+        moved.contradiction, moved.distance, moved.lasted, moved.speed = j + 1, displacement, lasted, v
         return False
-    if own.contradiction == 0:
-        own.contradiction, own.distance, own.lasted, own.speed = j + 1, moved, lasted, v
-    if rest and lasted > 0.0:
-        own.mean[j] = moved / lasted
+    if moved.contradiction == 0:
+        moved.contradiction, moved.distance, moved.lasted, moved.speed = j + 1, displacement, lasted, v
+    if at_rest and lasted > 0.0:
+        moved.mean[j] = displacement / lasted
     return True

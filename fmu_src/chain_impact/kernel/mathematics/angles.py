@@ -40,7 +40,7 @@ def _pieces():
     # π = 16 arctan(1/5) − 4 arctan(1/239) (Machin 1706)
     digits = (2 << 2 * places) // (16 * _fixed_arctangent(5, places) - 4 * _fixed_arctangent(239, places))
     pieces = (digits >> (places - PIECE * (i + 1)) & ((1 << PIECE) - 1) for i in range(count))
-    return np.array([float(one) for one in pieces])
+    return np.array([float(piece) for piece in pieces])
 
 
 def _fixed_arctangent(n, places):
@@ -118,10 +118,10 @@ def far_reduction(angle):
                 continue
             # The product is exact, and so is the product without its whole turns.
             part = half * (float(DIGITS[i]) * double(ONE + (exponent << FRACTION)))
-            rest = part - 4.0 * math.floor(0.25 * part)
+            remainder = part - 4.0 * math.floor(0.25 * part)
             # The sum of the rests is the sum of two numbers.
-            before, total = total, total + rest
-            lost += rest - (total - before) if before > rest else before - (total - rest)
+            before, total = total, total + remainder
+            lost += remainder - (total - before) if before > remainder else before - (total - remainder)
     k = math.floor(total + 0.5)
     r = ((total - k) + lost) * HALF_PI
     turns = k - 4.0 * math.floor(0.25 * k + 0.5)

@@ -33,9 +33,9 @@ def _table():
     patterns, rests = [], []
     for j in range(SIZE):
         power, root = 1 << FIXED, 2 << FIXED
-        for place in reversed(range(SIZE_BITS)):  # a factor √2, √√2, … for each bit of j
+        for bit in reversed(range(SIZE_BITS)):  # a factor √2, √√2, … for each bit of j
             root = math.isqrt(root << FIXED)
-            power = power * root >> FIXED if j >> place & 1 else power
+            power = power * root >> FIXED if j >> bit & 1 else power
         high, low = in_two(power, FRACTION)
         patterns.append(bits(high))
         rests.append(low / high)

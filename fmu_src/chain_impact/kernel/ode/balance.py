@@ -266,22 +266,22 @@ def dissipates_evenly(d, middle):
 
 def allowance(d, y):
     """Return the allowed change of the energy balance [J] in a step to state y, with the points located."""
-    scale, known = scales(d, y)
-    return OF_A_STEP * d.solver.tolerance * scale + ENERGY_ROUND_OFF * known
+    scale, summed = scales(d, y)
+    return OF_A_STEP * d.solver.tolerance * scale + ENERGY_ROUND_OFF * summed
 
 
 def round_off(d, y):
     """Return the part of the allowed change [J] that is round-off."""
-    _, known = scales(d, y)
-    return ENERGY_ROUND_OFF * known
+    _, summed = scales(d, y)
+    return ENERGY_ROUND_OFF * summed
 
 
 def scales(d, y):
     """Return S, and the energies [J] whose round-off enters the balance, for state y and located points."""
     kinetic, potential = mechanical_energy(d, y)
     # the potential energy may be a small difference of large energies; their round-off counts
-    known = d.balance.weight * (abs(d.work.position.x[0]) + abs(d.work.position.y[0])) + abs(potential)
-    known += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
+    summed = d.balance.weight * (abs(d.work.position.x[0]) + abs(d.work.position.y[0])) + abs(potential)
+    summed += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
@@ -289,14 +289,14 @@ def scales(d, y):
         for i in range(d.links):
             moment = spring_stiffness(d, i) * abs(stretch(d, y, i))
             scale += moment
-            known += moment * (abs(y[ANGLES + i]) + abs(d.inputs.joint_target_angle[i]))
+            summed += moment * (abs(y[ANGLES + i]) + abs(d.inputs.joint_target_angle[i]))
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)
         force = elastic_force(d, c, max(0.0, -gap))
         scale += force * penetration_scale(d, c)
-        known += force * coordinates_size(d, c, y)
-    return scale, known
+        summed += force * coordinates_size(d, c, y)
+    return scale, summed
 
 
 def check_balance(d):

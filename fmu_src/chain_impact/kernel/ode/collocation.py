@@ -192,20 +192,20 @@ def first_size(d, h):
     The operator (1 − h μ A)⁻¹ removes the fast part of the rate. Applied again to this part, the operator
     shows how fast and how large the fast motion is.
     """
-    own, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
+    implicit, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
     factorize_real(d, shift)
-    fast, left = own.parts[0], own.parts[1]
+    fast, left, weight = implicit.parts[0], implicit.parts[1], implicit.weight
     for j in range(size):
-        fast[j] = own.start_rate[j]
+        fast[j] = implicit.start_rate[j]
     solve_real(d, shift, fast)
     for j in range(size):
-        fast[j] = own.start_rate[j] - fast[j]
+        fast[j] = implicit.start_rate[j] - fast[j]
         left[j] = fast[j]
     solve_real(d, shift, left)
     count_other_work(d, 3)
     most, remains = 0.0, 0.0
     for j in range(velocity_at(d.links), dissipated_at(d.links)):
-        most, remains = max(most, abs(fast[j]) * own.weight[j]), max(remains, abs(left[j]) * own.weight[j])
+        most, remains = max(most, abs(fast[j]) * weight[j]), max(remains, abs(left[j]) * weight[j])
     if not (math.isfinite(most) and most > remains > 0.0):
         return h
     # the factor 1/(1 + ρ h μ) remains of a motion that decays with the rate ρ
@@ -217,23 +217,23 @@ def first_size(d, h):
 
 def extrapolate_stages(d, h, size):
     """Predict the stages from the polynomial of the last step, or else from the rate at the start."""
-    own = d.implicit
+    implicit = d.implicit
     if can_extrapolate(d):
         extrapolate_polynomial(d, h, size)
         return
     for i in range(RADAU_STAGES):
         part = h * NODES[i]
         for j in range(size):
-            own.stages[i, j] = 0.0
+            implicit.stages[i, j] = 0.0
         for j in range(velocity_at(d.links)):
-            own.stages[i, j] = part * own.start_rate[j]
+            implicit.stages[i, j] = part * implicit.start_rate[j]
         for k in range(compliant(d)):
-            own.stages[i, gap_at(d, k)] = part * own.start_rate[gap_at(d, k)]
+            implicit.stages[i, gap_at(d, k)] = part * implicit.start_rate[gap_at(d, k)]
 
 
 def extrapolate_polynomial(d, h, size):
     """Set the stages by extrapolating the last step's polynomial, with a lower degree if this is far."""
-    own = d.implicit
+    implicit = d.implicit
     span = d.step.size
     base = (d.step.end - d.step.start) / span
     beyond = base + h / span - 1.0
@@ -243,83 +243,83 @@ def extrapolate_polynomial(d, h, size):
     dropped = RADAU_STAGES - 1 if dropped == len(FORETOLD) else dropped
     for i in range(RADAU_STAGES):
         for j in range(size):
-            own.stages[i, j] = 0.0
+            implicit.stages[i, j] = 0.0
     for m in range(max(1, dropped), RADAU_STAGES + 1):
         before = lagrange(dropped, m, base)
         for i in range(RADAU_STAGES):
             weight = lagrange(dropped, m, base + h * NODES[i] / span) - before
             for j in range(size):
-                own.stages[i, j] += weight * own.last[m - 1, j]
+                implicit.stages[i, j] += weight * implicit.last[m - 1, j]
 
 
 def attempt(d, h):
     """Try a step of size h [s] from the state for which the step was prepared."""
-    own, size = d.implicit, extended_size(d)
+    implicit, size = d.implicit, extended_size(d)
     extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
-    count_evaluations(d, RADAU_STAGES * own.iterations)
-    count_other_work(d, FACTORIZATIONS + SOLUTIONS * own.iterations + ESTIMATE)
+    count_evaluations(d, RADAU_STAGES * implicit.iterations)
+    count_other_work(d, FACTORIZATIONS + SOLUTIONS * implicit.iterations + ESTIMATE)
     if solved:
         if d.friction.count > 0:
             settle_friction(d, h)
         set_result(d, h)
         error = estimate(d, h, size)
         if compliant(d) > 0:
-            change, apart = project_clearances(d, own.z, d.trial.state)
+            change, apart = project_clearances(d, implicit.z, d.trial.state)
             error = max(error, change, apart)
-        conclude(d, error, cost_factor(own))
-    elif not math.isfinite(own.correction):
+        conclude(d, error, cost_factor(implicit))
+    elif not math.isfinite(implicit.correction):
         refuse(d, INFINITE)
     else:
-        refuse(d, DIVERGED if own.contraction > 1.0 else LATE)
+        refuse(d, DIVERGED if implicit.contraction > 1.0 else LATE)
 
 
-def cost_factor(own):
+def cost_factor(implicit):
     """Return a factor ≤ 1 by which many iterations reduce the next size, below the size that errors allow."""
-    share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
-    if own.contraction > SLOW_CONVERGENCE:
-        share = min(share, math.sqrt(max(0.5, SLOW_CONVERGENCE / own.contraction)))
+    share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + implicit.iterations)
+    if implicit.contraction > SLOW_CONVERGENCE:
+        share = min(share, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))
     return share
 
 
 def set_result(d, h):
     """Set z and the state at the end of the step, and locate the points there."""
-    own, y = d.implicit, d.trial.state
+    implicit, y = d.implicit, d.trial.state
     for j in range(extended_size(d)):
-        own.z[j] = own.start[j] + own.stages[LAST, j]
+        implicit.z[j] = implicit.start[j] + implicit.stages[LAST, j]
     for j in range(sundman_u_at(d.links)):
-        y[j] = own.z[j]
+        y[j] = implicit.z[j]
     y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
-    take_quadratures(d, own.z, quadrature_at(d, 0))
+    take_quadratures(d, implicit.z, quadrature_at(d, 0))
     locate_points(d, y)
 
 
 def estimate(d, h, size):
     """Return the error of the step, relative to the tolerance."""
-    own, shift = d.implicit, h * REAL_EIGENVALUE
+    implicit, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
-        start, end = own.start_rate[j], own.rates[LAST, j]
+        start, end = implicit.start_rate[j], implicit.rates[LAST, j]
         for i in range(RADAU_STAGES):
-            start -= AT_START[i] * own.rates[i, j]
+            start -= AT_START[i] * implicit.rates[i, j]
         for i in range(LAST):
-            end -= AT_END[i] * own.rates[i, j]
-        own.parts[0, j], own.parts[1, j] = shift * start, shift * end
-    solve_real(d, shift, own.parts[0])
-    solve_real(d, shift, own.parts[1])
-    one, other = largest_errors(own.parts[0], own.parts[1], own.weight, size)
-    if one == math.inf:
+            end -= AT_END[i] * implicit.rates[i, j]
+        implicit.parts[0, j], implicit.parts[1, j] = shift * start, shift * end
+    solve_real(d, shift, implicit.parts[0])
+    solve_real(d, shift, implicit.parts[1])
+    first, second = largest_errors(implicit.parts[0], implicit.parts[1], implicit.weight, size)
+    if first == math.inf:
         return math.inf
     if any_constraint(d):
         # The projection onto rigid walls keeps a fast motion of stiff joints at the start of the step, which
         # decays within the step. E would contain all of this motion, however long the step is, so the system
         # is solved a second time.
-        solve_real(d, shift, own.parts[0])
+        solve_real(d, shift, implicit.parts[0])
         count_other_work(d, 1)
         for j in range(dissipated_at(d.links)):
-            d.work.error[0, j], d.work.error[1, j] = own.parts[0, j], own.parts[1, j]
-        one = max(one, moment_error(d, 0) / d.solver.tolerance)
-        other = max(other, moment_error(d, 1) / d.solver.tolerance)
-    return one * min(1.0, one / other) if other > 0.0 else one
+            d.work.error[0, j], d.work.error[1, j] = implicit.parts[0, j], implicit.parts[1, j]
+        first = max(first, moment_error(d, 0) / d.solver.tolerance)
+        second = max(second, moment_error(d, 1) / d.solver.tolerance)
+    return first * min(1.0, first / second) if second > 0.0 else first
 
 
 def lagrange(first, m, x):
@@ -341,16 +341,16 @@ def coefficient(stages, m, j):
 
 def keep_stages(d):
     """Store the stages of the tried step for the prediction of the next stages, and set the dense output."""
-    own = d.implicit
+    implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
-            own.last[i, j] = own.stages[i, j]
-        clear_faded(d, own.last[i])
-    own.listing = d.touch.listings
+            implicit.last[i, j] = implicit.stages[i, j]
+        clear_faded(d, implicit.last[i])
+    implicit.listing = d.touch.listings
     for j in range(len(d.work.y)):
-        set_dense(d.step, j, own.last, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
+        set_dense(d.step, j, implicit.last, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
     for k in range(d.quadrature.count):
-        set_dense(d.quadrature, k, own.last, quadrature_at(d, k), RADAU_STAGES)
+        set_dense(d.quadrature, k, implicit.last, quadrature_at(d, k), RADAU_STAGES)
 
 
 def set_dense(values, j, stages, at, degree):
@@ -362,7 +362,7 @@ def set_dense(values, j, stages, at, degree):
 
 def keep_clearances(d):
     """Make the dense output agree with the integrated clearances at the thirds of the last step."""
-    dense, own, change = d.step.dense, d.implicit, d.work.change
+    dense, implicit, change = d.step.dense, d.implicit, d.work.change
     if compliant(d) == 0:
         return
     for third in range(1, 3):
@@ -371,15 +371,15 @@ def keep_clearances(d):
         for derivative in range(2):
             for k in range(compliant(d)):
                 at = rate_at(d, k) if derivative else gap_at(d, k)
-                own.normal[k] = interpolated(d, at, third / 3.0)
+                implicit.normal[k] = interpolated(d, at, third / 3.0)
             project_coordinates(d, d.work.y, derivative, change)
             for j in range(len(change)):
-                own.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
+                implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
     for j in range(dissipated_at(d.links)):
-        one, two = own.thirds[0, j], own.thirds[1, j]
+        at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
         # conditions: 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ equal the changes at one and two thirds
-        dense[6, j] = 2187.0 / 8.0 * (two - one)
-        dense[5, j] = 729.0 / 8.0 * one - dense[6, j] / 3.0
+        dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)
+        dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
 
 
 def interpolated(d, j, theta):

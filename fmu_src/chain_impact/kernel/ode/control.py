@@ -228,11 +228,11 @@ def controlled_count(d):
 
 
 @inlined
-def largest_errors(one, other, weight, count):
+def largest_errors(first_error, second_error, weight, count):
     """Return the largest weighted component of each of two error estimates; infinity if any is not finite."""
     first, second, total = 0.0, 0.0, 0.0
     for j in range(count):
-        a, b = abs(one[j]) * weight[j], abs(other[j]) * weight[j]
+        a, b = abs(first_error[j]) * weight[j], abs(second_error[j]) * weight[j]
         first, second, total = max(first, a), max(second, b), total + a + b
     # max() can hide a NaN; a sum cannot
     return (first, second) if math.isfinite(total) else (math.inf, math.inf)
@@ -245,13 +245,14 @@ def scaled_errors(d):
     within the tolerance, and infinity if the result is not finite.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
-    one, other, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
+    first_error, second_error, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
     set_scales(d, y, scale, d.touch.active_count)
     gaps = sundman_u_at(d.links)
     for j in range(controlled_count(d)):
         # max() can hide a NaN; a sum cannot
-        total += abs(one[j] + y[j]) + abs(other[j] + y[j])
-        first, second = max(first, abs(one[j]) / scale[j]), max(second, abs(other[j]) / scale[j])
+        total += abs(first_error[j] + y[j]) + abs(second_error[j] + y[j])
+        first = max(first, abs(first_error[j]) / scale[j])
+        second = max(second, abs(second_error[j]) / scale[j])
     for k in range(d.touch.active_count):
         first = max(first, abs(d.touch.gap_error[0, k]) / scale[gaps + k])
         second = max(second, abs(d.touch.gap_error[1, k]) / scale[gaps + k])

@@ -49,10 +49,10 @@ def interpolate(step, theta, y):
 
 def interpolate_component(step, theta, j):
     """Return component j of the state at the fraction θ ∈ [0, 1] of the last step."""
-    rest = 1.0 - theta
-    high = step.dense[4, j] + rest * (step.dense[5, j] + theta * step.dense[6, j])
-    low = step.dense[2, j] + rest * (step.dense[3, j] + theta * high)
-    return step.state[j] + theta * (step.dense[0, j] + rest * (step.dense[1, j] + theta * low))
+    remaining = 1.0 - theta
+    high = step.dense[4, j] + remaining * (step.dense[5, j] + theta * step.dense[6, j])
+    low = step.dense[2, j] + remaining * (step.dense[3, j] + theta * high)
+    return step.state[j] + theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
 
 
 def fraction(d, time):
@@ -91,9 +91,11 @@ def regularized_fraction(d, elapsed):
 def _basis_bounds():
     """Return the largest values and the largest slopes on [0, 1] of the interpolant's basis functions."""
     theta = np.linspace(0.0, 1.0, 10001)
-    rest = 1.0 - theta
-    values = [theta**p * rest**q for p, q in POWERS]
-    slopes = [p * theta ** (p - 1) * rest**q - q * theta**p * rest ** max(q - 1, 0) for p, q in POWERS]
+    remaining = 1.0 - theta
+    values = [theta**p * remaining**q for p, q in POWERS]
+    slopes = [
+        p * theta ** (p - 1) * remaining**q - q * theta**p * remaining ** max(q - 1, 0) for p, q in POWERS
+    ]
     return (
         tuple(float(np.abs(v).max()) for v in values),
         tuple(float(np.abs(s).max()) for s in slopes),
@@ -149,9 +151,9 @@ _rate = _rate_of(QUADRATURES)
 
 def list_quadratures(d):
     """Pack the indices of the quadratures that are integrated from now on."""
-    own = d.quadrature
-    own.count = 0
-    if own.wanted:
+    quadrature = d.quadrature
+    quadrature.count = 0
+    if quadrature.wanted:
         for k in range(d.touch.active_count):
             integrate(d, d.touch.active_index[k])
         for k in range(d.friction.contact_count):
@@ -171,10 +173,10 @@ def integrate(d, i):
 
 def clear_quadratures(d):
     """Set the totals to 0 at the start of a run."""
-    own = d.quadrature
-    own.count = 0
-    for i in range(len(own.total)):
-        own.total[i], own.rate[i] = 0.0, 0.0
+    quadrature = d.quadrature
+    quadrature.count = 0
+    for i in range(len(quadrature.total)):
+        quadrature.total[i], quadrature.rate[i] = 0.0, 0.0
 
 
 def quadrature_rates(d, factor, out):
@@ -195,9 +197,9 @@ def set_quadrature_stage(d, i):
 
 def set_quadrature_stage_at_end(d, i):
     """Set stage i of the quadratures, at the end of the last step."""
-    own = d.quadrature
-    for k in range(own.count):
-        own.stage[i, k] = own.rate_end[k] * d.work.stage[i, time_at(d.links)]
+    quadrature = d.quadrature
+    for k in range(quadrature.count):
+        quadrature.stage[i, k] = quadrature.rate_end[k] * d.work.stage[i, time_at(d.links)]
 
 
 def settle_impulses(d):
@@ -207,11 +209,11 @@ def settle_impulses(d):
     impulse that falls is set to its value at the start of the step. If points that a rigid wall holds nearly
     coincide, only the sum of their forces is accurate, so the sum of their impulses does not change.
     """
-    own = d.quadrature
-    for k in range(min(own.count, d.touch.active_count)):
-        c, fallen = own.index[k], own.state[k] - own.state_end[k]
+    quadrature = d.quadrature
+    for k in range(min(quadrature.count, d.touch.active_count)):
+        c, fallen = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
         if fallen > 0.0:
-            own.state_end[k] = own.state[k]
+            quadrature.state_end[k] = quadrature.state[k]
             # the stops of all joints have the same wall number, but are different walls
             if k >= d.touch.compliant_count and d.candidate.stop[c] == 0:
                 take_impulse(d, d.candidate.wall[c], fallen)
@@ -219,13 +221,13 @@ def settle_impulses(d):
 
 def take_impulse(d, wall, amount):
     """Take ``amount`` [N·s] from the held point to which the wall gave the most in the last step."""
-    own, most, taker = d.quadrature, 0.0, -1
+    quadrature, most, taker = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        given = own.state_end[k] - own.state[k]
-        if d.candidate.wall[own.index[k]] == wall and given > most:
+        given = quadrature.state_end[k] - quadrature.state[k]
+        if d.candidate.wall[quadrature.index[k]] == wall and given > most:
             most, taker = given, k
     if taker >= 0:
-        own.state_end[taker] -= min(amount, most)
+        quadrature.state_end[taker] -= min(amount, most)
 
 
 def quadrature_within(d, theta, k):
@@ -235,17 +237,17 @@ def quadrature_within(d, theta, k):
     result is at most the value of any later sample in the step, and at least the value of the last sample
     before θ.
     """
-    own, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
-    value = interpolate_component(own, theta, k)
-    if own.index[k] >= d.candidates:
+    quadrature, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
+    value = interpolate_component(quadrature, theta, k)
+    if quadrature.index[k] >= d.candidates:
         return value
     for i in range(COURSE_SAMPLES):
         sample = d.step.kept * (COURSE_SAMPLES - 1 - i) / COURSE_SAMPLES
-        below = min(above, interpolate_component(own, sample, k))
+        below = min(above, interpolate_component(quadrature, sample, k))
         if sample <= theta:
             break
         above = below
-    return max(own.state[k], below, min(above, value))
+    return max(quadrature.state[k], below, min(above, value))
 
 
 def take_quadratures(d, z, first):
@@ -256,9 +258,9 @@ def take_quadratures(d, z, first):
 
 def append_quadratures(d):
     """Make the quadratures of the tried step those of the last step, as ``accept`` does for the state."""
-    own = d.quadrature
-    for k in range(own.count):
-        own.state[k], own.state_end[k] = own.state_end[k], own.tried[k]
+    quadrature = d.quadrature
+    for k in range(quadrature.count):
+        quadrature.state[k], quadrature.state_end[k] = quadrature.state_end[k], quadrature.tried[k]
 
 
 def roll_back_quadratures(d):
@@ -279,22 +281,23 @@ def commit_quadratures(d):
     A quadrature that is not integrated gets the rate 0. This is also the rate at which its integration begins
     if no force jumps.
     """
-    own = d.quadrature
-    for i in range(len(own.rate)):
-        own.rate[i] = 0.0
-    for k in range(own.count):
-        own.total[own.index[k]], own.rate[own.index[k]] = own.state_end[k], own.rate_end[k]
+    quadrature = d.quadrature
+    for i in range(len(quadrature.rate)):
+        quadrature.rate[i] = 0.0
+    for k in range(quadrature.count):
+        quadrature.total[quadrature.index[k]] = quadrature.state_end[k]
+        quadrature.rate[quadrature.index[k]] = quadrature.rate_end[k]
 
 
 def reset_quadratures(d):
     """Begin with the totals and rates of the integrated quadratures, after a step of no length."""
-    own = d.quadrature
+    quadrature = d.quadrature
     list_quadratures(d)
-    for k in range(own.count):
-        own.state[k] = own.state_end[k] = own.total[own.index[k]]
-        own.rate_end[k] = own.rate[own.index[k]]
-        for m in range(len(own.dense)):
-            own.dense[m, k] = 0.0
+    for k in range(quadrature.count):
+        quadrature.state[k] = quadrature.state_end[k] = quadrature.total[quadrature.index[k]]
+        quadrature.rate_end[k] = quadrature.rate[quadrature.index[k]]
+        for m in range(len(quadrature.dense)):
+            quadrature.dense[m, k] = 0.0
 
 
 def give_impulses(d):

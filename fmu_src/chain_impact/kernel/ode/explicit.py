@@ -135,13 +135,13 @@ def combination(row):
     return combine
 
 
-def combinations(one, two):
+def combinations(first_row, second_row):
     """Return a function for the sums h Σ_j row[j] k_j of two rows; the function reads each k_j only once.
 
     The function takes (stages, h, first, second); ``first`` and ``second`` are the results.
     """
-    names = tuple(sorted({*one, *two}))
-    row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (one, two))
+    names = tuple(sorted({*first_row, *second_row}))
+    row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (first_row, second_row))
     count = len(names)
 
     def combine(stages, h, first, second):
@@ -266,9 +266,9 @@ def make(d, h):
     """Make a step of size h from ``step.state_end``, without an estimate of the error."""
     _stages(d, h)
     _step_end(d.work.stage, d.step.state_end, h, d.trial.state)
-    own, count = d.quadrature, d.quadrature.count
+    quadrature, count = d.quadrature, d.quadrature.count
     if count > 0:
-        _step_end(own.stage, own.state_end[:count], h, own.tried[:count])
+        _step_end(quadrature.stage, quadrature.state_end[:count], h, quadrature.tried[:count])
 
 
 def dense_output(d, h):

@@ -105,18 +105,18 @@ def extended_size(d):
 
 def extend_start(d):
     """Set z and ż at the start of the next step, from the state and the rate there."""
-    work, own, n = d.work, d.implicit, d.links
+    work, implicit, n = d.work, d.implicit, d.links
     if not work.at_end:
         locate_points(d, d.step.state_end)
     accelerate_points(d, d.step.state_end, work.rate_start)
     for j in range(sundman_u_at(n)):
-        own.start[j], own.start_rate[j] = d.step.state_end[j], work.rate_start[j]
+        implicit.start[j], implicit.start_rate[j] = d.step.state_end[j], work.rate_start[j]
     for k in range(compliant(d)):
-        own.start[gap_at(d, k)], own.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
+        implicit.start[gap_at(d, k)], implicit.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
     for k in range(d.quadrature.count):
-        own.start[quadrature_at(d, k)] = d.quadrature.state_end[k]
-        own.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
-    clearance_rates(d, own.start, own.start_rate)
+        implicit.start[quadrature_at(d, k)] = d.quadrature.state_end[k]
+        implicit.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
+    clearance_rates(d, implicit.start, implicit.start_rate)
 
 
 def clearance_rates(d, z, rate):
@@ -150,13 +150,13 @@ def extended_rate(d, z, elapsed, rate):
 
 def extended_slopes(d, z):
     """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and store the link vectors of z."""
-    own, link = d.implicit, d.work.link
+    implicit, link = d.implicit, d.work.link
     for i in range(d.links):
-        own.link.x[i], own.link.y[i] = link.x[i], link.y[i]
+        implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
     for k in range(compliant(d)):
         c = d.touch.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
-        own.stiffness[k], own.damping[k] = law_slopes(d, c, depth, rate)
+        implicit.stiffness[k], implicit.damping[k] = law_slopes(d, c, depth, rate)
 
 
 def contact_impedance(d, k, s):
@@ -177,7 +177,7 @@ def factorize_shift(d, s, space, row):
 
 def solve_shift(d, s, space, row, x):
     """Solve (1 − s A) x = r for the shift s [s] that ``factorize_shift`` had; x holds r at the start."""
-    n, own, change = d.links, d.implicit, space.change
+    n, implicit, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
     if d.model.resisting:
         for i in range(n):
@@ -192,9 +192,9 @@ def solve_shift(d, s, space, row, x):
         add_along((0, d.slider.ux, d.slider.uy), space.load, push)
     for k in range(compliant(d)):
         # D r_ġ + s k r_g
-        impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * own.stiffness[k] * x[gap_at(d, k)]
+        impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]
         add_along(constraint(d, k), space.load, impulse)
-    solve_space(d, own.link, space, row, change)
+    solve_space(d, implicit.link, space, row, change)
     if d.slides:
         # in flight, no other function clears the loads on the points
         space.load.x[0], space.load.y[0] = 0.0, 0.0
@@ -205,7 +205,9 @@ def solve_shift(d, s, space, row, x):
         x[rate_at(d, k)] -= along(constraint(d, k), space.motion)
         x[gap_at(d, k)] += s * x[rate_at(d, k)]
     for k in range(min(d.quadrature.count, compliant(d))):
-        x[quadrature_at(d, k)] -= s * (own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)])
+        x[quadrature_at(d, k)] -= s * (
+            implicit.stiffness[k] * x[gap_at(d, k)] + implicit.damping[k] * x[rate_at(d, k)]
+        )
 
 
 def relative(r, first, i):
@@ -234,12 +236,12 @@ def solve_complex(d, s, pair, x, y, size):
 
     x and y have ``size`` entries each; at the start they hold the real and imaginary parts of r.
     """
-    own = d.implicit.pairs
+    pairs = d.implicit.pairs
     for j in range(size):
-        own.x[j] = complex(x[j], y[j])
-    solve_shift(d, s, own, pair, own.x)
+        pairs.x[j] = complex(x[j], y[j])
+    solve_shift(d, s, pairs, pair, pairs.x)
     for j in range(size):
-        x[j], y[j] = own.x[j].real, own.x[j].imag
+        x[j], y[j] = pairs.x[j].real, pairs.x[j].imag
 
 
 # The largest difference in a step between the clearance that follows from the coordinates and the integrated
@@ -253,14 +255,16 @@ def project_coordinates(d, y, derivative, change):
 
     The points must be located for y. ``change``, shape (N+2,), is a result.
     """
-    own, first = d.implicit, derivative * velocity_at(d.links)
+    implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.work.load)
     for k in range(compliant(d)):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
-        impulse = contact_impedance(d, k, own.shift) * (own.normal[k] - (gap_rate if derivative else gap))
+        impulse = contact_impedance(d, k, implicit.shift) * (
+            implicit.normal[k] - (gap_rate if derivative else gap)
+        )
         add_along(normal(d, c), d.work.load, impulse)
-    solve_space(d, own.link, d.work, SHIFTED, change)
+    solve_space(d, implicit.link, d.work, SHIFTED, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]
 
@@ -272,14 +276,14 @@ def project_clearances(d, z, y):
         The largest weighted change, relative to the tolerance; and the difference between the clearances of
         the coordinates and those in z before the change, relative to the allowed difference.
     """
-    own, change, worst = d.implicit, d.work.change, 0.0
+    implicit, change, worst = d.implicit, d.work.change, 0.0
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
     for derivative in range(2):
         for k in range(compliant(d)):
-            own.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
+            implicit.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
         project_coordinates(d, y, derivative, change)
         for j in range(coordinate_count(d.links)):
-            worst = max(worst, abs(change[j]) * own.weight[derivative * velocity_at(d.links) + j])
+            worst = max(worst, abs(change[j]) * implicit.weight[derivative * velocity_at(d.links) + j])
     return worst, apart
 
 

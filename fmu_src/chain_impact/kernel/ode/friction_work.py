@@ -23,12 +23,12 @@ def settle_friction(d, h):
 
 def work_of_correction(d, h, i):
     """Return the work [J] of sliding friction along the part of stage i that the rates do not contain."""
-    own, work, change = d.implicit, 0.0, d.work.change
+    implicit, work, change = d.implicit, 0.0, d.work.change
     for j in range(coordinate_count(d.links)):
         by_rates = 0.0
         for m in range(RADAU_STAGES):
-            by_rates += Q[i][m] * own.rates[m, j]
-        change[j] = own.stages[i, j] - h * by_rates
+            by_rates += Q[i][m] * implicit.rates[m, j]
+        change[j] = implicit.stages[i, j] - h * by_rates
     move_points(d, d.work.link, change, d.work.motion)
     for k in range(d.friction.count):
         e = d.element.index[k]
@@ -42,12 +42,12 @@ def settle_holding(d, h):
 
     Where the step ends, a projection moves the elements back to their anchors, with the opposite work.
     """
-    own = d.implicit
-    before = holding_at(d, own.start, 0.0)
+    implicit = d.implicit
+    before = holding_at(d, implicit.start, 0.0)
     for i in range(RADAU_STAGES):
         for j in range(sundman_u_at(d.links)):
-            own.z[j] = own.start[j] + own.stages[i, j]
-        own.stages[i, dissipated_at(d.links)] -= holding_at(d, own.z, h * NODES[i]) - before
+            implicit.z[j] = implicit.start[j] + implicit.stages[i, j]
+        implicit.stages[i, dissipated_at(d.links)] -= holding_at(d, implicit.z, h * NODES[i]) - before
 
 
 def holding_at(d, z, elapsed):

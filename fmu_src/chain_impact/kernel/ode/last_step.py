@@ -257,13 +257,13 @@ def ensure_dense(d, reader):
         reader: the user of the dense output, OUTPUTS or SOLVER.
     """
     step = d.step
-    known, step.dense_for = step.dense_for, max(step.dense_for, reader)
-    if known == NOT_REQUESTED:
+    present, step.dense_for = step.dense_for, max(step.dense_for, reader)
+    if present == NOT_REQUESTED:
         counted = counted_work(d)
         if step.last_method == IMPLICIT:
             collocation.keep_clearances(d)
         else:
             explicit.dense_output(d, step.size)
         uncount_work(d, counted)
-    if known < SOLVER <= reader and step.last_method == EXPLICIT:
+    if present < SOLVER <= reader and step.last_method == EXPLICIT:
         count_evaluations(d, explicit.DENSE_EVALUATIONS)

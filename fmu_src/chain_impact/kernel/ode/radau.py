@@ -95,13 +95,13 @@ def _transformed(i):
     of_rates, of_stages = LEFT_Q[i], LEFT[i]
 
     def transformed(d, h, size):
-        own = d.implicit
+        implicit = d.implicit
         for j in range(size):
             rates, stages = 0.0, 0.0
             for m in range(RADAU_STAGES):
-                rates += of_rates[m] * own.rates[m, j]
-                stages += of_stages[m] * own.stages[m, j]
-            own.parts[i, j] = h * rates - stages
+                rates += of_rates[m] * implicit.rates[m, j]
+                stages += of_stages[m] * implicit.stages[m, j]
+            implicit.parts[i, j] = h * rates - stages
 
     return transformed
 
@@ -111,17 +111,17 @@ def _corrected(i):
     row = RIGHT[i]
 
     def corrected(d, _h, size):
-        own, worst, total = d.implicit, d.implicit.correction, 0.0
+        implicit, worst, total = d.implicit, d.implicit.correction, 0.0
         for j in range(size):
             change = 0.0
             for m in range(RADAU_STAGES):
-                change += row[m] * own.parts[m, j]
-            own.stages[i, j] += change
-            change = abs(change) * own.weight[j]
+                change += row[m] * implicit.parts[m, j]
+            implicit.stages[i, j] += change
+            change = abs(change) * implicit.weight[j]
             total += change
             worst = max(worst, change)
         # max() can hide a NaN; a sum cannot
-        own.correction = worst if math.isfinite(total) else math.inf
+        implicit.correction = worst if math.isfinite(total) else math.inf
 
     return corrected
 
@@ -149,14 +149,14 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
     """
 
     def find_residuals(d, h, size):
-        own = d.implicit
+        implicit = d.implicit
         begin(d)
         for i in range(RADAU_STAGES):
             # the middle stage comes last, so that A can be evaluated there
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
             for j in range(size):
-                own.z[j] = own.start[j] + own.stages[stage, j]
-            rate(d, own.z, h * NODES[stage], own.rates[stage])
+                implicit.z[j] = implicit.start[j] + implicit.stages[stage, j]
+            rate(d, implicit.z, h * NODES[stage], implicit.rates[stage])
         _transform(d, h, size)
 
     def correct_stages(d, h, size):
@@ -164,31 +164,34 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
         _correct(d, h, size)
 
     def converge(d, h, size):
-        own = d.implicit
+        implicit = d.implicit
         before = 0.0
         for k in range(1, ITERATIONS + 1):
             find_residuals(d, h, size)
             if k == 1:
-                linearize(d, own.z)
+                linearize(d, implicit.z)
                 factorize(d, h)
             solve(d, h, size)
             correct_stages(d, h, size)
-            own.iterations = k
-            if not own.correction < FARTHEST:
-                own.contraction = math.inf
+            implicit.iterations = k
+            if not implicit.correction < FARTHEST:
+                implicit.contraction = math.inf
                 return False
-            theta = own.correction / before if before > 0.0 else 0.0
-            before, own.contraction = own.correction, theta
+            theta = implicit.correction / before if before > 0.0 else 0.0
+            before, implicit.contraction = implicit.correction, theta
             # A first correction shows no θ. At rest it is small, and to stop there would leave its error.
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
-            if ratio * own.correction <= LEFT_ERROR:
+            if ratio * implicit.correction <= LEFT_ERROR:
                 return True
             # the iteration diverges, or will not converge in time
             if k > 2 and theta > DIVERGES:
                 return False
-            if k > 2 and power(theta, float(ITERATIONS - k)) / (1.0 - theta) * own.correction > LEFT_ERROR:
+            if (
+                k > 2
+                and power(theta, float(ITERATIONS - k)) / (1.0 - theta) * implicit.correction > LEFT_ERROR
+            ):
                 return False
         return False
 

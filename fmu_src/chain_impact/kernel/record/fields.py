@@ -18,7 +18,9 @@ def written_by(*owners, **fields):
     """
 
     def declare(layout):
-        of_fields = {name: (own,) if isinstance(own, str) else own for name, own in fields.items()}
+        of_fields = {
+            name: (modules,) if isinstance(modules, str) else modules for name, modules in fields.items()
+        }
         OWNERS[layout.__name__.removesuffix("_dtype")] = {"": owners, **of_fields}
         return layout
 

@@ -56,12 +56,12 @@ def held_mobility(d, mobility):
     The iterations leave the residual m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for
     a motion that can hardly be constrained: in a toggle position, where W = 0, W′ is 1/(n D).
     """
-    rest = 1.0 / holding_impedance(d)
-    left = rest / (rest + max(0.0, mobility))
+    compliance = 1.0 / holding_impedance(d)
+    left = compliance / (compliance + max(0.0, mobility))
     total = 1.0
     for _ in range(SWEEPS - 1):
         total = 1.0 + left * total
-    return (rest + max(0.0, mobility)) / total
+    return (compliance + max(0.0, mobility)) / total
 
 
 def factorize_contacts(d, row, impedance):
@@ -140,9 +140,9 @@ def geared_accelerations(d, y, rate):
         moment += work.moment[i]
         load.joint[i] = moment
     if d.slides:
-        own, gravity = d.slider, d.model.gravity
-        load.x[0] += work.thrust * own.ux + own.mass * gravity[0]
-        load.y[0] += work.thrust * own.uy + own.mass * gravity[1]
+        slider, gravity = d.slider, d.model.gravity
+        load.x[0] += work.thrust * slider.ux + slider.mass * gravity[0]
+        load.y[0] += work.thrust * slider.uy + slider.mass * gravity[1]
     no_impedance(d, work.impedance)
     join(d, work.impedance, 0.0)
     factorize(d, link, work, FREE, True)

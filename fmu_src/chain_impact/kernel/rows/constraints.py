@@ -87,19 +87,19 @@ ROUNDS = 30
 
 def set_impedance(d, amount):
     """Set the impedance of each constraint: ``amount`` [kg] in the active set, its resistance elsewhere."""
-    own = d.rigid
+    rigid = d.rigid
     for k in range(constraint_rows(d)):
-        own.impedance[k] = amount if own.in_active_set[k] else own.resistance[k]
+        rigid.impedance[k] = amount if rigid.in_active_set[k] else rigid.resistance[k]
     if amount > 0.0 and any_sticking(d):
         share_impedance(d)
 
 
 def share_impedance(d):
     """Scale the impedances of sticking elements by their limits of friction over the largest limit."""
-    own, first, most = d.friction, d.touch.active_count, 0.0
-    for i in range(own.stuck_count):
+    friction, first, most = d.friction, d.touch.active_count, 0.0
+    for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
-    for i in range(own.stuck_count):
+    for i in range(friction.stuck_count):
         share = d.element.limit[d.element.stuck[i]] / most if most > 0.0 else 1.0
         d.rigid.impedance[first + i] *= max(LEAST_SHARE, share)
 
@@ -121,18 +121,18 @@ def solve_equality(d, scale):
     Returns:
         The largest residual that rigid walls leave, or 0 if they hold no point.
     """
-    own, impedance = d.rigid, holding_impedance(d)
+    rigid, impedance = d.rigid, holding_impedance(d)
     row = only_active(d)
     if row >= 0 and solve_single(d, row):
         return 0.0
     clear_impulses(d)
     if not any_point_held(d):
         set_impedance(d, GENTLE * mean_mass(d))
-        factorize_contacts(d, HELD, own.impedance)
+        factorize_contacts(d, HELD, rigid.impedance)
         find_residual(d)
         correct_impulses(d)
     set_impedance(d, impedance)
-    factorize_contacts(d, HELD, own.impedance)
+    factorize_contacts(d, HELD, rigid.impedance)
     worst = iterate(d, scale, impedance)
     if any_point_held(d):
         return worst
@@ -152,15 +152,15 @@ def iterate(d, scale, impedance):
     Returns:
         The largest residual.
     """
-    own, rigid, round_off = d.rigid, any_point_held(d), SOLVED_RESIDUAL * scale
+    rigid, has_walls, round_off = d.rigid, any_point_held(d), SOLVED_RESIDUAL * scale
     before, worst, iterations = math.inf, find_residual(d), 0
     while worst > round_off or not iterated_enough(d, iterations):
-        slow = rigid and worst > round_off and not worst < SLOW_DECREASE * before
+        slow = has_walls and worst > round_off and not worst < SLOW_DECREASE * before
         if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
             impedance *= STIFFER
             set_impedance(d, impedance)
-            factorize_contacts(d, HELD, own.impedance)
-        elif (slow and iterated_enough(d, iterations)) or (not rigid and iterations == SWEEPS):
+            factorize_contacts(d, HELD, rigid.impedance)
+        elif (slow and iterated_enough(d, iterations)) or (not has_walls and iterations == SWEEPS):
             break
         correct_impulses(d)
         before, worst, iterations = worst, find_residual(d), iterations + 1
@@ -173,11 +173,11 @@ def leave_free(d, share, noise):
     If D W ≪ 1, each of the SWEEPS iterations adds D m to such an impulse. A residual m below the ``noise``
     may be the round-off of a constrained motion, and its impulse stays.
     """
-    own = d.rigid
+    rigid = d.rigid
     for k in range(constraint_rows(d)):
-        residual = own.residual[k]
+        residual = rigid.residual[k]
         above = residual * residual / (residual * residual + noise * noise)
-        own.impulse[k] -= share * above * SWEEPS * own.impedance[k] * residual
+        rigid.impulse[k] -= share * above * SWEEPS * rigid.impedance[k] * residual
     move_by_impulses(d)
 
 
@@ -197,21 +197,21 @@ def solve_single(d, row):
 
     This function solves for the chain's response once, the iteration about six times.
     """
-    own = d.rigid
+    rigid = d.rigid
     clear_loads_of(d, d.work.load)
     add_along(constraint(d, row), d.work.load, 1.0)
-    solve_space(d, d.work.link, d.work, FREE, own.change)
+    solve_space(d, d.work.link, d.work, FREE, rigid.change)
     mobility = along(constraint(d, row), d.work.motion)
     if row >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE:
         return False
-    impulse = (own.target[row] - own.start[row]) / mobility
-    for j in range(len(own.change)):
-        own.change[j] *= impulse
+    impulse = (rigid.target[row] - rigid.start[row]) / mobility
+    for j in range(len(rigid.change)):
+        rigid.change[j] *= impulse
     for k in range(constraint_rows(d)):
-        own.impulse[k] = impulse if k == row else 0.0
-        own.reached[k] = own.start[k] + impulse * along(constraint(d, k), d.work.motion)
+        rigid.impulse[k] = impulse if k == row else 0.0
+        rigid.reached[k] = rigid.start[k] + impulse * along(constraint(d, k), d.work.motion)
     count_other_work(d, 1)
     return True
 
@@ -223,43 +223,43 @@ def iterated_enough(_d, _iterations):
 
 def clear_impulses(d):
     """Set all impulses to zero, and the motion to the motion without impulses."""
-    own = d.rigid
-    for j in range(len(own.change)):
-        own.change[j] = 0.0
+    rigid = d.rigid
+    for j in range(len(rigid.change)):
+        rigid.change[j] = 0.0
     for k in range(constraint_rows(d)):
-        own.impulse[k], own.reached[k] = 0.0, own.start[k]
+        rigid.impulse[k], rigid.reached[k] = 0.0, rigid.start[k]
 
 
 def find_residual(d):
     """Set the residuals m = target − u of the active set, and return the largest |m|."""
-    own, worst = d.rigid, 0.0
+    rigid, worst = d.rigid, 0.0
     for k in range(constraint_rows(d)):
-        own.residual[k] = own.target[k] - own.reached[k] if own.in_active_set[k] else 0.0
-        worst = max(worst, abs(own.residual[k]))
+        rigid.residual[k] = rigid.target[k] - rigid.reached[k] if rigid.in_active_set[k] else 0.0
+        worst = max(worst, abs(rigid.residual[k]))
     return worst
 
 
 def correct_impulses(d):
     """Correct the impulses for the residuals, and find the motion with the corrected impulses."""
-    own, motion = d.rigid, d.work.motion
+    rigid, motion = d.rigid, d.work.motion
     # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
     for k in range(constraint_rows(d)):
-        own.residual[k] *= own.impedance[k]
-    solve_contacts(d, HELD, own.residual, own.change)
+        rigid.residual[k] *= rigid.impedance[k]
+    solve_contacts(d, HELD, rigid.residual, rigid.change)
     for k in range(constraint_rows(d)):
-        if own.in_active_set[k]:
-            back = own.impedance[k] * along(constraint(d, k), motion)
-            own.impulse[k] += own.residual[k] - back
+        if rigid.in_active_set[k]:
+            back = rigid.impedance[k] * along(constraint(d, k), motion)
+            rigid.impulse[k] += rigid.residual[k] - back
     move_by_impulses(d)
     count_other_work(d, 1)
 
 
 def move_by_impulses(d):
     """Find the change of the coordinates, and of all constraints, by the impulses."""
-    own = d.rigid
-    solve_contacts(d, FREE, own.impulse, own.change)
+    rigid = d.rigid
+    solve_contacts(d, FREE, rigid.impulse, rigid.change)
     for k in range(constraint_rows(d)):
-        own.reached[k] = own.start[k] + along(constraint(d, k), d.work.motion)
+        rigid.reached[k] = rigid.start[k] + along(constraint(d, k), d.work.motion)
     count_other_work(d, 1)
 
 
@@ -272,7 +272,7 @@ def solve_lcp(d, scale):
     Linear Algebra Appl 9:65). If the search does not terminate, the problem is recorded as unsolved. The
     arguments are those of ``solve_equality``.
     """
-    own, first = d.rigid, d.touch.compliant_count
+    rigid, first = d.rigid, d.touch.compliant_count
     count = d.touch.active_count - first
     fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
     for _ in range(ROUNDS + 4 * count):
@@ -283,8 +283,8 @@ def solve_lcp(d, scale):
         fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
         for i in range(count):
             k = first + count - 1 - i
-            if own.violated[k]:
-                own.in_active_set[k] = 1 - own.in_active_set[k]
+            if rigid.violated[k]:
+                rigid.in_active_set[k] = 1 - rigid.in_active_set[k]
                 if stalls_left < 0:
                     break
     note_unsolved(d)
@@ -326,15 +326,15 @@ def count_violations(d, scale):
 
     Return the number of these candidates.
     """
-    own, largest, wrong = d.rigid, 0.0, 0
+    rigid, largest, wrong = d.rigid, 0.0, 0
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        largest = max(largest, abs(own.impulse[k]))
+        largest = max(largest, abs(rigid.impulse[k]))
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        if own.in_active_set[k]:
-            own.violated[k] = own.impulse[k] < -SIGN_TOLERANCE * largest
+        if rigid.in_active_set[k]:
+            rigid.violated[k] = rigid.impulse[k] < -SIGN_TOLERANCE * largest
         else:
-            own.violated[k] = own.reached[k] < own.target[k] - SIGN_TOLERANCE * scale
-        wrong += own.violated[k]
+            rigid.violated[k] = rigid.reached[k] < rigid.target[k] - SIGN_TOLERANCE * scale
+        wrong += rigid.violated[k]
     return wrong
 
 

@@ -58,38 +58,41 @@ def place_walls(d):
 
 def place_side(d, c, side):
     """Set the normal and the offset of candidate c at a side of the box."""
-    own = d.candidate
+    candidate = d.candidate
     nx, ny = NORMALS[side]
-    own.normal_x[c], own.normal_y[c] = nx, ny
+    candidate.normal_x[c], candidate.normal_y[c] = nx, ny
     # the side's normal has a single component: nx or ny is 0
-    own.offset[c] = (nx + ny) * d.model.wall[side]
+    candidate.offset[c] = (nx + ny) * d.model.wall[side]
 
 
 def place_slope(d, c, w):
     """Set the normal and the offset of candidate c, whose wall is number w of the walls at any angle."""
-    own, walls = d.candidate, d.walls
-    own.offset[c] = 1.0
-    polar(own.offset[c : c + 1], walls.angle, w, own.normal_y[c : c + 1], own.normal_x[c : c + 1])
+    candidate, walls = d.candidate, d.walls
+    candidate.offset[c] = 1.0
+    cosine, sine = candidate.normal_y[c : c + 1], candidate.normal_x[c : c + 1]
+    polar(candidate.offset[c : c + 1], walls.angle, w, cosine, sine)
     # n = (−sin φ, cos φ) is to the left of the wall's direction (cos φ, sin φ)
-    own.normal_x[c] = -own.normal_x[c]
-    own.offset[c] = own.normal_x[c] * walls.x[w] + own.normal_y[c] * walls.y[w]
+    candidate.normal_x[c] = -candidate.normal_x[c]
+    candidate.offset[c] = candidate.normal_x[c] * walls.x[w] + candidate.normal_y[c] * walls.y[w]
 
 
 def place_stop(d, c):
     """Set the normal and the offset of candidate c, a stop, at the place of its joint."""
-    own, joint = d.candidate, d.candidate.point[c]
-    own.place[c], own.normal_x[c], own.normal_y[c] = d.links + joint, float(own.stop[c]), 0.0
-    limit = d.model.joint_min[joint - 1] if own.stop[c] > 0 else d.model.joint_max[joint - 1]
-    own.offset[c], own.radius[c] = own.normal_x[c] * d.model.size * limit, 0.0
+    candidate, joint = d.candidate, d.candidate.point[c]
+    candidate.place[c] = d.links + joint
+    candidate.normal_x[c], candidate.normal_y[c] = float(candidate.stop[c]), 0.0
+    limit = d.model.joint_min[joint - 1] if candidate.stop[c] > 0 else d.model.joint_max[joint - 1]
+    candidate.offset[c], candidate.radius[c] = candidate.normal_x[c] * d.model.size * limit, 0.0
 
 
 def place_end(d, c):
     """Set the normal and the offset of candidate c, an end of the slider's line, which the base touches."""
-    own, slider, origin = d.candidate, d.slider, d.initial.position
-    sign = 1.0 if own.stop[c] > 0 else -1.0
-    limit = slider.min if own.stop[c] > 0 else slider.max
-    own.normal_x[c], own.normal_y[c], own.radius[c] = sign * slider.ux, sign * slider.uy, 0.0
-    own.offset[c] = sign * (slide_along(d, origin[0], origin[1]) + limit)
+    candidate, slider, origin = d.candidate, d.slider, d.initial.position
+    sign = 1.0 if candidate.stop[c] > 0 else -1.0
+    limit = slider.min if candidate.stop[c] > 0 else slider.max
+    candidate.normal_x[c], candidate.normal_y[c] = sign * slider.ux, sign * slider.uy
+    candidate.radius[c] = 0.0
+    candidate.offset[c] = sign * (slide_along(d, origin[0], origin[1]) + limit)
 
 
 def at_joint(d, c):

@@ -41,18 +41,18 @@ def share_within_limits(d):
     The constraints are those of ``add_constraint_forces`` in forces/holding.py, which must just have been
     called. Afterwards ``at_limit`` holds the sign of each force that is at its limit.
     """
-    own, scale = d.share, largest_start(d)
+    share, scale = d.share, largest_start(d)
     set_impedance(d, holding_impedance(d))
     for k in range(constraint_rows(d)):
-        own.center[k], own.impulse[k], own.inside[k] = 0.0, 0.0, 1
-        own.residual[k] = d.rigid.target[k] - d.rigid.start[k]
+        share.center[k], share.impulse[k], share.inside[k] = 0.0, 0.0, 1
+        share.residual[k] = d.rigid.target[k] - d.rigid.start[k]
     for _ in range(SWEEPS):
         minimize(d, scale)
         find_left(d)
         if work_exceeded(d):
             break
     for i in range(d.friction.stuck_count):
-        own.at_limit[i] = sign_at_limit(d, d.touch.active_count + i)
+        share.at_limit[i] = sign_at_limit(d, d.touch.active_count + i)
 
 
 def largest_start(d):
@@ -68,10 +68,10 @@ def sign_at_limit(d, k):
 
     If the limit is 0, the motion determines the sign.
     """
-    own, limit = d.share, most(d, k)
+    share, limit = d.share, most(d, k)
     if limit == 0.0:
-        return 1 if own.residual[k] > 0.0 else -1
-    return 1 if own.impulse[k] >= limit else (-1 if own.impulse[k] <= -limit else 0)
+        return 1 if share.residual[k] > 0.0 else -1
+    return 1 if share.impulse[k] >= limit else (-1 if share.impulse[k] <= -limit else 0)
 
 
 def least(d, k):
@@ -104,29 +104,29 @@ def minimize(d, scale):
     stays there. When the solution is reached, the row at a limit whose force tends inward most is released.
     The function decreases, so no set of rows occurs twice, and the search ends.
     """
-    own, end = d.share, constraint_rows(d)
+    share, end = d.share, constraint_rows(d)
     for _ in range(ROUNDS + 4 * end):
         solve_inside(d)
         row, part = first_at_limit(d)
         for k in range(d.touch.compliant_count, end):
-            if own.inside[k]:
-                own.impulse[k] += part * (own.wanted[k] - own.impulse[k])
+            if share.inside[k]:
+                share.impulse[k] += part * (share.wanted[k] - share.impulse[k])
         if row >= 0:
-            own.inside[row], own.impulse[row] = 0, clipped(d, row, own.wanted[row])
+            share.inside[row], share.impulse[row] = 0, clipped(d, row, share.wanted[row])
         else:
             row = most_inside(d, scale)
             if row < 0 or work_exceeded(d):
                 return
-            own.inside[row] = 1
+            share.inside[row] = 1
 
 
 def first_at_limit(d):
     """Return the first row to reach a limit on the way to the wanted forces, or −1, and the part so far."""
-    own, first, part = d.share, -1, 1.0
+    share, first, part = d.share, -1, 1.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        limit = clipped(d, k, own.wanted[k])
-        if own.inside[k] and limit != own.wanted[k]:
-            there = (limit - own.impulse[k]) / (own.wanted[k] - own.impulse[k])
+        limit = clipped(d, k, share.wanted[k])
+        if share.inside[k] and limit != share.wanted[k]:
+            there = (limit - share.impulse[k]) / (share.wanted[k] - share.impulse[k])
             if there < part or first < 0:
                 first, part = k, there
     return first, part
@@ -134,40 +134,40 @@ def first_at_limit(d):
 
 def most_inside(d, scale):
     """Return the row at a limit whose force tends inward most, by more than round-off; or −1."""
-    own, row, largest, most_of_all = d.share, -1, 0.0, 0.0
+    share, row, largest, most_of_all = d.share, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        largest = max(largest, abs(own.impulse[k]))
+        largest = max(largest, abs(share.impulse[k]))
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        inward = abs(clipped(d, k, own.wanted[k]) - own.impulse[k])
+        inward = abs(clipped(d, k, share.wanted[k]) - share.impulse[k])
         round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.rigid.impedance[k]
-        if not own.inside[k] and inward > max(round_off, most_of_all):
+        if not share.inside[k] and inward > max(round_off, most_of_all):
             row, most_of_all = k, inward
     return row
 
 
 def solve_inside(d):
     """Find p + D m⁺ of all rows in ``wanted``; the rows that are not inside stay at their limits."""
-    own, motion = d.share, d.work.motion
+    share, motion = d.share, d.work.motion
     for k in range(constraint_rows(d)):
         moves = k < d.touch.compliant_count
-        own.impedance[k] = 0.0 if moves or not own.inside[k] else d.rigid.impedance[k]
-        own.push[k] = own.impedance[k] * own.residual[k]
-        if not moves and not own.inside[k]:
-            own.push[k] = own.impulse[k] - own.center[k]
-    factorize_contacts(d, HELD, own.impedance)
-    solve_contacts(d, HELD, own.push, own.change)
+        share.impedance[k] = 0.0 if moves or not share.inside[k] else d.rigid.impedance[k]
+        share.push[k] = share.impedance[k] * share.residual[k]
+        if not moves and not share.inside[k]:
+            share.push[k] = share.impulse[k] - share.center[k]
+    factorize_contacts(d, HELD, share.impedance)
+    solve_contacts(d, HELD, share.push, share.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        left = own.residual[k] - along(constraint(d, k), motion)
-        own.wanted[k] = own.center[k] + d.rigid.impedance[k] * left
+        left = share.residual[k] - along(constraint(d, k), motion)
+        share.wanted[k] = share.center[k] + d.rigid.impedance[k] * left
     count_other_work(d, 1)
 
 
 def find_left(d):
     """Find the motion that remains with the present forces, at which the next iteration begins."""
-    own = d.share
-    solve_contacts(d, FREE, own.impulse, own.change)
+    share = d.share
+    solve_contacts(d, FREE, share.impulse, share.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        own.center[k] = own.impulse[k]
+        share.center[k] = share.impulse[k]
         reached = d.rigid.start[k] + along(constraint(d, k), d.work.motion)
-        own.residual[k] = d.rigid.target[k] - reached
+        share.residual[k] = d.rigid.target[k] - reached
     count_other_work(d, 1)

@@ -182,8 +182,8 @@ def gives_way(t, e, time):
     """Return whether the margin of element e, now zero, is still zero a ``time`` [s] later."""
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
-        known = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
-        if abs(slope(margin, k)) > SAME_TIME_SLOPE * known:
+        scale = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
+        if abs(slope(margin, k)) > SAME_TIME_SLOPE * scale:
             return False
     return True
 
@@ -200,8 +200,8 @@ def rests(t, after, time):
     """Return whether an element without speed has none a ``time`` [s] later; ``after`` is its speed then."""
     most = value(largest(t, t.work.acceleration))
     for k in range(DIRECTIONS):
-        known = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
-        if abs(slope(after, k)) > SAME_TIME_SLOPE * (known + most * abs(slope(time, k))):
+        scale = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
+        if abs(slope(after, k)) > SAME_TIME_SLOPE * (scale + most * abs(slope(time, k))):
             return False
     return True
 

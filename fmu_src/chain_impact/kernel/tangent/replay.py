@@ -192,11 +192,11 @@ def take_stages(d, t, size):
 
 def take_slopes(d, t):
     """Copy the data of the Jacobian A from d to t."""
-    one, own = d.implicit, t.implicit
+    source, implicit = d.implicit, t.implicit
     for i in range(d.links):
-        own.link.x[i], own.link.y[i] = one.link.x[i], one.link.y[i]
+        implicit.link.x[i], implicit.link.y[i] = source.link.x[i], source.link.y[i]
     for k in range(d.touch.active_count):
-        own.stiffness[k], own.damping[k] = one.stiffness[k], one.damping[k]
+        implicit.stiffness[k], implicit.damping[k] = source.stiffness[k], source.damping[k]
 
 
 def iterate_slopes(d, t, h, size):
@@ -232,13 +232,13 @@ def solve_slopes(d, t, h, size):
 
 def last_correction(d, t, size):
     """Return the largest ratio, over all directions, of the derivatives' last correction to their size."""
-    own, weight, worst = t.implicit, d.implicit.weight, 0.0
+    implicit, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
         for j in range(size):
-            whole = max(whole, weight[j] * abs(slope(own.start[j] + own.stages[LAST, j], k)))
+            whole = max(whole, weight[j] * abs(slope(implicit.start[j] + implicit.stages[LAST, j], k)))
             for i in range(RADAU_STAGES):
-                part = weight[j] * abs(slope(own.parts[i, j], k))
+                part = weight[j] * abs(slope(implicit.parts[i, j], k))
                 largest = max(largest, part)
                 total += part  # max() is not used, because it would lose a NaN
         if not math.isfinite(total + whole):
@@ -393,7 +393,7 @@ def move_along(t, time):
         y[j] += value(rate[j]) * time
     y[time_at(t.links)] += time
     t.step.end += time
-    own = t.quadrature
-    for k in range(own.count):
-        own.state_end[k] += value(own.rate_end[k]) * time
+    quadrature = t.quadrature
+    for k in range(quadrature.count):
+        quadrature.state_end[k] += value(quadrature.rate_end[k]) * time
     mark_jump(t)

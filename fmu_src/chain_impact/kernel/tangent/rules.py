@@ -104,9 +104,9 @@ def shift_start(t, delay):
     y, rate, time = t.step.state_end, t.work.rate_start, carried(0.0, 1.0, delay)
     for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time
-    own = t.quadrature
-    for k in range(own.count):
-        own.state_end[k] += value(own.rate_end[k]) * time
+    quadrature = t.quadrature
+    for k in range(quadrature.count):
+        quadrature.state_end[k] += value(quadrature.rate_end[k]) * time
     if t.channels > 0 or varies(time):
         evaluate_start(t)
 
