@@ -2,8 +2,8 @@
 
 The solver takes its own steps and runs ahead of the communication point. Outputs come from the dense output
 of a step, so the result does not depend on the communication step. An event at the end of a step (a contact
-begins or ends, a peak is passed) takes effect at the start of the next step, so not before the communication
-point has passed the event. ``d`` is the record of the instance (record/instance.py).
+begins or ends, a peak is passed) takes effect at the start of the next step. The next step starts only when
+the communication point has passed the event. ``d`` is the record of the instance (record/instance.py).
 """
 
 from chain_impact.kernel import hooks
@@ -159,7 +159,7 @@ def onset_due(d):
 
 
 def reinit_if_changed(d, time):
-    """Re-initialize if an input or parameter has changed, and let moving parts follow up to ``time`` [s].
+    """Update moving base and walls up to ``time`` [s]; re-initialize if an input or parameter has changed.
 
     Returns a status.
     """

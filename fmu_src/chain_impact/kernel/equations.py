@@ -30,7 +30,7 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.chain.tree import accelerations
-from chain_impact.kernel.forces.contact import apply_contacts, apply_told_contacts
+from chain_impact.kernel.forces.contact import apply_contacts, apply_true_contacts
 from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
@@ -105,7 +105,7 @@ def rotor_energy(d, y):
 
 def state_rate(d, y, rate):
     """Set rate = f(y), with the active contacts and the present inputs."""
-    # in free flight no force acts at a point, so no point is located and no wall is moved
+    # in free flight no force acts at a point, so the positions of points and walls are not needed
     if d.touch.active_count > 0 or d.model.driven or d.friction.count > 0:
         locate_points(d, y)
         located_rate(d, y, rate)
@@ -122,13 +122,13 @@ def located_rate(d, y, rate):
     constrain(d, y, rate)
 
 
-def told_rate(d, y, rate):
+def true_rate(d, y, rate):
     """Set the rate ẏ as ``located_rate`` does, but with the true forces, which do not continue beyond a kink.
 
     The inputs must have their values in this state. The dissipated power in ẏ does not contain the contacts'
     part.
     """
-    apply_told_contacts(d)
+    apply_true_contacts(d)
     loaded_rate(d, y, 0.0, rate)
     constrain(d, y, rate)
 
@@ -218,7 +218,7 @@ def joint_moments(d, y):
 
 
 def add_place_moments(d):
-    """Add the moments of stops and dry friction, loads at joints' places, to both links of each joint."""
+    """Add to both links of each joint the moments of stops and dry friction, from the loads at its place."""
     for i in range(d.links):
         torque = d.model.size * d.work.load.x[d.links + 1 + i]
         d.work.moment[i] += torque

@@ -139,7 +139,7 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive the values that are not given, the recursion's constants, scales, and features of joints."""
+    """Derive parameters that are not given, constants of the recursion, scales, and features of joints."""
     model = d.model
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
     # the same choice of the middle joint as in `accelerations`
@@ -211,7 +211,7 @@ def derive_sites(d):
 
 
 def derive_resistance(d):
-    """Derive whether joints resist with dampers or springs, and with how much, from the values in use.
+    """Derive from the values in use whether joints have dampers or springs, and a bound on their rates.
 
     The function assumes that no drive is at its limit.
     """

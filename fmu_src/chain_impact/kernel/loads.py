@@ -62,7 +62,7 @@ def link_momenta(d, x, y):
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
-    """Set x and y to f_i [N] for the accelerated points, from forces of the active contacts, by candidate."""
+    """Set x and y to f_i [N] for the accelerated points, from the forces of each candidate."""
     for i in range(d.links):
         ax, ay = at_center(d, d.work.acceleration, i)
         x[i] = d.model.mass[i] * (ax - d.model.gravity[0])
@@ -73,7 +73,7 @@ def joint_forces(d, contact_force, friction_force, x, y):
 
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
-    """Subtract the force or impulse of candidate c from the need of the link on which it acts."""
+    """Subtract the force or impulse of candidate c from the required force of the link on which it acts."""
     if d.candidate.stop[c] == 0:
         fx, fy = wall_force(d, c, along_normal, along_tangent)
         i = link_of(d, c)
@@ -82,7 +82,7 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Turn the need of each link into the force of its joint, with a force or impulse ``at_tip``."""
+    """Sum the required forces from the tip on, less ``at_tip``: x and y become the forces in the joints."""
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
     for i in range(d.links - 2, -1, -1):
@@ -194,7 +194,7 @@ def fill_load_peaks(d):
 def update_load_peaks(d):
     """Update the largest forces in the joints, since the start and during each contact, for the last step.
 
-    As outputs, loads do not count as work.
+    The evaluations do not count as work, because loads are outputs.
     """
     transmitted, touch, counted = d.transmitted, d.touch, counted_work(d)
     ensure_dense(d, OUTPUTS)

@@ -10,9 +10,9 @@ from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import site_place
 from chain_impact.kernel.chain.slider import slider_position, slider_velocity
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, time_at
-from chain_impact.kernel.equations import mechanical_energy, stored_energy, told_rate
+from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate
 from chain_impact.kernel.events.contact_log import list_latest
-from chain_impact.kernel.forces.contact import apply_told_contacts
+from chain_impact.kernel.forces.contact import apply_true_contacts
 from chain_impact.kernel.forces.friction import STICKS, joint_of
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
@@ -69,7 +69,7 @@ def fill_motion(d, theta):
     """Fill the outputs of motion, forces and energies at the fraction θ of the last step."""
     n, out, work, y, rate = d.links, d.output, d.work, d.work.y, d.work.rate
     fill_state(d, theta)
-    told_rate(d, y, rate)
+    true_rate(d, y, rate)
     accelerate_points(d, y, rate)
     for k in range(n + 1):
         out.point_acceleration[k, 0], out.point_acceleration[k, 1] = (
@@ -99,7 +99,7 @@ def fill_state(d, theta):
     if d.channels > 0 and any_constraint(d):
         # The interpolant satisfies constraints and prescribed motions only up to its error. Sticking elements
         # share their load in proportion to the limits of friction in this state.
-        apply_told_contacts(d)
+        apply_true_contacts(d)
         project_state(d, y)
     ensure_inputs(d, y)
     work = d.work
@@ -196,7 +196,7 @@ def fill_quadrature(d, i, value):
 
 
 def combine_forces(d):
-    """Turn forces and depths of stops into moments [N·m] and angles [rad]; a joint's first stop holds both.
+    """Convert forces and depths of stops to moments [N·m] and angles [rad] of each joint's first stop.
 
     A joint can touch only one of its two stops at a time; moments at joint_max are negative.
     """
@@ -214,7 +214,7 @@ def combine_forces(d):
 
 
 def combine_impulses(d):
-    """Turn impulses of stops into impulses of joints [N·m·s]; a joint's first stop holds them."""
+    """Convert impulses of stops to impulses [N·m·s] of each joint's first stop."""
     out = d.output
     for c in range(d.candidates):
         side = d.candidate.stop[c]

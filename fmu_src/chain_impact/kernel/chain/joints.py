@@ -19,7 +19,7 @@ and not much larger. Likewise for springs S = Σ k_i g_i g_iᵀ and the squares 
 As M ≥ diag(I), no eigenvalue exceeds the largest of diag(I)⁻¹ C, which no row sum exceeds (Gershgorin):
 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. With both, λ² + λ c + k = 0 where c and k are at
 most these bounds, hence |λ| ≤ c + √k. This bound does not depend on the angles. A damper or spring at a link
-without inertia makes it infinite.
+without inertia makes the bound infinite.
 """
 
 import math
@@ -83,7 +83,7 @@ def spring_energy(d, y):
 
 
 def wanted_torque(d, y, i):
-    """Return u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i [N·m] of motor, damper and spring, before a limit."""
+    """Return the torque u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i [N·m] of a drive before it is limited."""
     if i == 0 and not d.model.pinned:
         return 0.0
     inputs, first = d.inputs, omega_at(d.links)

@@ -38,8 +38,9 @@ def polar(radius, y, first, horizontal, vertical):
 def copy(y, first, count, out):
     """Copy ``count`` numbers of y, from index ``first`` on, with vector instructions.
 
-    The copy is read as vectors, which is slow for a processor if the numbers were written one by one. All
-    numbers of a group are read before the first is written, so the compiler moves a group as a vector.
+    Other functions read the copy as vectors. A processor reads a vector slowly if its numbers were just
+    written one by one. The function reads a group of numbers before it writes the group, so the compiler
+    moves the group as one vector.
     """
     fours, pairs = count - count % 4, count - count % 2
     for i in range(0, fours, 4):
@@ -163,7 +164,7 @@ def note_points_elsewhere(d):
 
 
 def move_points(d, links, change, response):
-    """Set the motions of all places for a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
+    """Set the motions of all places that a change of the coordinates causes: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
     n = d.links
     x, y = change[0], change[1]
     for i in range(n):

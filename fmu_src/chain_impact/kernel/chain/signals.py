@@ -311,7 +311,7 @@ def signals_are_valid(d):
             total += d.knot.time[k]
             for p in range(SIGNAL_DEGREE + 1):
                 total += d.knot.powers[k, p]
-        # the integral of a sine that does not swing is none
+        # a sine with frequency 0 has no integral in sines.py, whose formulas divide by the frequency
         still = signal.form[j] == SINE and signal.frequency[i] == 0.0 and signal.frequency_rate[i] == 0.0
         if not math.isfinite(total) or (still and signal.order[j] > 0) or signal.rise[i] < 0.0:
             return False

@@ -88,7 +88,7 @@ def by_fraction(m, rates, s, rise):
     most = (DEPTH_OF_RISE if rise > 0.0 else DEPTH) + DEEPER * abs(y)
     while error > FRACTION_ERROR and depth < most:
         depth += 1
-        # an error of K_{n+1}/K_n causes one of n y, or less, times as much in K_n/K_{n−1}
+        # the error of K_n/K_{n−1} is at most n y times the error of K_{n+1}/K_n
         error *= depth * abs(y)
     ratio_u, ratio_v, u, v = 1.0 + 0.0 * y, 0.0 * y, 0.0 * y, 0.0 * y
     for k in range(depth):
@@ -137,7 +137,7 @@ def part(m, k, s, rise):
 
 
 def at_standstill(d, i, begins_up):
-    """Return Φ(s*) [rad], and real and imaginary part of C, for an ω > 0 at the start if it ``begins_up``.
+    """Return Φ(s*) [rad] and the real and imaginary part of C; ``begins_up``: whether ω > 0 at the start.
 
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start; each other sign turns C, and g < 0
     also the angle π/4.

@@ -60,7 +60,7 @@ def slider_stretch(d, y):
 
 
 def wanted_force(d, y):
-    """Return F − c (ṡ − v_t) − k (s − s₀) [N] of motor, damper and spring, before a limit."""
+    """Return the force u − c (ṡ − v_t) − k (s − s₀) [N] of the drive before it is limited."""
     inputs = d.inputs
     rate = slider_velocity(d, y) - inputs.slider_target_velocity
     return wanted_drive(inputs.slider_force, d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y))

@@ -124,7 +124,7 @@ def update_own_to_output_time(d):
 
 
 def end_at_output_time(d):
-    """End the last step at the communication point, and drop later events; the next step finds them again.
+    """End the last step at the communication point, and drop its events; the next step finds these again.
 
     An onset exactly at the communication point is kept, because its point is already at the wall and cannot
     arrive a second time. Changes of modes are kept as well.

@@ -264,7 +264,7 @@ def bound_curvature(d):
 
 
 def links_part(d, c):
-    """Return the links' contribution to the bound for the point of candidate c, from ``work.reach``.
+    """Return the contribution of the links to the curvature bound of candidate c, from ``work.reach``.
 
     For a site, the contribution of the site's own link is multiplied by |r|/ℓ.
     """

@@ -114,7 +114,7 @@ def widen_slack(d, e):
 def first_guess(d, e, jumped):
     """Return the mode of element e that follows from its motion.
 
-    At rest keep the last mode, with e undecided.
+    An element at rest keeps its last mode, and is marked as undecided.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
@@ -135,7 +135,7 @@ def first_guess(d, e, jumped):
 def choose_modes(d):
     """Change the modes of undecided elements until all modes are consistent.
 
-    If this fails, use the limits.
+    If this fails, choose the modes from the forces within the limits.
     """
     fewest, stalls_left = d.friction.count + 1, MAX_STALLED_PIVOTS
     while stalls_left >= 0:
@@ -214,7 +214,7 @@ def is_inconsistent(d, e):
 
 
 def unsure_acceleration(d):
-    """Return an acceleration [m/s²] of an element that may be an error: round-off, or left by constraints."""
+    """Return the largest acceleration [m/s²] of an element that may be round-off or a constraint residual."""
     left = 0.0
     for i in range(d.friction.stuck_count):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))

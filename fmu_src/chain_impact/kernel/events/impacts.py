@@ -258,7 +258,7 @@ def bring_to_rest(d, gentle):
 def end_changed_contacts(d):
     """End the held contacts whose law has changed to a law with a force.
 
-    The contact goes on with that law.
+    The contact continues with the new law.
     """
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -291,7 +291,7 @@ def update_active_set(d):
 
 
 def end_unstopped_contacts(d):
-    """End the contacts that pushing impulses could not bring to rest."""
+    """End the contacts whose points did not come to rest, because only a pull could stop them."""
     scale = fastest_of_all(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if not d.rigid.in_active_set[k] and d.rigid.reached[k] > SIGN_TOLERANCE * scale:

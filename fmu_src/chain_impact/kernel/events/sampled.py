@@ -161,7 +161,7 @@ def has_crossed(d, c):
 
 
 def own_side_at(d, c, theta):
-    """Return ``own_side`` at the fraction θ of the last step."""
+    """Return the result of ``own_side`` at the fraction θ of the last step."""
     locate_at(d, theta)
     return own_side(d, c)
 

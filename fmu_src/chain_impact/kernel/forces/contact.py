@@ -68,7 +68,7 @@ def apply_contacts(d):
     return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
 
 
-def apply_told_contacts(d):
+def apply_true_contacts(d):
     """Set the loads to the contact forces that outputs show, for the located points; none of these pulls."""
     clear_loads(d)
     for k in range(d.touch.compliant_count):
@@ -83,7 +83,7 @@ def apply_told_contacts(d):
 def contact_slopes(d, c):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points.
 
-    0 while F is cut off.
+    Both are 0 while F is cut off.
     """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
@@ -154,7 +154,7 @@ def set_rates(d, c, speed, force_rate):
 
 
 def expect_peaks(d):
-    """Let the next step be searched for peaks of all forces: after a change of modes a force may rise."""
+    """Request a search of the next step for peaks of all forces, which may rise after a change of modes."""
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0
 

@@ -72,7 +72,7 @@ def set_expected_depth(d, c):
     """Set the expected penetration [m] of candidate c, for the v₀ and effective mass of its contact."""
     touch = d.touch
     if d.law.impulsive[c]:
-        # the penetration at a rigid wall is no scale, so the longest link is
+        # a rigid wall has no penetration, so the scale is the longest link
         touch.depth_scale[c] = d.model.size
     else:
         touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
@@ -138,7 +138,7 @@ def continued_force(d, c, depth, rate):
 
 
 def force_on_side(d, c, depth, rate):
-    """Return the force of candidate c on its side of the kink for motion and loads, without a pull.
+    """Return the force of candidate c for motion and loads: continued from one side of the kink, no pull.
 
     For a point at rest δ̇ is 0 up to errors. Its sign is then no measure of the side, for a law that damps on
     approach only.

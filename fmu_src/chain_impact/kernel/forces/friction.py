@@ -182,11 +182,12 @@ def keep_static_forces(d):
 
 
 def static_power(d):
-    """Return the power [W] that the forces of sticking elements dissipate, whose speeds are errors of a step.
+    """Return the power [W] that the forces of sticking elements dissipate.
 
-    A step moves by these speeds, and a projection moves the elements back (ode/last_step.py). The stages of
-    an implicit step leave the power out, because their last correction changes the speeds: the work along
-    the corrected motion is found instead (ode/friction_work.py).
+    The speeds of sticking elements are errors of a step. The step moves the elements with these speeds, and a
+    projection moves the elements back (ode/last_step.py). The stages of an implicit step leave the power out,
+    because their last correction changes the speeds: the work along the corrected motion is found instead
+    (ode/friction_work.py).
     """
     friction, dissipated = d.friction, 0.0
     for i in range(friction.stuck_count):

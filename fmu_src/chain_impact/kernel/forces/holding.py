@@ -235,7 +235,8 @@ def solve_positions(d):
 
     If the change is larger than residuals and errors explain, only candidates with g < target are moved.
     Sticking elements then stay, because their motions, which can hardly be constrained, would be large. They
-    also stay where the change is in vain, as for two corners of a box: each step would change the energy.
+    also stay where the change hardly reduces the residual, as for two corners of a box; otherwise each step
+    would change the energy.
     """
     rigid, size, asked, moved, left = d.rigid, d.model.size, 0.0, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):

@@ -100,7 +100,7 @@ def of_parts(turns, r):
 
 
 def far_reduction(angle):
-    """Return the quarter turns, from −2 to 2, and the rest of an angle from LARGEST_ANGLE on.
+    """Return the quarter turns, from −2 to 2, and the remainder of an angle from LARGEST_ANGLE on.
 
     Bits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """
@@ -116,10 +116,10 @@ def far_reduction(angle):
         for half, exponent in ((a, e + 27 - PIECE * (i + 1)), (b, e - PIECE * (i + 1))):
             if exponent >= 2:
                 continue
-            # The product is exact, and so is the product without its whole turns.
+            # The product is exact, and so is its remainder after whole turns.
             part = half * (float(DIGITS[i]) * double(ONE + (exponent << FRACTION)))
             remainder = part - 4.0 * math.floor(0.25 * part)
-            # The sum of the rests is the sum of two numbers.
+            # The sum of the remainders is stored exactly, as total + lost.
             before, total = total, total + remainder
             lost += remainder - (total - before) if before > remainder else before - (total - remainder)
     k = math.floor(total + 0.5)

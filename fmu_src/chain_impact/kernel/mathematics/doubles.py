@@ -39,7 +39,7 @@ def product(y, high, low):
 
 
 def in_two(fixed, places):
-    """Return an integer over 2^FIXED as the sum of two doubles, the first a multiple of 2^−places."""
+    """Return ``fixed``/2^FIXED as the sum of two doubles, the first a multiple of 2^−places."""
     unit = 1 << (FIXED - places)
     first = (fixed + unit // 2) // unit
     return first / (1 << places), (fixed - first * unit) / (1 << FIXED)

@@ -95,7 +95,7 @@ def any_parts(x):
 
 
 def log(x):
-    """Return ln x: −∞ of 0, and no number of x < 0."""
+    """Return ln x; −∞ for x = 0, and NaN for x < 0."""
     if 0.0 < x < math.inf:
         high, low = any_parts(x)
         return high + low

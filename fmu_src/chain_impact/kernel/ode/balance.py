@@ -230,7 +230,7 @@ def loss_budget(d, there):
 
 
 def is_long(d):
-    """Return whether the last step is so long that its end may be correct by chance, and wrong in between.
+    """Return whether the last step is so long that its end may be correct although its middle is wrong.
 
     Such a step is one of three: a step in which a link has turned far, if the dense output is available for a
     check; an explicit step that is longer than the stability limit for joints with dampers or springs; and,

@@ -187,7 +187,7 @@ def toward_end(d, h):
 
 
 def first_size(d, h):
-    """Return a size that resolves a fast motion at the start if it exceeds the tolerance; otherwise h.
+    """Return a size that resolves a fast motion at the start, if this motion exceeds the tolerance; else h.
 
     The operator (1 − h μ A)⁻¹ removes the fast part of the rate. Applied again to this part, the operator
     shows how fast and how large the fast motion is.
@@ -275,7 +275,7 @@ def attempt(d, h):
 
 
 def cost_factor(implicit):
-    """Return a factor ≤ 1 by which many iterations reduce the next size, below the size that errors allow."""
+    """Return a factor ≤ 1 on the next size: a step with many iterations is expensive."""
     share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + implicit.iterations)
     if implicit.contraction > SLOW_CONVERGENCE:
         share = min(share, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))

@@ -119,7 +119,7 @@ def propose(d, size):
 
 
 def limit(d, size):
-    """Let the next step be no longer than a size."""
+    """Limit the next step to a size."""
     propose(d, min(d.step.next_size, size))
 
 

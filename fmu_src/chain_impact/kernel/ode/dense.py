@@ -203,7 +203,7 @@ def set_quadrature_stage_at_end(d, i):
 
 
 def settle_impulses(d):
-    """Correct impulses of walls that fall in the last step, whose end is final: a wall never pulls.
+    """Correct impulses of walls that fall in the last step, because a wall never pulls; the end is final.
 
     The quadrature of a step has weights of both signs, so the error can exceed a force that is close to 0. An
     impulse that falls is set to its value at the start of the step. If points that a rigid wall holds nearly
@@ -290,7 +290,7 @@ def commit_quadratures(d):
 
 
 def reset_quadratures(d):
-    """Begin with the totals and rates of the integrated quadratures, after a step of no length."""
+    """Set the integrated quadratures to their totals and rates, after a step of zero length."""
     quadrature = d.quadrature
     list_quadratures(d)
     for k in range(quadrature.count):

@@ -181,7 +181,7 @@ _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 def toward_end(d, h):
     """Return the size of the next step if the error control allows h.
 
-    The step may pass the near end of a contact.
+    Near the end of a contact, the step passes this end or covers at most half of the time until then.
     """
     if d.touch.compliant_count == 0:
         return h
@@ -201,7 +201,7 @@ def toward_end(d, h):
 def toward_ends(d, h):
     """Return the size for steps in time if h is allowed.
 
-    A step may pass the first end of a contact with a force.
+    The step may pass the end of the contact with a force that ends first.
     """
     accelerate_points(d, d.step.state_end, d.work.rate_start)
     left = math.inf
@@ -216,7 +216,7 @@ def toward_ends(d, h):
 
 
 def up_to(h, left):
-    """Return a step's size if the error control allows h, and a contact probably ends after ``left``."""
+    """Return the size of the next step if the error control allows h; a contact ends after about ``left``."""
     if left < FORCELESS * h:
         return h
     if PAST_END * left < STRETCH * h:

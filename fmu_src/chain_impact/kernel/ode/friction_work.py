@@ -1,8 +1,8 @@
 """The energy that dry friction dissipates in an implicit step: the work along the motion that was found.
 
 The last iteration corrects the motion after the rates have been evaluated. At rest the corrections are larger
-than the motion itself, and friction is a force that does not fade with the speed. So the work of the forces
-at rest would be an error of the energy balance, which grows with every step.
+than the motion itself, and the force of friction stays large although the speed is zero. Without this module,
+the work of friction along the corrections would be an error of the energy balance that grows in every step.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points_now, move_points

@@ -170,7 +170,7 @@ def stiffness_number(d, h):
 
 
 def joints_over(d, h):
-    """Return hρ of a step of size h [s] for joints with dampers or springs; if it is small, a bound on it."""
+    """Return hρ of a step of size h [s] for joints with dampers or springs, or a small bound on hρ."""
     z = h * d.model.joint_bound
     if z > STIFF:
         z = h * joint_rate(d, d.step.state_end)

@@ -51,7 +51,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("speed", REAL, (candidates,)),  # m/s, δ̇ at the start of the step, for the search for peaks
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, for the search for peaks
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of the rate
-        ("beyond_kink", INTEGER, (candidates,)),  # 1: the force is the one of the side beyond its kink
+        ("beyond_kink", INTEGER, (candidates,)),  # 1: the force is continued from the side beyond its kink
         # m/s, how far δ̇ may be on the wrong side of the kink; 0 if the law damps in both directions
         ("kink_margin", REAL, (candidates,)),
         # 1: a stage of the tried step was on the other side of the kink
@@ -97,7 +97,7 @@ def latest_dtype() -> np.dtype:
     """Return the layout of the list of the latest impacts, newest first, when outputs were filled last."""
     return record(
         ("kept", INTEGER),  # number of latest impacts that the scene requests
-        ("listed", INTEGER),  # number of contacts that had ended by then; −1 if others lasted
+        ("listed", INTEGER),  # number of contacts that had ended; −1: other contacts were active
         ("point", INTEGER, (LATEST,)),  # number of the point, 0…N; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
         ("time", REAL, (LATEST,)),  # s

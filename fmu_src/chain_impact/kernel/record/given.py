@@ -291,8 +291,9 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # index of the wall in WALLS, or 4 plus the index in `walls`; stops have the numbers after the walls
         ("wall", INTEGER),
         ("stop", INTEGER),  # ±1: at joint_min, joint_max; ±2: at slider_min, slider_max; 0: at a wall
-        # ---- derived at initialization; index among all places: of the point, for a stop N plus the joint's
-        # number, for a site N plus its number
+        # ---- derived at initialization
+        # index of the place of the point, of the stop's joint (N plus the joint's number), or of the site (N
+        # plus the site's number)
         ("place", INTEGER),
         ("radius", REAL),  # m, radius of the point
         ("normal_x", REAL),  # x of the inward normal n of the wall

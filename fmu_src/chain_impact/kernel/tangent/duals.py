@@ -42,7 +42,7 @@ TRUST = np.dtype(
         (
             "split",
             np.int64,
-        ),  # 1: friction has left a change open, so the derivatives of its impulses are unknown
+        ),  # 1: friction has left a change open, so the derivatives of friction impulses are unknown
     ]
 )
 

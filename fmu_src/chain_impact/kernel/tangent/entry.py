@@ -46,7 +46,7 @@ def observe_tangent(d, t):
 
 
 def observe_trial_of_tangent(_d, t):
-    """Set the derivatives of the outputs to which a trial of new values gives new values at once."""
+    """Set the derivatives of the outputs that change at once in a trial of new values."""
     return_to_kept_state(t)
     refill_motion(t)
     if not trusted(t):

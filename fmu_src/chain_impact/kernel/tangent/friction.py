@@ -197,7 +197,7 @@ def any_halts(t):
 
 
 def rests(t, after, time):
-    """Return whether an element without speed has none a ``time`` [s] later; ``after`` is its speed then."""
+    """Return whether an element at rest is at rest a ``time`` [s] later, too, when its speed is ``after``."""
     most = value(largest(t, t.work.acceleration))
     for k in range(DIRECTIONS):
         scale = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
@@ -263,7 +263,7 @@ def stop_speeds(t):
 
 
 def check_onsets_at_rest(t):
-    """Check elements whose friction begins without a speed, if a change of the parameters gives a speed.
+    """Check the onsets of friction at rest where a change of the parameters would give the element a speed.
 
     Sticking stops such a speed. Sliding keeps a speed in one direction and stops a speed in the other
     direction.
@@ -292,7 +292,7 @@ def contact_resistance(t):
 
 
 def check_coefficients(t):
-    """End the derivatives if a coefficient of friction that may act is 0 and has derivatives."""
+    """End the derivatives if the friction of an active contact or of a joint is 0 but has derivatives."""
     if t.elements == 0:
         return
     for c in range(t.candidates):

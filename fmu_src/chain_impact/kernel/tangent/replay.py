@@ -300,7 +300,7 @@ def ends_at_limit(t):
 
 
 def fix_start(t):
-    """Let the next step start at a time without derivatives, by a move along the motion after the event.
+    """Move the state after an event along the motion to a start time that has no derivatives.
 
     Otherwise the derivatives at a fixed time would have the error of the interpolant's slope times the
     derivative of the event time, in all steps up to the next event.

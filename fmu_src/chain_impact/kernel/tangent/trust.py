@@ -51,7 +51,7 @@ def check_onsets(t):
 
 
 def cannot_be_less(friction):
-    """Return whether a limit of dry friction has derivatives at the value 0, below which it cannot go."""
+    """Return whether a limit of dry friction is 0, its least possible value, and has derivatives."""
     return value(friction) == 0.0 and varies(friction)
 
 
