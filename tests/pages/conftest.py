@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact import explore, load_scene
 from chain_impact.compilation.library import browser_module
-from chain_impact.pages.explore import TOML, WORKER, contents, packed
+from chain_impact.pages.explore import TOML, contents, packed
 from chain_impact.pages.recorded import program, text_of
 from tests.tiers import CHROMIUM
 
@@ -35,8 +35,8 @@ RUN = """async ({ module, file, kit, values, stop, step }) => {
 }"""
 
 
-SCENE = ("format", "unpacked", "changes", "signals", "scene_file", "model")
-"""The modules that read a scene file, besides the worker's modules."""
+MODULES = ("solver/motion.js", "base/base64.js", "scene/changes.js", "scene/model.js")
+"""The modules that read a scene file, and compute a motion."""
 COMPILED = """
 const modules = new Map();
 async function compiled(text) {
@@ -122,7 +122,7 @@ def worker(browser):
     """Return a page with the worker's program without a worker; ``compiled`` makes a module of a text."""
     page = browser.new_page()
     toml = f"const TOML = {{}}; (function (exports) {{ {text_of(TOML)} }})(TOML);"
-    page.set_content(f"<script>{program((*WORKER[:-1], *SCENE))}{COMPILED}{toml}</script>")
+    page.set_content(f"<script>{program(*MODULES)}{COMPILED}{toml}</script>")
     yield page
     page.close()
 

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from chain_impact import load_scene, simulate
-from chain_impact.pages.recorded import PLAYER, program
+from chain_impact.pages.recorded import program
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.recording.recording import Recording
 from chain_impact.results.animate import animate
@@ -297,7 +297,7 @@ def test_the_labels_of_a_force_are_not_cut_off(show):
 
 def test_a_long_list_ends_with_how_many_more_there_are(open_page):
     page = open_page("about:blank", begins=False)
-    page.set_content(f"<script>{program(PLAYER)}</script>")
+    page.set_content(f"<script>{program('player/impact_list.js')}</script>")
     made = """(count) => {
       const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
       const element = document.body.appendChild(document.createElement("div"));

@@ -50,7 +50,7 @@ def result():
     ],
 )
 def test_ticks_have_the_digits_that_their_distance_needs(worker, first, step, expected):
-    assert worker.evaluate(TICKS, [program(("format",)), first, step]) == expected
+    assert worker.evaluate(TICKS, [program("base/format.js"), first, step]) == expected
 
 
 def test_a_slow_contact_that_lasts_has_its_peak_in_the_course_of_its_force(worker):

@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
-from chain_impact.pages.recorded import FRAGMENTS, MODULES, PAGE, data, page, program
+from chain_impact.pages.recorded import FRAGMENTS, PAGE, STYLES, data, modules, page, program
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.friction import pendulum, sled
 from tests.helpers.page_data import data_of
@@ -29,6 +29,8 @@ DIGESTS = {
     "smol-toml.cjs": "f9029370259e9a43a2f3e64fa1d39e72f3598188380ace83a0abb8261fa33555",
     "smol-toml.LICENSE": "fa5659948374d4f555594f47f6da073b40dc503e921aeeece30df4362b3051a5",
 }
+
+PROGRAMS = (recorded.PROGRAM, explore.PROGRAM, explore.WORKER)
 
 
 @pytest.fixture(scope="module")
@@ -164,27 +166,19 @@ def test_a_law_has_a_sentence_with_its_range_and_source():
     )
 
 
-@pytest.mark.parametrize(
-    "modules", [MODULES, explore.MODULES, explore.WORKER], ids=["recorded", "explore", "worker"]
-)
-def test_the_modules_are_one_program_and_import_what_stands_before_them(modules):
-    text = program(modules)
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_the_modules_are_one_program(name):
+    text = program(name)
     assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
     names = re.findall(r"^(?:const|let|class|(?:async )?function\*?) (\w+)", text, re.MULTILINE)
     assert len(names) == len(set(names)), "two modules have a name in common, but are put into one"
-    for place, name in enumerate(modules):
-        text = PAGE.joinpath(f"{name}.js").read_text(encoding="utf-8")
-        used = re.findall(r'^import .* from "\./(\w+)\.js";$', text, re.MULTILINE)
-        assert set(used) <= set(modules[:place])
-        assert len(text.splitlines()) < 400
 
 
-def test_the_folder_holds_what_the_pages_are_made_of():
-    files = {file.name for file in PAGE.iterdir() if file.is_file()}
-    pages = {f"{name}.html" for name in ("recording", "explore", *FRAGMENTS)}
-    modules = {*MODULES, *explore.MODULES, *explore.WORKER}
-    assert files == {*pages, "style.css", "panels.css", "explore.css", *(f"{name}.js" for name in modules)}
-    assert {file.name for file in (PAGE / "vendor").iterdir()} == {*VENDORED, "README.md"}
+def test_the_folders_hold_what_the_pages_are_made_of():
+    files = {file.relative_to(PAGE).as_posix() for file in PAGE.rglob("*") if file.is_file()}
+    parts = {f"player/{name}.html" for name in ("recorded_page", *FRAGMENTS)}
+    parts |= {"explore/explore.html", "explore/explore.css", *STYLES, *modules(*PROGRAMS)}
+    assert files == parts | {f"vendor/{name}" for name in ("README.md", *VENDORED)}
 
 
 @pytest.mark.parametrize("name", VENDORED)

@@ -13,6 +13,7 @@ from tests import helpers
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "fmu_src" / "chain_impact"
 SLAVE = ROOT / "fmu_src" / "slave.py"
+SCRIPTS = [file for file in PACKAGE.rglob("*.js") if file.parent.name != "vendor"]
 MODULES = sorted(PACKAGE.rglob("*.py"))
 LONGEST = 400  # lines of a file
 FILES = {
@@ -64,6 +65,15 @@ def test_no_files_need_each_other_not_even_for_types():
     graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
 
 
+def test_no_folders_of_the_pages_need_each_other():
+    """oxlint finds circles of files."""
+    found = {}
+    for file in SCRIPTS:
+        imports = re.findall(r'from "\.\./(\w+)/', file.read_text(encoding="utf-8"))
+        found.setdefault(file.parent.name, set()).update(imports)
+    graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
+
+
 def test_only_the_lowering_imports_numba():
     """An installation with prebuilt kernels needs no compiler."""
     compilers = ("numba", "llvmlite")
@@ -101,7 +111,8 @@ def redirections(file):
 def test_files_are_short_and_redirect_nothing_of_the_process():
     """The caller may have other threads, so the process-wide streams and folder must stay."""
     files = [*MODULES, SLAVE]
-    assert [file.name for file in files if len(file.read_text("utf-8").splitlines()) >= LONGEST] == []
+    lengths = {file.name: len(file.read_text("utf-8").splitlines()) for file in [*files, *SCRIPTS]}
+    assert {name: length for name, length in lengths.items() if length >= LONGEST} == {}
     assert {file.name: found for file in files if (found := [*redirections(file)])} == {}
 
 

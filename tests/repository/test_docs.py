@@ -30,7 +30,7 @@ PAGES = [*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS]
 PAGES.sort(key=lambda page: (page != ROOT / "README.md", page))  # the first page is in the quick tier
 # commands that a page may show, besides scripts of the repository
 KNOWN = re.compile(
-    r"(\.venv/bin/)?(chain-impact|python -m pytest|pip|ruff|mypy|lint-imports)\b"
+    r"(\.venv/bin/)?(chain-impact|python -m pytest|pip|ruff|oxlint|mypy|lint-imports)\b"
     r"|(apt-get|uv|source|python3 -m venv)\b"
 )
 

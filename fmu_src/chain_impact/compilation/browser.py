@@ -38,7 +38,7 @@ IMPORTED = {
     **dict.fromkeys(ONE, "double x"),
     **dict.fromkeys(("atan2", "fmod", "hypot"), "double x, double y"),
 }
-"""The functions that a law can have of the browser (pages/browser/kernel.js), with their arguments."""
+"""The functions that a law can have of the browser (pages/browser/solver/kernel.js), with their arguments."""
 _MISSING = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
 
 

@@ -12,39 +12,13 @@ from chain_impact.compilation.library import browser_module
 from chain_impact.pages.encoding import encoded
 from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.kit import kit
-from chain_impact.pages.recorded import (
-    PLAYER,
-    assembled,
-    program,
-    script_data,
-    styles,
-    text_of,
-)
+from chain_impact.pages.recorded import assembled, program, script_data, styles, text_of
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
 from chain_impact.system import written_whole
 
-WORKER = ("kernel", "pacing", "room", "view", "frames", "bodies", "recording", "motion", "worker")
-"""The modules of the page's worker; each comes after the modules that it imports."""
-MODULES = (
-    *PLAYER,
-    *(
-        "unpacked",
-        "signals",
-        "scene_file",
-        "model",
-        "changes",
-        "held",
-        "engine",
-        "knobs",
-        "ghosts",
-        "handles",
-        "outside",
-        "curve_choice",
-    ),
-    *("map_scales", "map", "edit", "explore"),
-)
-"""The modules of the page."""
+PROGRAM, WORKER = "explore/explore.js", "solver/worker.js"
+"""The program of the page, and the program of the page's worker."""
 TOML = "vendor/smol-toml.cjs"
 """The library with which the page reads scene files."""
 UNNAMED = "scene.toml"
@@ -92,10 +66,10 @@ def page(scene: Scene, command: Sequence[str]) -> str:
     """
     module = browser_module(scene.contact.law_file).read_bytes()
     return assembled(
-        text_of("explore.html"),
+        text_of("explore/explore.html"),
         scene.name,
-        [*styles(), text_of("explore.css")],
-        program(MODULES),
+        [*styles(), text_of("explore/explore.css")],
+        program(PROGRAM),
         data=script_data(contents(scene, command) | {"module": packed(module)}),
         toml=text_of(TOML),
         worker=program(WORKER),

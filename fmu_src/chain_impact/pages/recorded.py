@@ -8,6 +8,7 @@ from __future__ import annotations
 import html
 import json
 import math
+import posixpath
 import re
 from collections.abc import Iterable, Mapping
 from importlib import resources
@@ -24,18 +25,11 @@ from chain_impact.recording.view import radius_of, size_of
 from chain_impact.scene.half_planes import HalfPlane
 
 PAGE = resources.files("chain_impact.pages") / "browser"
-STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
+STYLES = ("vendor/uPlot.min.css", "player/style.css", "player/panels.css")
 LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
-PLAYER = (
-    *("dom", "recording", "clock", "format", "room", "view", "trace"),
-    *("arrow_scale", "placing", "scene", "charts", "curve_charts", "impacts", "controls", "player"),
-)
-"""The modules that show a recording; each comes after the modules that it imports."""
-FRAMES = ("pacing", "frames")
-"""The modules that make the frames of the player."""
-MODULES = (*PLAYER, *FRAMES, "packed", "main")
+PROGRAM = "player/recorded_page.js"
 FRAGMENTS = ("stage", "panels", "playback")
-IMPORT = re.compile(r"^import [^;]+;\n", re.MULTILINE)
+IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 FINEST = 65535  # the largest number of 16 bits
@@ -51,8 +45,8 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
     """
     shown = data(thinned(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
-    template = text_of("recording.html")
-    return assembled(template, recording.name, styles(), program(MODULES), data=script_data(shown))
+    template = text_of("player/recorded_page.html")
+    return assembled(template, recording.name, styles(), program(PROGRAM), data=script_data(shown))
 
 
 def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
@@ -68,7 +62,7 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
     scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
     parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
     parts |= {"libraries": scripts, "program": modules}
-    parts |= {name: text_of(f"{name}.html") for name in FRAGMENTS}
+    parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
     # one pass, because a text that is filled in may contain ``{{ name }}``
     return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], template)
 
@@ -78,9 +72,25 @@ def styles() -> list[str]:
     return [text_of(name) for name in STYLES]
 
 
-def program(names: Iterable[str]) -> str:
-    """Return modules joined to one program, without their imports from each other."""
-    return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(f"{name}.js"))) for name in names)
+def program(*names: str) -> str:
+    """Return modules and all modules that they import, joined to one program without imports."""
+    return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
+
+
+def modules(*names: str) -> list[str]:
+    """Return modules and all modules that they import; each comes after the modules that it imports."""
+    found: list[str] = []
+
+    def add(name: str) -> None:
+        if name in found:
+            return
+        for path in IMPORT.findall(text_of(name)):
+            add(posixpath.normpath(posixpath.join(posixpath.dirname(name), path)))
+        found.append(name)
+
+    for name in names:
+        add(name)
+    return found
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:

@@ -1,6 +1,6 @@
 """The ratio of simulated time to time on the screen in a film: smaller during impacts, to show them slowly.
 
-``pages/browser/pacing.js`` computes the same ratio for pages.
+``pages/browser/recording/pacing.js`` computes the same ratio for pages.
 """
 
 from __future__ import annotations

@@ -1,0 +1,81 @@
+// Functions that turn numbers into text.
+
+const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
+const UNITS = [["exponent", "ⁿ"], ["^", ""], ["/s2", "/s²"], ["kg.m2", "kg·m²"], [".", "·"]];
+
+/** Return a unit as the page shows it; "" for a pure number. */
+export function unitText(unit) {
+  return unit === "1" ? "" : UNITS.reduce((text, [from, to]) => text.replaceAll(from, to), unit);
+}
+
+/** Return a number with `count` significant digits. */
+export function digits(value, count = 3) {
+  if (value === 0) return "0";
+  const decimals = count - 1 - Math.floor(Math.log10(Math.abs(value)));
+  return value.toFixed(Math.min(Math.max(decimals, 0), 9));
+}
+
+/** Return a number with some decimals; a number that is then zero has no sign. */
+export function fixed(value, decimals) {
+  return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "");
+}
+
+const DECIMALS = 6; // largest number of decimals of a tick that is not written with an exponent
+const LARGE = 1e6; // least size of a tick that is written with an exponent
+
+/** Return ticks at equal distances as texts, all different, with as many digits as their distance needs. */
+export function ticksOf(ticks) {
+  const step = ticks.length > 1 ? Number((ticks[1] - ticks[0]).toPrecision(3)) : Math.abs(ticks[0]) || 1;
+  const [mantissa, exponent] = step.toExponential().split("e");
+  const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // of the distance
+  const largest = Math.max(...ticks.map(Math.abs));
+  const isPlain = decimals <= DECIMALS && (largest < LARGE || decimals > 0);
+  return ticks.map((tick) => {
+    if (Math.abs(tick) < step / 2) return "0";
+    const afterFirst = Math.floor(Math.log10(Math.abs(tick))) + decimals; // number of digits after the first one
+    return isPlain ? fixed(tick, Math.max(decimals, 0)) : tick.toExponential(Math.min(Math.max(afterFirst, 0), 15));
+  });
+}
+
+/** Return a force as text, for example 12.3 kN; without a count, with all its digits. A moment has another unit. */
+export function forceText(newtons, count = 3, unit = "N") {
+  const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];
+  const value = newtons / factor;
+  return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
+}
+
+/** Return a short time as text, for example 0.62 ms. */
+export function durationText(seconds, count = 3) {
+  const [factor, unit] = seconds < 1e-3 ? [1e6, "µs"] : seconds < 1 ? [1e3, "ms"] : [1, "s"];
+  return `${digits(seconds * factor, count)}\u202f${unit}`;
+}
+
+/** Return how many times slower or faster than real time a rate is, for example: 480 × slower. */
+export function rateText(value) {
+  if (Math.abs(value - 1) < 0.02) return "real time";
+  const [times, word] = value < 1 ? [1 / value, "slower"] : [value, "faster"];
+  const rounded = times < 9.95 ? String(Number(times.toFixed(1))) : Number(times.toPrecision(2)).toFixed(0);
+  return `${rounded} × ${word}`;
+}
+
+/** Return a speed for a menu as text, for example ½ ×. */
+export function speedText(value) {
+  const names = { 0.5: "½", 0.25: "¼", 0.125: "⅛", 0.0625: "1⁄16" };
+  return `${names[value] ?? Number(value.toPrecision(3))} ×`;
+}
+
+/** Return the units of a contact; at a stop of a joint, the units of an angle and a moment. */
+export function unitsOf({ atStop }) {
+  return atStop ? { speed: "rad/s", force: "N·m" } : { speed: "m/s", force: "N" };
+}
+
+/** Return a name in which a line may be broken after each part. */
+export function breakable(name) {
+  return name.replaceAll(/(\.|_)/g, "$1\u200b");
+}
+
+/** Return a number as text with the fewest digits from which the same number is read. */
+export function numberText(value) {
+  const size = Math.abs(value);
+  return size !== 0 && (size >= 1e6 || size < 1e-3) ? value.toExponential().replace("e+", "e") : String(value);
+}

@@ -1,0 +1,105 @@
+// The base of all charts, which uPlot draws: axes, curves for comparison, and a line at the present time.
+
+/** The time [s] that is shown before and after an impact without a duration. */
+export const MOMENT = 1e-3;
+const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
+const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label
+
+/** Return a colour of the style sheet. */
+export function styleColour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+}
+
+export function axisOptions(options = {}) {
+  return {
+    stroke: () => styleColour("muted"),
+    grid: { stroke: () => styleColour("line"), width: 1 },
+    ticks: { stroke: () => styleColour("line"), width: 1, size: 4 },
+    font: "11px system-ui, sans-serif",
+    ...options,
+  };
+}
+
+/**
+ * Return the width of a vertical axis, for its longest label. uPlot asks several times in one layout; the first answer
+ * counts.
+ */
+export function labelledWidth(plot, labels, index, cycle) {
+  const { _size, font, gap, ticks } = plot.axes[index];
+  if (cycle > 1) return _size;
+  plot.ctx.font = font[0];
+  const widths = (labels ?? []).map((label) => plot.ctx.measureText(label).width / devicePixelRatio);
+  return Math.ceil(Math.max(NARROWEST, LABEL_MARGIN + Math.max(...widths) + gap + ticks.size));
+}
+
+/** A chart with a vertical line at the present time: the base class of all charts. */
+export class Chart {
+  others = []; // recordings for comparison: {recording, colour}
+
+  constructor(element, height) {
+    this.element = element;
+    this.height = element.clientHeight || height;
+    new ResizeObserver(() => this.fit()).observe(element);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
+  }
+
+  /** Make the plot, which replaces the plot before. */
+  make(options, data) {
+    const { element, height } = this;
+    this.plot?.destroy();
+    this.plot = new uPlot(
+      {
+        width: Math.max(element.clientWidth, 100),
+        height,
+        padding: [8, 20, 0, 0],
+        pxAlign: 0,
+        cursor: { show: false },
+        legend: { show: false },
+        ...options,
+      },
+      data,
+      element,
+    );
+    this.line = document.createElement("div");
+    this.line.className = "now";
+    this.plot.over.append(this.line);
+  }
+
+  fit() {
+    if (!this.plot) return;
+    const { clientWidth: width, clientHeight } = this.element;
+    this.height = clientHeight || this.height;
+    const { width: before, height: high } = this.plot;
+    if (width > 0 && (width !== before || this.height !== high)) this.plot.setSize({ width, height: this.height });
+    this.mark();
+  }
+
+  /** Put the line at a place of the x-axis; without a place, at its present place. */
+  mark(x = this.at) {
+    this.at = x;
+    if (x === undefined) return;
+    const left = this.plot.valToPos(x, "x");
+    this.line.hidden = !(left >= -1 && left <= this.plot.over.clientWidth + 1);
+    this.line.style.transform = `translateX(${left}px)`;
+  }
+}
+
+/** Draw a curve through places of a chart, filled or dashed. */
+export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.beginPath();
+  along.forEach((x, k) => ctx.lineTo(valToPos(x, "x", true), valToPos(up[k], "y", true)));
+  if (fill) {
+    ctx.fillStyle = styleColour(fill);
+    ctx.fill();
+  } else {
+    ctx.setLineDash([6, 3].map((length) => length * devicePixelRatio));
+  }
+  ctx.strokeStyle = styleColour(stroke);
+  ctx.lineWidth = 1.6 * devicePixelRatio;
+  ctx.stroke();
+  ctx.restore();
+}

@@ -1,0 +1,106 @@
+// Any curves over time, in a chart for each unit: driven inputs, and the outputs that the reader chooses.
+
+import { make } from "../base/dom.js";
+import { unitText } from "../base/format.js";
+import { lastBefore } from "../recording/recording.js";
+import { MOMENT } from "./chart.js";
+import { TimeChart } from "./time_chart.js";
+
+const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
+const DASHES = [undefined, [6, 3], [2, 3]]; // dashes of the curves after the first INPUT_COLOURS curves
+/** The largest number of curves in a chart, and of charts, that a reader can distinguish. */
+export const [MOST_CURVES, MOST_UNITS] = [INPUT_COLOURS * DASHES.length, 8];
+const BESIDE_IMPACT = 0.5; // shown time before and after an impact, over the duration of the impact
+const DIGITS = 4; // number of digits of a value
+
+/** A chart of the curves with one unit. */
+class UnitChart extends TimeChart {
+  get span() {
+    return this.close ?? super.span;
+  }
+
+  get behind() {
+    return this.others.flatMap(({ recording, colour: stroke }) => {
+      const { time, curves } = this.of(recording) ?? { curves: [] };
+      return curves.filter(({ name }) => this.names.includes(name)).map(({ values }) => ({ places: [time, values], stroke }));
+    });
+  }
+
+  show(recording, curves) {
+    const { time } = this.of(recording);
+    const data = [time, ...curves.map(({ values }) => values)];
+    Object.assign(this, { recording, curves, time });
+    if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
+    else this.makeCurves(curves, data, 16);
+  }
+
+  draw(now, close) {
+    if (close?.join() !== this.close?.join()) {
+      this.close = close;
+      this.plot.setData(this.plot.data);
+    }
+    this.mark(now);
+    const row = Math.min(lastBefore(this.time, now), this.time.length - 2);
+    const share = Math.min(Math.max((now - this.time[row]) / (this.time[row + 1] - this.time[row]), 0), 1);
+    this.values.forEach(([, value], k) => {
+      const { values, unit, isStepped } = this.curves[k];
+      const given = isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
+      value.textContent = [Number(given.toPrecision(DIGITS)), unitText(unit)].filter((text) => text !== "").join("\u202f");
+    });
+  }
+}
+
+export class CurveCharts {
+  #others = [];
+
+  /** `of` returns the curves of a recording, if it has any; `closer` is a button for the view of one impact. */
+  constructor(element, seek, { of, label, closer }) {
+    Object.assign(this, { element, seek, of, label, closer, charts: new Map() });
+    closer?.addEventListener("click", () => {
+      closer.setAttribute("aria-pressed", closer.getAttribute("aria-pressed") !== "true");
+      this.draw(this.frame, this.contact);
+    });
+  }
+
+  show(recording) {
+    this.recording = recording;
+    const { curves } = this.of(recording);
+    const units = [...new Set(curves.map(({ unit }) => unit))];
+    if (units.join() !== [...this.charts.keys()].join()) {
+      this.charts = new Map(units.map((unit) => [unit, this.#chartOf()]));
+      const parts = [...this.charts].flatMap(([unit, { element, entries }]) => [make("small", { className: "curve-unit", textContent: unitText(unit) }), element, entries]);
+      this.element.replaceChildren(...parts);
+      this.compare(this.#others);
+    }
+    if (this.closer) this.closer.hidden = recording.impacts.length === 0;
+    this.charts.forEach((chart, unit) => {
+      const own = curves.filter((curve) => curve.unit === unit);
+      chart.show(recording, own.map((curve, k) => ({
+        ...curve, stroke: `input-${(k % INPUT_COLOURS) + 1}`, dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
+      })));
+    });
+  }
+
+  #chartOf() {
+    const [element, entries] = [make("div", { className: "chart curve-chart" }), make("dl", { className: "entries" })];
+    element.setAttribute("role", "img");
+    element.setAttribute("aria-label", `${this.label} over time; click to go to a time`);
+    return Object.assign(new UnitChart(element, 104, entries, this.seek), { of: this.of });
+  }
+
+  compare(others) {
+    this.#others = others;
+    this.charts.forEach((chart) => {
+      chart.others = others;
+      chart.plot?.setData(chart.plot.data);
+    });
+  }
+
+  draw(frame, contact) {
+    Object.assign(this, { frame, contact });
+    const isClose = contact && this.closer?.getAttribute("aria-pressed") === "true";
+    const margin = isClose && (BESIDE_IMPACT * (contact.impactEnd - contact.onset) || MOMENT);
+    const close = isClose ? [contact.onset - margin, contact.impactEnd + margin] : undefined;
+    this.charts.forEach((chart) => chart.draw(this.recording.timeAt(frame), close));
+  }
+}

@@ -1,0 +1,136 @@
+// The chart of the force of one contact, over time or over penetration.
+
+import { durationText, forceText, unitsOf } from "../base/format.js";
+import { lastBefore } from "../recording/recording.js";
+import { axisOptions, Chart, drawCurve, labelledWidth, MOMENT, styleColour } from "./chart.js";
+
+const AROUND = 0.35; // shown time before and after a contact, over the duration of the contact
+const NO_FORCE = 1e-9; // [N] force below which a contact counts as having no force
+
+/** Return the largest of the numbers in some arrays, but at least a tiny number above zero. */
+function highest(...all) {
+  return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
+}
+
+/**
+ * Return the rows around a contact: times since its onset [s] and, during the contact, force, penetration and dry friction.
+ */
+function around(recording, contact) {
+  const { onset, end } = contact;
+  const margin = AROUND * Math.max(end - onset, 1e-6);
+  const { time, ...course } = recording.courseOf(contact);
+  const first = lastBefore(time, onset - margin);
+  const last = lastBefore(time, end + margin) + 2;
+  const times = Array.from(time.slice(first, last), (now) => now - onset);
+  const during = (all) => all && times.map((now, index) => (now >= 0 && now <= end - onset ? all[first + index] : 0));
+  const [force, depth, friction] = [course.force, course.depth, course.friction].map(during);
+  return { times, margin, force: force ?? times.map(() => 0), depth, friction };
+}
+
+/** Return the ticks of a time axis as texts in seconds or milliseconds, all in the same unit. */
+function ticksText(tick, ticks) {
+  const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
+  return `${+(factor * tick).toPrecision(6)} ${unit}`;
+}
+
+/** Return the ticks of a penetration axis as texts in millimetres or micrometres. */
+function depthText(tick, ticks) {
+  const [factor, unit] = ticks.at(-1) >= 1e-4 ? [1e3, "mm"] : [1e6, "µm"];
+  return `${+(factor * tick).toPrecision(6)} ${unit}`;
+}
+
+/** The chart of the force of the present contact, over the time of the contact or over its penetration. */
+export class ForceChart extends Chart {
+  constructor(element, what, over) {
+    super(element, 120);
+    Object.assign(this, { what, over });
+    this.unit = { ...unitsOf({}) }; // the units of the shown contact
+    this.make(
+      {
+        series: [
+          {},
+          { stroke: () => styleColour("force"), width: 2, fill: () => styleColour("force-fill"), points: { show: false } },
+          { stroke: () => styleColour("friction"), width: 1.6, points: { show: false } },
+        ],
+        scales: { x: { time: false }, y: { range: (_, least, most) => [1.08 * Math.min(least, 0), 1.08 * Math.max(most, 1e-9)] } },
+        hooks: {
+          draw: [(plot) => {
+            if (this.loop) drawCurve(plot, this.loop, "force", "force-fill");
+            this.curves?.forEach(({ places, stroke }) => drawCurve(plot, places, stroke));
+          }],
+        },
+        axes: [
+          axisOptions({ size: 26, values: (_, ticks) => ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks)) }),
+          axisOptions({ size: labelledWidth, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
+        ],
+      },
+      [[0, 1], [0, 0], [null, null]],
+    );
+    this.dot = document.createElement("div");
+    Object.assign(this.dot, { className: "loop-now", hidden: true });
+    this.plot.over.append(this.dot);
+    over.addEventListener("click", () => {
+      over.setAttribute("aria-pressed", over.getAttribute("aria-pressed") !== "true");
+      const { frame, shown } = this;
+      this.shown = null;
+      this.draw(frame, shown);
+    });
+  }
+
+  show(recording) {
+    this.recording = recording;
+    this.shown = null;
+  }
+
+  compare(others) {
+    this.others = others;
+    this.shown = null;
+  }
+
+  draw(frame, contact) {
+    if (!contact) return;
+    this.frame = frame;
+    if (contact !== this.shown) this.#show(contact);
+    this.line.hidden = this.dot.hidden = true;
+    if (!this.loop) {
+      this.mark(this.recording.timeAt(frame) - contact.onset);
+      return;
+    }
+    const [depth, force] = [this.recording.depthOf(contact), this.recording.forceOf(contact)].map((values) => this.recording.between(values, frame));
+    this.at = undefined;
+    this.dot.hidden = !(depth > 0);
+    const [left, top] = [this.plot.valToPos(depth, "x"), this.plot.valToPos(force, "y")];
+    this.dot.style.transform = `translate(${left}px, ${top}px)`;
+  }
+
+  #show(contact) {
+    const { recording } = this;
+    const { wall, onset, end, number } = contact;
+    this.shown = contact;
+    Object.assign(this.unit, unitsOf(contact));
+    const { times, margin, force: inside, friction: along, depth } = around(recording, contact);
+    const rubs = along?.some((force) => force !== 0);
+    const friction = rubs ? along : times.map(() => null);
+    this.over.hidden = !depth;
+    this.loop = depth && this.over.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
+    this.curves = this.others.flatMap(({ recording: other, colour: stroke }) => {
+      const same = other.impacts[number - 1];
+      const found = same && same.atStop === contact.atStop && around(other, same);
+      const x = found && (this.loop ? found.depth : found.times);
+      return x ? [{ places: [x, found.force], stroke }] : [];
+    });
+    const most = highest(this.loop?.[0] ?? [], ...this.curves.map(({ places: [x] }) => x));
+    this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
+    this.plot.batch(() => {
+      if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
+      else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
+      else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
+      const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ places: [, y] }) => y));
+      this.plot.setScale("y", { min: Math.min(0, ...friction), max: high > NO_FORCE ? high : 1 });
+    });
+    // an impact between two rows of the recording, or at a rigid wall, has no curve
+    const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
+    const legend = rubs ? "; brown: friction" : "";
+    this.what.textContent = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
+  }
+}

@@ -1,0 +1,143 @@
+// Charts of quantities over the whole time, among them the chart of the energies.
+
+import { fixed, ticksOf } from "../base/format.js";
+import { axisOptions, Chart, drawCurve, labelledWidth, styleColour } from "./chart.js";
+
+const WIDTHS = { total: 2.4 };
+
+/** A chart of quantities over the whole time, with their names and their values at the present time. */
+export class TimeChart extends Chart {
+  names = [];
+  soft = false; // whether the axis begins at zero if zero is near
+
+  constructor(element, height, entries, seek) {
+    super(element, height);
+    Object.assign(this, { entries, seek });
+  }
+
+  /** Return the first and the last time of the view [s]. */
+  get span() {
+    return [this.recording.start, this.recording.end];
+  }
+
+  /** Return curves of the recordings for comparison: `places`, times and values, and `stroke`. */
+  get behind() {
+    return [];
+  }
+
+  /**
+   * Make the plot of curves. A curve has a name, a colour of the style sheet, and optionally dashes and `isStepped`; `space`
+   * is the least distance of ticks.
+   */
+  makeCurves(curves, data, space = 30) {
+    this.names = curves.map(({ name }) => name);
+    const series = curves.map(({ name, stroke, dash, isStepped }) => ({
+      stroke: () => styleColour(stroke),
+      width: WIDTHS[name] ?? 1.6,
+      dash,
+      points: { show: false },
+      ...(isStepped && { paths: uPlot.paths.stepped({ align: 1 }) }),
+    }));
+    this.make(
+      {
+        series: [{}, ...series],
+        scales: { x: { time: false, range: () => this.span }, y: { range: (_, least, most) => this.#range(least, most) } },
+        axes: [axisOptions({ size: 26, space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }), axisOptions({ size: labelledWidth, space, values: (_, ticks) => ticksOf(ticks) })],
+        hooks: {
+          drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
+          draw: [(plot) => {
+            this.behind.forEach(({ places, stroke }) => drawCurve(plot, places, stroke));
+            if (plot === this.plot) this.mark(); // the scale of the time may be new
+          }],
+        },
+      },
+      data,
+    );
+    this.entries.replaceChildren();
+    this.values = curves.map(({ name, stroke, dash }) => [name, entryOf(this.entries, name, stroke, dash)]);
+    const go = (event) => {
+      const { left } = this.plot.over.getBoundingClientRect();
+      this.seek(this.plot.posToVal(event.clientX - left, "x"));
+    };
+    this.plot.over.addEventListener("pointerdown", (event) => {
+      this.plot.over.setPointerCapture(event.pointerId);
+      go(event);
+    });
+    this.plot.over.addEventListener("pointermove", (event) => event.buttons && go(event));
+  }
+
+  /** Return the ends of the axis, between which all curves of the view fit, including those for comparison. */
+  #range(least, most) {
+    const [from, to] = this.span;
+    let [low, high] = [least, most];
+    for (const { places: [times, values] } of this.behind) {
+      values.forEach((value, k) => {
+        if (times[k] < from || times[k] > to) return;
+        low = Math.min(low, value);
+        high = Math.max(high, value);
+      });
+    }
+    return uPlot.rangeNum(low, high, 0.1, this.soft);
+  }
+}
+
+/** The chart of all energies over the whole time. */
+export class EnergyChart extends TimeChart {
+  soft = true;
+
+  constructor(element, energies, seek) {
+    super(element, 180, energies, seek);
+  }
+
+  get behind() {
+    return this.others.map(({ recording: { time, energies }, colour: stroke }) => ({ places: [time, energies.total ?? []], stroke }));
+  }
+
+  show(recording) {
+    const names = Object.keys(recording.energies);
+    const data = [recording.time, ...Object.values(recording.energies)];
+    this.recording = recording;
+    if (names.join() !== this.names.join()) this.makeCurves(names.map((name) => ({ name, stroke: name })), data);
+    else this.plot.setData(data);
+    const largest = data.slice(1).reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), 0);
+    this.decimals = Math.min(Math.max(3 - Math.floor(Math.log10(largest || 1)), 0), 9);
+  }
+
+  compare(others) {
+    this.others = others;
+    if (this.recording) this.show(this.recording);
+  }
+
+  draw(frame) {
+    this.mark(this.recording.timeAt(frame));
+    this.values.forEach(([name, value]) => {
+      value.textContent = fixed(this.recording.between(this.recording.energies[name], frame), this.decimals);
+    });
+  }
+}
+
+/** Add an entry to a list: a name with a line in its colour; return the element for its present value. */
+function entryOf(list, name, stroke, dash) {
+  const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
+  term.textContent = name;
+  term.style.setProperty("--line-style", dash ? (dash[0] > dash[1] ? "dashed" : "dotted") : "solid");
+  term.style.setProperty("--colour", `var(--${stroke})`);
+  entry.append(term, value);
+  list.append(entry);
+  return value;
+}
+
+/** Draw faint lines at the impacts. */
+function drawOnsets({ ctx, bbox, valToPos }, impacts) {
+  ctx.save();
+  ctx.strokeStyle = styleColour("onset");
+  ctx.beginPath();
+  for (const { onset } of impacts) {
+    const x = Math.round(valToPos(onset, "x", true)) + 0.5;
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+  }
+  ctx.stroke();
+  ctx.restore();
+}
+

@@ -1,0 +1,47 @@
+// The lengths of the arrows of forces. The weight of a link and the peak of an impact can differ by a factor of a thousand,
+// and both must be visible: the length is proportional to the cube root of the force. A ruler shows this scale.
+
+import { forceText } from "../base/format.js";
+
+const LONGEST_ARROW = 0.26; // length of the arrow of the largest force, over the smaller side of the scene
+const LEAST_ARROW = 9; // [pixels] least length of an arrow, so that a small force is visible
+const MARKS_FROM = 6; // [pixels] least distance of a mark from the foot of the ruler
+const LETTER = 6.5; // [pixels] approximate width of a letter of the ruler's numbers
+const NUMBERS_APART = 6; // [pixels] least distance between two numbers
+
+export class ArrowScale {
+  /** The scale for a largest force [N], in a scene of a width and height [pixels]. */
+  constructor(peak, width, height) {
+    Object.assign(this, { peak, longest: LONGEST_ARROW * Math.min(width, height) });
+  }
+
+  /** Return the length [pixels] of a force [N] on the scale. */
+  #lengthOnScale(force) {
+    return this.longest * Math.cbrt(force / this.peak);
+  }
+
+  /** Return the length [pixels] of the arrow of a force [N], which is LEAST_ARROW or more. */
+  lengthOf(force) {
+    return Math.max(LEAST_ARROW, this.#lengthOnScale(force));
+  }
+
+  /** Return whether the arrow of a force [N] is as long as on the scale. */
+  isOnScale(force) {
+    return this.#lengthOnScale(force) >= LEAST_ARROW;
+  }
+
+  /** Return the powers of ten on the ruler that have room: `at`, the distance [pixels] from its foot, and `text`. */
+  get marks() {
+    const highest = Math.floor(Math.log10(this.peak));
+    let free = Infinity;
+    return [0, 1, 2, 3, 4, 5].map((k) => 10 ** (highest - k)).flatMap((force) => {
+      const at = this.#lengthOnScale(force);
+      if (at < MARKS_FROM) return [];
+      const text = forceText(force, 0);
+      const half = (LETTER * text.length) / 2;
+      if (at + half > free) return [];
+      free = at - half - NUMBERS_APART;
+      return [{ at, text }];
+    });
+  }
+}

@@ -1,0 +1,382 @@
+// The drawing of a scene: walls, chain, trace of the tip, arrows of forces; drawn by SVG.js, with colours from the style
+// sheet.
+
+import { forceText, unitsOf } from "../base/format.js";
+import { roomWithin } from "../recording/half_planes.js";
+import { lastBefore } from "../recording/recording.js";
+import { STOPS } from "../scene/geometry.js";
+import { ArrowScale } from "./arrow_scale.js";
+import { Camera } from "./camera.js";
+import { anchorOf, candidatesAround, Places } from "./label_positions.js";
+import { traceOf } from "./trace.js";
+
+const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
+const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of forces and of numbers
+const TAIL = 0.3; // [s] simulated time in which the bright end of the trace fades
+const TAIL_PARTS = 10;
+const RING_TIME = 0.25; // [s] simulated time for which the place of an impact is marked
+// [pixels] width of a ring, and difference in width between successive rings at one place
+const [RING, RINGS_APART] = [20, 7];
+const SAME = 12; // [pixels] largest distance of rings that count as being at one place
+const NUMBERS = 8; // largest number of recent impacts with a number
+const KEY = 64; // [pixels] width of each entry of the legend of arrows
+const STRIP = 30; // [pixels] height of the strip at the top for the scale bar, which the chain never covers
+const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
+const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
+const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
+const ARC = 0.25; // radius of the arc of a joint's range, over the length of the link
+const TICK = 0.3; // length of the mark of a stop, over the radius of the arc
+const ARC_CORNERS = 33;
+const BESIDE = 18; // [pixels] distance from a point to its number
+const NUMBERED = 12; // largest number of links with which points have numbers
+const MANY_LINKS = 60; // number of links from which on the chain is one line, without joints
+
+/** Return the direction on the screen from a point of the chain to the outside of the bend at this point. */
+function outOfChain(places, point) {
+  const [x, y] = places[point];
+  const ways = [places[point - 1], places[point + 1]].filter(Boolean).map(([x1, y1]) => {
+    const length = Math.hypot(x1 - x, y1 - y) || 1;
+    return [(x1 - x) / length, (y1 - y) / length];
+  });
+  const bend = [0, 1].map((axis) => ways.reduce((sum, way) => sum - way[axis], 0));
+  const size = Math.hypot(...bend);
+  return size > 0.2 ? bend.map((part) => part / size) : [ways[0][1], -ways[0][0]];
+}
+
+/** Return the direction on the screen from a point of a body away from the middle of the rectangle around its corners. */
+function outOfBody(place, corners) {
+  const way = place.map((at, axis) => {
+    const reach = corners.map((corner) => corner[axis]);
+    const [low, high] = [Math.min(...reach), Math.max(...reach)];
+    return (2 * at - low - high) / (high - low || 1);
+  });
+  const size = Math.hypot(...way) || 1;
+  return way.map((part) => part / size);
+}
+
+/** Return the part of a line on the screen that is below the strip with the scale bar. */
+function belowStrip([[x0, y0], [x1, y1]]) {
+  const at = (y) => (y0 === y1 ? 0 : Math.min(Math.max((y - y0) / (y1 - y0), 0), 1));
+  const ends = [y0 < STRIP ? at(STRIP) : 0, y1 < STRIP ? at(STRIP) : 1];
+  return ends.map((share) => [x0 + share * (x1 - x0), y0 + share * (y1 - y0)]);
+}
+
+export class Scene {
+  constructor(element) {
+    this.drawing = SVG(element);
+    this.showTrace = true;
+    this.ground = this.drawing.group();
+    this.behind = this.drawing.group(); // a group for other drawings of a page behind the chain
+    this.trace = this.drawing.polyline().addClass("trace").fill("none");
+    this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
+      this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
+    this.rings = this.drawing.group();
+    this.arcs = this.drawing.group();
+    this.circles = this.drawing.group();
+    this.bodies = this.drawing.group();
+    this.links = this.drawing.group();
+    this.joints = this.drawing.group();
+    this.numbers = this.drawing.group();
+    this.arrows = this.drawing.group();
+    this.labels = this.drawing.group();
+    this.above = this.drawing.group(); // a group for other drawings of a page in front of the chain
+  }
+
+  /** Use another recording. */
+  show(recording) {
+    this.recording = recording;
+    [this.arcs, this.circles, this.bodies, this.links, this.joints, this.numbers].forEach((group) => group.clear());
+    this.ranges = recording.stops.map(() => ["range", "range-mark", "range-mark"].map((kind) =>
+      this.arcs.polyline().addClass(kind).fill("none")));
+    this.#makeChain();
+    if (this.size) this.resize(...this.size);
+  }
+
+  #makeChain() {
+    const { links, pointCount, touching, pointNames, radius, bodies, rail } = this.recording;
+    const names = new Map(pointNames);
+    // each link has an edge, so that a reader can see which link is in front
+    const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
+    this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
+      [range, this.links.polyline().addClass(kind).fill("none")]));
+    this.discs = radius > 0 ? touching.map(([point, own]) => [point, own, this.circles.circle().addClass("disc")]) : [];
+    this.outlines = [...bodies.map(() => "body"), ...(rail ? ["carriage"] : [])].map((kind) => this.bodies.polygon().addClass(kind));
+    this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
+      this.numbers.plain(names.get(point) ?? String(point)).addClass("point-number"));
+    this.bodyOf = this.names.map((_, point) => this.#nearestBody(point));
+    const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
+    this.dots = shown.map((point) => {
+      const kind = point === links ? "tip" : "joint";
+      return [point, this.joints.circle(kind === "tip" ? 11 : 8).addClass(kind)];
+    });
+    for (let point = links + 1; point < pointCount; point += 1) {
+      this.dots.push([point, this.joints.circle(7).addClass("site")]);
+    }
+  }
+
+  /**
+   * Return the number of the body to which a point belongs: as an end of a link with an outline, or as a point of a link.
+   */
+  #nearestBody(point) {
+    const { links, bodies } = this.recording;
+    if (point > 0 && point < links) return undefined;
+    if (point <= links) return bodies.findIndex(([link]) => link === Math.max(point, 1));
+    const [x, y] = this.recording.pointAt(0, point);
+    const ways = this.recording.bodiesAt(0).slice(0, bodies.length)
+      .map((corners) => Math.min(...corners.map(([cx, cy]) => Math.hypot(cx - x, cy - y))));
+    return ways.indexOf(Math.min(...ways));
+  }
+
+  /** Fit the scene into a width and height [pixels]. */
+  resize(width, height) {
+    this.size = [width, height];
+    this.drawing.size(width, height).viewbox(0, 0, width, height);
+    this.camera = new Camera(this.recording, width, height, STRIP);
+    this.arrowScale = new ArrowScale(this.recording.peakForce, width, height);
+    this.ground.clear();
+    this.ground.rect(width, height).addClass("outside");
+    this.room = this.ground.group();
+    this.#drawRoom(0);
+    this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
+    this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#places(line))).addClass("pin"));
+    this.#drawScaleBar(width);
+    if (this.recording.forces.length || this.recording.loads.length) this.#drawRuler();
+    if (this.recording.loads.length) this.#drawKey(width);
+    this.discs.forEach(([, own, disc]) => disc.radius(own * this.camera.scale));
+    ({ frames: this.traceFrames, places: this.tracePlaces } = traceOf(this.recording, this.camera));
+  }
+
+  #places(points) {
+    return points.map(([x, y]) => this.camera.place(x, y));
+  }
+
+  /** Draw the walls, and the room between them, at a frame. */
+  #drawRoom(frame) {
+    const { corners, edges } = roomWithin(this.recording.wallsAt(frame), this.camera.rectangle);
+    this.room.clear();
+    if (corners.length) this.room.polygon(this.#places(corners)).addClass("room");
+    this.edges = edges.map((ends) => this.#places(ends));
+    this.edges.forEach((ends) => this.room.polyline(ends).addClass("wall"));
+  }
+
+  /** Draw the ground mark of a pinned base at the position of the base in a frame. */
+  #drawPin(frame) {
+    const [[x0, y0], [x, y]] = [0, frame].map((at) => this.recording.pointAt(at, 0));
+    this.pin.forEach(([line, mark]) => mark.plot(this.#places(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
+  }
+
+  /** Draw a bar of a round length, about a sixth of the width. */
+  #drawScaleBar(width) {
+    const wanted = width / 6 / this.camera.scale;
+    const power = 10 ** Math.floor(Math.log10(wanted));
+    const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
+    const y = 0.6 * STRIP;
+    const [left, right] = [-0.5, 0.5].map((share) => width / 2 + share * length * this.camera.scale);
+    this.ground.polyline([[left, y - 4], [left, y + 4], [left, y], [right, y], [right, y - 4], [right, y + 4]])
+      .addClass("bar").fill("none");
+    const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
+    this.ground.plain(text).attr({ x: left - 8, y: y + 4 }).addClass("bar-text");
+  }
+
+  /** Draw the lengths of the arrows of round forces, up to the largest force. */
+  #drawRuler() {
+    const [left, y] = [12, STRIP - 7];
+    const { longest, marks } = this.arrowScale;
+    this.ground.line([[left, y], [left + longest, y]]).addClass("bar ruler");
+    marks.forEach(({ at, text }) => {
+      this.ground.line([[left + at, y - 4], [left + at, y + 4]]).addClass("bar");
+      this.ground.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
+    });
+    this.ground.polygon([[left + longest + 7, y], [left + longest, y - 4], [left + longest, y + 4]]).addClass("ruler-head");
+    this.ground.plain("force").attr({ x: left + longest + 12, y: y + 4 }).addClass("ruler-name");
+  }
+
+  /** Draw the legend of the two kinds of arrows. */
+  #drawKey(width) {
+    [["joint", "load"], ["wall", "force"]].forEach(([name, kind], place) => {
+      this.ground.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * place, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);
+    });
+  }
+
+  /** Draw a frame. */
+  draw(frame) {
+    const { recording, camera } = this;
+    const all = Array.from({ length: recording.pointCount }, (_, point) => camera.place(...recording.pointAt(frame, point)));
+    const places = all.slice(0, recording.links + 1);
+    this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
+    const bodies = recording.bodiesAt(frame).map((corners) => this.#places(corners));
+    bodies.forEach((corners, k) => this.outlines[k].plot(corners));
+    this.dots.forEach(([point, dot]) => dot.center(...all[point]));
+    this.discs.forEach(([point, , disc]) => disc.center(...all[point]));
+    if (recording.moved.length) this.#drawRoom(frame);
+    this.#drawPin(frame);
+    this.#drawRanges(frame);
+    this.#drawTrace(frame, places.at(-1));
+    this.places = new Places(...this.size, STRIP);
+    [places, ...this.edges, ...this.pin.map(([, mark]) => mark.array())].forEach((line) => this.places.takeLine(line));
+    bodies.forEach((corners) => this.places.takeLine([...corners, corners[0]]));
+    this.dots.forEach(([point]) => this.places.takeAround(all[point]));
+    const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
+    texts.forEach((text) => this.#label(...text)); // after the arrows, because names must not cover them
+    this.#drawNames(all, bodies);
+    this.#drawRings(frame);
+  }
+
+  /** Draw numbers and names of points; a name without room is left out. */
+  #drawNames(all, bodies) {
+    const { links } = this.recording;
+    this.names.forEach((name, point) => {
+      const corners = bodies[this.bodyOf[point]];
+      const way = corners ? outOfBody(all[point], corners) : outOfChain(all.slice(0, links + 1), point);
+      const text = name.text();
+      const beside = candidatesAround(all[point], way, BESIDE).map((one) => (corners ? one : { ...one, anchor: "middle" }));
+      const place = this.places.find(text, NUMBER_TEXT, beside);
+      name.css("visibility", place ? "visible" : "hidden");
+      if (place) name.attr({ x: place.at[0], y: place.at[1] + 4 }).css({ "text-anchor": place.anchor });
+    });
+  }
+
+  #drawTrace(frame, tip) {
+    const { recording } = this;
+    const now = recording.timeAt(frame);
+    const end = this.showTrace ? lastBefore(this.traceFrames, frame) + 1 : 0;
+    this.trace.plot([...this.tracePlaces.slice(0, end), tip]);
+    this.tail.forEach((line, part) => {
+      const [from, to] = [TAIL_PARTS - part, TAIL_PARTS - part - 1].map((share) =>
+        lastBefore(this.traceFrames, recording.frameAt(now - (TAIL * share) / TAIL_PARTS)));
+      const last = part === TAIL_PARTS - 1 ? [tip] : [];
+      line.plot(this.showTrace ? [...this.tracePlaces.slice(from, Math.max(to, from) + 1), ...last] : []);
+    });
+  }
+
+  /** Draw the arcs of the joints with stops, with a mark at each stop. */
+  #drawRanges(frame) {
+    this.recording.stops.forEach(({ joint, arc: [from, to], marks }, index) => {
+      const at = (point) => this.recording.pointAt(frame, point);
+      const [centre, end, before] = [at(joint - 1), at(joint), joint > 1 ? at(joint - 2) : undefined];
+      const along = before ? Math.atan2(centre[1] - before[1], centre[0] - before[0]) : 0;
+      const radius = ARC * Math.hypot(end[0] - centre[0], end[1] - centre[1]);
+      const place = (angle, share) => this.camera.place(
+        centre[0] + share * radius * Math.cos(along + angle), centre[1] + share * radius * Math.sin(along + angle));
+      const angles = Array.from({ length: ARC_CORNERS }, (_, k) => from + ((to - from) * k) / (ARC_CORNERS - 1));
+      const [line, ...ticks] = this.ranges[index];
+      line.plot(angles.map((angle) => place(angle, 1)));
+      marks.forEach((angle, k) => ticks[k].plot([1 - TICK / 2, 1 + TICK / 2].map((share) => place(angle, share))));
+    });
+  }
+
+  /**
+   * Return the place on the screen where a point touches a wall, or a link the arc of its range, and the direction away from
+   * the wall.
+   */
+  #spot(frame, point, wall) {
+    const side = this.recording.sidesAt(frame)[wall];
+    if (!side) return this.#stopSpot(frame, point);
+    const { normal: [nx, ny], offset } = side;
+    const [x, y] = this.recording.pointAt(frame, point);
+    const gap = nx * x + ny * y - offset;
+    return { place: this.camera.place(x - gap * nx, y - gap * ny), away: [nx, -ny] };
+  }
+
+  #stopSpot(frame, joint) {
+    const [[x0, y0], [x1, y1]] = [joint - 1, joint].map((point) => this.recording.pointAt(frame, point));
+    const length = Math.hypot(x1 - x0, y1 - y0) || 1;
+    const [dx, dy] = [(x1 - x0) / length, (y1 - y0) / length];
+    // the label of the moment is at a right angle to the link
+    return { place: this.camera.place(x0 + ARC * (x1 - x0), y0 + ARC * (y1 - y0)), away: [dy, dx] };
+  }
+
+  /** Return whether a contact can be drawn: its wall is known, or it is at a stop. */
+  #isShown({ point, wall }) {
+    const { walls, stops, rail } = this.recording;
+    return wall in walls || wall in (rail?.stops ?? {}) || stops.some(({ joint }) => joint === point);
+  }
+
+  /**
+   * Draw rings at recent impacts: rings widen and fade, each around the ring before at the same place, with numbers beside
+   * them.
+   */
+  #drawRings(frame) {
+    const { recording } = this;
+    const now = recording.timeAt(frame);
+    this.rings.clear();
+    const recent = recording.impacts.filter((impact) => impact.onset <= now && impact.onset > now - RING_TIME && this.#isShown(impact));
+    const drawn = [];
+    recent.forEach(({ onset, point, wall, number }, k) => {
+      const age = (now - onset) / RING_TIME;
+      const { place, away } = this.#spot(recording.frameAt(onset), point, wall);
+      const same = drawn.filter((other) => Math.hypot(other[0] - place[0], other[1] - place[1]) < SAME).length;
+      drawn.push(place);
+      const width = RING + RINGS_APART * same + RING * Math.sqrt(age);
+      this.rings.circle(width).center(...place).addClass("ring").opacity((1 - age) ** 2);
+      if (recent.length - k > NUMBERS) return;
+      const text = `#${number}`;
+      const found = this.places.find(text, NUMBER_TEXT, candidatesAround(place, [-away[1], away[0]], RING / 2 + BESIDE / 2));
+      if (!found) return;
+      const [x, y] = found.at;
+      this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": found.anchor }).addClass("ring-number").opacity(1 - age);
+    });
+  }
+
+  /** Draw the forces of walls and the moments of stops; return their texts in the form for `#label`. */
+  #drawArrows(frame) {
+    const { recording } = this;
+    this.arrows.clear();
+    this.labels.clear();
+    const texts = [];
+    recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force: normal, friction, sticks }) => {
+      const { place: [x, y], away: [nx, ny] } = this.#spot(frame, point, wall);
+      const force = Math.hypot(normal, friction);
+      // on the screen, where y points down, the direction of dry friction along t is (−ny, nx)
+      const [dx, dy] = [(normal * nx - friction * ny) / force, (normal * ny + friction * nx) / force];
+      if (STOPS.includes(wall)) {
+        this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
+        this.places.takeAround([x, y], STOP_DOT / 2);
+        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, forceText(force, 3, unitsOf({ atStop: true }).force), "force"]);
+        return;
+      }
+      if (sticks) {
+        this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
+      }
+      texts.push(...this.#arrow([x, y], [dx, dy], force, "force"));
+    });
+    recording.stuckJointsAt(frame).forEach((joint) => {
+      this.arrows.circle(STUCK_DOT).center(...this.camera.place(...recording.pointAt(frame, Math.max(joint - 1, 0)))).addClass("stuck-joint");
+    });
+    return texts;
+  }
+
+  /**
+   * Draw the forces in joints that are large enough to be seen; return the texts, which give the size of the largest force
+   * only.
+   */
+  #drawLoads(frame) {
+    const { recording, camera } = this;
+    const sized = recording.loadsAt(frame).map(({ joint, force: [x, y] }) => ({ joint, x, y, size: Math.hypot(x, y) }));
+    const most = Math.max(...sized.map(({ size }) => size));
+    return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ joint, x, y, size }) => {
+      const place = camera.place(...recording.pointAt(frame, joint - 1));
+      return this.#arrow(place, [x / size, -y / size], size, "load", size === most);
+    });
+  }
+
+  /** Draw the arrow of a force [N] from a place in a direction; with `told`, return its size in the form for `#label`. */
+  #arrow([x, y], [dx, dy], force, kind, told = true) {
+    const length = this.arrowScale.lengthOf(force);
+    const head = Math.min(14, 0.6 * length);
+    const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
+    this.arrows.line([at(0, 0), at(length - head, 0)]).addClass(`arrow ${kind}`);
+    this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
+      .addClass(`arrow-head ${kind}`);
+    this.places.takeLine([at(0, 0), at(length, 0)]);
+    return told && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, forceText(force), kind]] : [];
+  }
+
+  /** Write a text near a place, ahead of it if there is room. */
+  #label(place, way, distance, text, kind) {
+    const found = this.places.find(text, FORCE_TEXT, candidatesAround(place, way, distance)) ??
+      { at: place.map((part, axis) => part + distance * way[axis]), anchor: anchorOf(way[0]) };
+    const [x, y] = found.at;
+    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": found.anchor }).addClass(`force-text ${kind}`);
+  }
+}

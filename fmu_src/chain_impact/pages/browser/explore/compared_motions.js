@@ -1,0 +1,103 @@
+// The other motions behind the present motion, the motion before the last change and pinned motions, and their impacts.
+
+import { make } from "../base/dom.js";
+import { durationText, forceText, unitsOf } from "../base/format.js";
+
+const GESTURE = 800; // [ms] changes that follow each other faster count as one change
+const COLOURS = 5; // number of colours for pinned motions in the style sheet
+const LISTED = 40; // largest number of impacts that are listed side by side
+
+export class Ghosts {
+  #last = -Infinity;
+
+  constructor(player, panel, table) {
+    this.player = player;
+    this.panel = panel;
+    this.table = table;
+    this.pinned = []; // the pinned motions: {recording, text, colour}
+    this.before = null;
+  }
+
+  /** Keep the shown motion as the motion before the change, unless this change continues the last change. */
+  change(goesOn) {
+    const now = performance.now();
+    if (!goesOn && now - this.#last > GESTURE) this.before = this.player.recording ?? null;
+    this.#last = now;
+  }
+
+  /** Pin the shown motion; its text describes the changes in it. */
+  pin() {
+    const { recording } = this.player;
+    const used = this.pinned.map(({ colour }) => colour);
+    const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
+    this.pinned.push({ recording, text: recording.text || "as in the scene", colour });
+    this.show();
+    this.player.drawSoon();
+  }
+
+  unpin(one) {
+    this.pinned = this.pinned.filter((other) => other !== one);
+    this.show();
+    this.player.drawSoon();
+  }
+
+  /** Draw the other motions at the present time. */
+  draw() {
+    const { scene, clock, recording: shown } = this.player;
+    scene.behind.clear();
+    const others = [{ recording: this.before, kind: "before" }, ...this.pinned.map((one) => ({ ...one, kind: `pin-${one.colour}` }))];
+    for (const { recording, kind } of others) {
+      if (!recording || recording === shown) continue;
+      const frame = recording.frameAt(clock.time);
+      const places = Array.from({ length: recording.links + 1 }, (_, point) => scene.camera.place(...recording.pointAt(frame, point)));
+      recording.bodiesAt(frame).forEach((corners) => {
+        scene.behind.polygon(corners.map((place) => scene.camera.place(...place))).addClass(`ghost ${kind}`).fill("none");
+      });
+      scene.behind.polyline(places).addClass(`ghost ${kind}`).fill("none");
+      scene.behind.circle(8).center(...places.at(-1)).addClass(`ghost-tip ${kind}`);
+    }
+  }
+
+  /** List the pinned motions, and the impacts of all motions side by side. */
+  show() {
+    const { pinned, panel, table, player } = this;
+    player.panels.forEach(([, , chart]) => chart.compare(pinned.map(({ recording, colour }) => ({ recording, colour: `pin-${colour}` }))));
+    panel.hidden = pinned.length === 0;
+    // if the panel is hidden, the charts leave room for the list of impacts
+    document.body.classList.toggle("with-pins", !panel.hidden);
+    if (panel.hidden) return;
+    const all = [{ recording: player.recording, text: "present" }, ...pinned];
+    const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));
+    const numbers = Array.from({ length: count }, (_, k) => make("th", { scope: "col", textContent: `${k + 1}` }));
+    const head = make("tr", {}, make("th", { scope: "col", textContent: "Impact" }), ...numbers);
+    const more = Math.max(...all.map(({ recording }) => recording.impacts.length)) - count;
+    if (more > 0) head.append(make("th", { scope: "col", textContent: `and ${more} more` }));
+    const rows = all.map((one) => make("tr", {}, this.#title(one),
+      ...numbers.map((_, k) => cellOf(one.recording.impacts[k]))));
+    table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
+  }
+
+  #title(one) {
+    const { text, colour, recording } = one;
+    const count = `${recording.impacts.length} impact${recording.impacts.length === 1 ? "" : "s"}`;
+    const cell = make("th", { scope: "row", title: text });
+    cell.append(make("span", { className: `dot ${colour ? `pin-${colour}` : "present"}` }));
+    cell.append(make("span", { className: "pin-text", textContent: text }));
+    if (colour) {
+      const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
+      button.addEventListener("click", () => this.unpin(one));
+      cell.append(button);
+    }
+    cell.append(make("small", { textContent: count }));
+    return cell;
+  }
+}
+
+/** Return a cell for an impact: time, point and wall, and the peak force. */
+function cellOf(impact) {
+  if (!impact) return make("td", { textContent: "–" });
+  const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
+  const cell = make("td", { title: `${impact.what} at ${impact.wall}, until ${durationText(impact.end - impact.onset)} later` });
+  cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
+  return cell;
+}

@@ -1,0 +1,101 @@
+// The dialog in which the reader chooses outputs for the charts over time.
+
+import { find, make } from "../base/dom.js";
+import { breakable, unitText } from "../base/format.js";
+import { MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
+
+/** Return the names that match a text in which `*` stands for any text. */
+function like(text, columns) {
+  const parts = text.split("*").map((part) => part.replaceAll(/[.+?^${}()|[\]\\]/g, "\\$&"));
+  const pattern = new RegExp(`^${parts.join(".*")}$`);
+  return columns.map(({ name }) => name).filter((name) => pattern.test(name));
+}
+
+/** Return the names in a text with commas, as for `simulate --curves`; an error says which name is not possible. */
+function namesIn(text, columns) {
+  const found = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
+    const names = like(part, columns);
+    if (!names.length) throw new RangeError(part.includes("*") ? `no output is like ${part}` : `${part} is no output`);
+    return names;
+  });
+  const names = [...new Set(found)];
+  const units = columns.filter(({ name }) => names.includes(name)).map(({ unit }) => unit);
+  const kinds = [...new Set(units)];
+  kinds.forEach((unit) => {
+    const count = units.filter((one) => one === unit).length;
+    if (count > MOST_CURVES) throw new RangeError(`${count} outputs in ${unitText(unit) || "no unit"}; must be at most ${MOST_CURVES}`);
+  });
+  if (kinds.length > MOST_UNITS) throw new RangeError(`outputs in ${kinds.length} units; must be at most ${MOST_UNITS}`);
+  return names;
+}
+
+export class CurveChoice {
+  names = [];
+
+  /** `changed` is called when the reader chooses other outputs. */
+  constructor(changes, changed) {
+    Object.assign(this, { changes, changed });
+    this.dialog = find("curves");
+    [this.field, this.search, this.list] = ["curves-names", "curves-search", "curves-list"].map(find);
+    [find("curves-open"), find("curves-more")].forEach((button) => button.addEventListener("click", () => this.open()));
+    this.field.addEventListener("change", () => this.#choose(this.field.value));
+    this.field.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter") return;
+      event.preventDefault(); // the key would otherwise close the dialog
+      this.#choose(this.field.value);
+    });
+    this.search.addEventListener("input", () => this.#filter());
+    this.search.addEventListener("keydown", (event) => event.key === "Enter" && event.preventDefault());
+    changes.onOpen(() => {
+      this.names = this.names.filter((name) => this.#columns.some((column) => column.name === name));
+    });
+  }
+
+  get #columns() {
+    return this.changes.scene.columns;
+  }
+
+  open() {
+    this.rows = this.#columns.map(({ name, unit }) => {
+      const box = make("input", { type: "checkbox" });
+      box.setAttribute("aria-label", name);
+      box.addEventListener("change", () => this.#choose([...this.names.filter((one) => one !== name), ...(box.checked ? [name] : [])].join()));
+      return { name, box, row: make("label", {}, box, make("span", { textContent: breakable(name) }), make("small", { textContent: unitText(unit) })) };
+    });
+    this.list.replaceChildren(...this.rows.map(({ row }) => row));
+    this.#refresh();
+    this.#filter();
+    this.dialog.showModal();
+  }
+
+  /** Choose the names in a text, without a call of `changed`; an error says which name is not possible. */
+  take(text) {
+    this.names = namesIn(text, this.#columns);
+  }
+
+  #choose(text) {
+    try {
+      this.take(text);
+      this.changed();
+      this.#refresh();
+    } catch (error) {
+      this.#refresh(`${error.message}.`);
+    }
+  }
+
+  /** Show the chosen names, or a fault. */
+  #refresh(fault = "") {
+    if (!fault) this.field.value = this.names.join(", ");
+    this.rows.forEach(({ name, box }) => {
+      box.checked = this.names.includes(name);
+    });
+    find("curves-text").textContent = fault;
+  }
+
+  #filter() {
+    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    this.rows.forEach(({ name, row }) => {
+      row.hidden = !words.every((word) => name.toLowerCase().includes(word));
+    });
+  }
+}

@@ -1,0 +1,98 @@
+// The exports of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
+
+import { heldTexts, inputSignals } from "../scene/held_inputs.js";
+
+/** Return a word of a command for a shell, if necessary in double quotes, which shells of Windows also accept. */
+function quoted(word) {
+  if (/^[\w./:=+,-]+$/.test(word)) return word;
+  return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
+}
+
+/** Return the command that gives the same motion; inputs can be given only in Python, as signals if any input is held. */
+export function commandOf(changes) {
+  const { inputs, command: [source, ...settings] } = changes.scene;
+  const [own, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
+  const isHeld = Object.keys(changes.held).length > 0;
+  const given = isHeld ? [] : own;
+  const signals = Object.entries(isHeld ? inputSignals(changes) : {}).map(([name, signal]) => `("signals", "${name}"): ${JSON.stringify(signal)}`);
+  const set = others.flatMap(([name, text]) => ["--set", `${name}=${text}`]);
+  if (!given.length && !signals.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
+  const after = (option) => [...settings, ...set].filter((_, k, words) => words[k - 1] === option);
+  const pairs = after("--set").map((word) => word.split(/=(.*)/s));
+  const held = signals.length ? `.with_values({${signals.join(", ")}})` : "";
+  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})${tableOf(changes.scene.file, after("--inputs"))}${held}`;
+  const program = `from chain_impact import load_scene, simulate; print(simulate(${scene}, inputs=${dictionary(given)}))`;
+  return ["python", "-c", program].map(quoted).join(" ");
+}
+
+/**
+ * Return the Python code that adds the table of a command to its scene; this table is the last signal of the page's file.
+ */
+function tableOf({ signals }, [path]) {
+  if (!path) return "";
+  const [name, { input, interpolation }] = Object.entries(signals).at(-1);
+  const joined = interpolation ? `, "interpolation": ${JSON.stringify(interpolation)}` : "";
+  const file = `__import__("os").path.abspath(${JSON.stringify(path)})`;
+  return `.with_values({("signals", "${name}"): {"input": ${JSON.stringify(input)}, "form": "table", "file": ${file}${joined}}})`;
+}
+
+/** Return names and texts as a dictionary in Python. */
+function dictionary(pairs) {
+  const value = (text) => ({ true: "True", false: "False" })[text] ?? (text.startsWith("[") || !Number.isNaN(Number(text)) ? text : JSON.stringify(text));
+  return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
+}
+
+/**
+ * Return the changes as the part of an address after #, after the other contents: `scene`, the text of the scene file if it
+ * is not the page's own, and `curves`, the names of the outputs in the chart.
+ */
+export function hashOf(changes, shown = {}) {
+  const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(), ...heldTexts(changes)];
+  return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
+}
+
+/** Return the contents of an address: name → text. */
+export function changesIn(hash) {
+  const parts = hash.replace(/^#/, "").split("&").filter(Boolean).map((part) => part.split("="));
+  return Object.fromEntries(parts.map(([name, text = ""]) => [decodeURIComponent(name), decodeURIComponent(text)]));
+}
+
+/** Return a table with the columns of the FMU's CSV. */
+export function csvOf({ time, columns }) {
+  const all = Object.values(columns);
+  const lines = Array.from(time, (now, row) => [now, ...all.map((column) => column[row])].join(","));
+  return [["time", ...Object.keys(columns)].join(","), ...lines, ""].join("\r\n");
+}
+
+/** Let the browser save data as a file. */
+export function save(blob, name) {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-linecap", "stroke-linejoin",
+  "opacity", "font", "paint-order", "text-anchor", "stroke-dasharray"];
+
+/** Return a picture of the present drawing with twice the resolution of the screen; `below` draws the background. */
+export async function pictureOf(svg, background, below = () => {}) {
+  const copy = svg.cloneNode(true);
+  const [from, to] = [svg, copy].map((root) => [...root.querySelectorAll("*")]);
+  from.forEach((element, k) => {
+    const style = getComputedStyle(element);
+    DRAWN.forEach((name) => to[k].style.setProperty(name, style.getPropertyValue(name)));
+  });
+  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  const address = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
+  const image = new Image();
+  image.src = address;
+  await image.decode();
+  const { width, height } = svg.getBoundingClientRect();
+  const canvas = Object.assign(document.createElement("canvas"), { width: 2 * width, height: 2 * height });
+  const context = canvas.getContext("2d");
+  context.fillStyle = background;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  below(context);
+  context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  return new Promise((done) => canvas.toBlob(done, "image/png"));
+}

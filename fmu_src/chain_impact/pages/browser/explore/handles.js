@@ -1,0 +1,301 @@
+// The handles with which the reader changes the start: joints, arrows of velocity and walls, which can be dragged while the
+// clock shows the start.
+
+import { roomWithin } from "../recording/half_planes.js";
+import { discOf, wallsAt } from "../scene/geometry.js";
+
+const ARROW_TIME = 0.1; // [s] the length of an arrow of velocity is the distance covered in this time
+const LONGEST = 0.2; // the largest length of an arrow, over the size of the view; for longer arrows the time is shorter
+const GRIP = 26; // [pixels] the size of a grip, large enough for a finger
+// [pixels] the distance from a joint to the start of its arrow: so the grip of a joint at rest lies beside the joint
+const STEM = 32;
+const WALL = 18; // [pixels] the size of the grip of a wall
+const MOST_DECIMALS = 15;
+const STEPS_OF_KEYS = [4, 24]; // [pixels] how far an arrow key moves a grip, alone and with Shift
+const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const SPOKEN = {
+  site: (index) => `Point ${index}: arrow keys move it on its link`,
+  joint: (index) => `Point ${index}: arrow keys move it`,
+  velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
+  wall: (name) => `Wall ${name}: arrow keys move it`,
+};
+
+/** Return a value that was set by hand, with the decimals that distinguish it from a value one pixel away. */
+function byHand(value, pixel) {
+  const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
+  return Number(value.toFixed(decimals));
+}
+
+export class Handles {
+  constructor(player, changes, element) {
+    this.player = player;
+    this.changes = changes;
+    this.element = element;
+    this.dragged = null; // the dragged handle: {kind, index, time, pointer}
+    const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
+    element.addEventListener("pointerdown", (event) => this.#grasp(event));
+    element.addEventListener("pointermove", (event) => isDragging(event) && this.#drag(event));
+    ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, (event) => isDragging(event) && this.#drop()));
+    element.setAttribute("role", "group"); // with grips in it, the drawing is no longer an image for screen readers
+    element.addEventListener("keydown", (event) => this.#press(event));
+    // a pointer does not give the focus to a grip, so that the arrow keys still step in time
+    element.addEventListener("mousedown", (event) => gripOf(event) && event.preventDefault());
+    // a finger on a handle does not scroll the page
+    const keepStill = (event) => gripOf(event) && event.preventDefault();
+    element.addEventListener("touchstart", keepStill, { passive: false });
+  }
+
+  get areShown() {
+    const { clock, recording } = this.player;
+    return !clock.playing && clock.time === recording.start;
+  }
+
+  #value(name) {
+    return this.changes.valueOf(name) ?? 0;
+  }
+
+  /** Return positions [m] and velocities [m/s] of the points at the start, for the present parameters. */
+  get #start() {
+    // a signal that drives the base determines its position
+    const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
+    const place = [isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")]];
+    const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
+    for (let link = 1; link <= this.changes.scene.links; link += 1) {
+      const [length, angle, rate] = [`link[${link}].length`, `initial.angle[${link}]`, `initial.angular_velocity[${link}]`].map((name) => this.#value(name));
+      const [x, y] = [length * Math.cos(angle), length * Math.sin(angle)];
+      place.push([place.at(-1)[0] + x, place.at(-1)[1] + y]);
+      velocity.push([velocity.at(-1)[0] - rate * y, velocity.at(-1)[1] + rate * x]);
+    }
+    return { place, velocity };
+  }
+
+  /** Return the time [s] for which the arrows show the distance; the time is constant while something is dragged. */
+  #arrowTime(velocity) {
+    if (this.dragged) return this.dragged.time;
+    const [low, high] = this.player.recording.view;
+    const size = Math.max(high[0] - low[0], high[1] - low[1]);
+    return Math.min(ARROW_TIME, (LONGEST * size) / Math.max(...velocity.map(([x, y]) => Math.hypot(x, y)), 1e-300));
+  }
+
+  /**
+   * Return the position [m] of the grip of each wall that can be moved: in the middle of its visible part, or at the nearest
+   * edge.
+   */
+  get #walls() {
+    const { camera } = this.player.scene;
+    const walls = wallsAt(this.changes.scene, (name) => this.changes.valueOf(name));
+    return Object.entries(walls).flatMap(([name, wall]) => {
+      const movable = this.changes.valueOf(`box.${name}`) !== undefined || this.changes.valueOf(`wall.${name}.x`) !== undefined;
+      if (!movable) return [];
+      const [ends] = edgesOf(walls, name, camera.rectangle);
+      const seen = ends && [0, 1].map((axis) => (ends[0][axis] + ends[1][axis]) / 2);
+      const middle = seen ?? edgeBefore(wall, camera.rectangle, WALL * this.#pixel);
+      return middle ? [{ name, wall, middle, isSeen: Boolean(seen) }] : [];
+    });
+  }
+
+  /** Draw the handles, if the clock shows the start. */
+  draw() {
+    const { scene } = this.player;
+    const held = gripOf({ target: document.activeElement });
+    scene.above.clear();
+    if (!this.areShown) return;
+    const { place, velocity } = this.#start;
+    const time = this.#arrowTime(velocity);
+    const screen = (point) => scene.camera.place(...point);
+    const group = scene.above;
+    group.polyline(place.map(screen)).addClass("pose").fill("none");
+    this.#walls.forEach(({ name, middle, isSeen }) => {
+      const [x, y] = screen(middle);
+      group.rect(WALL, WALL).radius(5).center(x, y).addClass(isSeen ? "wall-grip" : "wall-grip wall-beyond").attr(gripFor("wall", name));
+    });
+    place.forEach((point, k) => {
+      if (k === 0 && !this.changes.parameters.has("initial.vx")) return;
+      const from = screen(point);
+      this.#arrow(group, from, wayTo(from, screen(tipOf(point, velocity[k], time))), k);
+    });
+    this.#sites(place).forEach(({ number, at }) => {
+      group.circle(13).center(...screen(at)).addClass("joint-ring");
+      group.circle(GRIP).center(...screen(at)).addClass("grip").attr(gripFor("site", number));
+    });
+    place.forEach((point, k) => {
+      group.circle(15).center(...screen(point)).addClass("joint-ring");
+      group.circle(GRIP).center(...screen(point)).addClass("grip").attr(gripFor("joint", k));
+    });
+    if (held) this.element.querySelector(`[data-grip="${held}"]`)?.focus({ preventScroll: true });
+  }
+
+  /**
+   * Return the points of links that can be moved, and their positions at the start [m]; corners of boxes move with their
+   * links.
+   */
+  #sites(place) {
+    const { scene } = this.changes;
+    return scene.sites.flatMap((site, s) => {
+      if (site.corner) return [];
+      const [x, y] = discOf(site, (name) => this.#value(name));
+      const angle = this.#value(`initial.angle[${site.link + 1}]`);
+      const [c, sin] = [Math.cos(angle), Math.sin(angle)];
+      const [x0, y0] = place[site.link];
+      return [{ number: scene.links + 1 + s, site, at: [x0 + c * x - sin * y, y0 + sin * x + c * y] }];
+    });
+  }
+
+  /** Draw the arrow of a velocity, at the end of a stem in its direction; `way` is the length of the arrow on the screen. */
+  #arrow(group, from, way, k) {
+    const length = Math.hypot(...way);
+    const direction = length > 0 ? way.map((part) => part / length) : this.#aside(k);
+    const foot = from.map((part, axis) => part + STEM * direction[axis]);
+    const to = foot.map((part, axis) => part + way[axis]);
+    group.line([from, foot]).addClass("velocity-stem");
+    group.line([foot, to]).addClass("velocity");
+    group.circle(9).center(...to).addClass("velocity-tip");
+    group.circle(GRIP).center(...to).addClass("grip").attr(gripFor("velocity", k));
+  }
+
+  /**
+   * Return the direction on the screen of the stem of a point at rest: away from the chain at the base, else the direction
+   * in which its link turns.
+   */
+  #aside(k) {
+    const angle = this.#value(`initial.angle[${Math.max(k, 1)}]`);
+    return k === 0 ? [-Math.cos(angle), Math.sin(angle)] : [-Math.sin(angle), -Math.cos(angle)];
+  }
+
+  #grasp(event) {
+    const grip = gripOf(event);
+    if (!grip || this.dragged || event.button !== 0) return;
+    const [kind, index] = grip.split(" ");
+    this.dragged = { kind, index, pointer: event.pointerId, time: this.#arrowTime(this.#start.velocity) };
+    this.element.setPointerCapture(event.pointerId);
+    event.preventDefault();
+  }
+
+  #drop() {
+    this.dragged = null;
+    this.changes.replace({ ...this.changes.values }); // a second drawing, with a view that fits
+  }
+
+  #drag(event) {
+    const { left, top } = this.element.getBoundingClientRect();
+    this.#move(event.clientX - left, event.clientY - top);
+  }
+
+  /** Move the grip that has the focus, after a press of an arrow key. */
+  #press(event) {
+    const grip = gripOf(event);
+    const way = KEYS[event.key];
+    if (!grip || !way || this.dragged) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const [kind, index] = grip.split(" ");
+    const { x, y, width, height } = event.target.getBBox();
+    const step = STEPS_OF_KEYS[Number(event.shiftKey)];
+    this.dragged = { kind, index, time: this.#arrowTime(this.#start.velocity) };
+    this.#move(x + width / 2 + step * way[0], y + height / 2 + step * way[1]);
+    this.dragged = null;
+    this.draw(); // so that the next key finds the grip at its new position
+  }
+
+  /** Move the dragged handle to a place on the screen. */
+  #move(left, top) {
+    const at = this.player.scene.camera.at(left, top);
+    const { kind, index } = this.dragged;
+    try {
+      this.changes.set(this[kind](at, index));
+    } catch {
+      // this place is not possible: the handle stays where it was
+    }
+  }
+
+  /** Return the size of a pixel [m]. */
+  get #pixel() {
+    const { camera } = this.player.scene;
+    return Math.abs(camera.at(1, 0)[0] - camera.at(0, 0)[0]);
+  }
+
+  /** Move the base, or for another joint turn the link before it, to a position. */
+  joint([x, y], index) {
+    const k = Number(index);
+    if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };
+    const [x0, y0] = this.#start.place[k - 1];
+    const name = `initial.angle[${k}]`;
+    const angle = Math.atan2(y - y0, x - x0);
+    const turns = Math.round((this.#value(name) - angle) / (2 * Math.PI));
+    return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
+  }
+
+  /** Move a point of a link on the link. */
+  site([x, y], number) {
+    const { place } = this.#start;
+    const { site: { link, entry } } = this.#sites(place).find((one) => one.number === Number(number));
+    const angle = this.#value(`initial.angle[${link + 1}]`);
+    const [dx, dy] = wayTo(place[link], [x, y]);
+    const along = { x: dx * Math.cos(angle) + dy * Math.sin(angle), y: dy * Math.cos(angle) - dx * Math.sin(angle) };
+    return Object.fromEntries(Object.entries(along).map(([key, value]) =>
+      [`link[${link + 1}].point[${entry + 1}].${key}`, byHand(value, this.#pixel)]));
+  }
+
+  /** Set a velocity by its arrow: of the base the velocity, of another joint the angular velocity of the link before it. */
+  velocity([x, y], index) {
+    const k = Number(index);
+    const { place, velocity } = this.#start;
+    const pixel = this.#pixel / this.dragged.time;
+    const way = wayTo(place[k], [x, y]);
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...way)); // the arrow without its stem
+    const wanted = way.map((part) => (share * part) / this.dragged.time);
+    if (k === 0) return { "initial.vx": byHand(wanted[0], pixel), "initial.vy": byHand(wanted[1], pixel) };
+    const link = [0, 1].map((axis) => place[k][axis] - place[k - 1][axis]);
+    const added = [0, 1].map((axis) => wanted[axis] - velocity[k - 1][axis]);
+    const rate = (link[0] * added[1] - link[1] * added[0]) / (link[0] ** 2 + link[1] ** 2);
+    return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
+  }
+
+  /** Move a wall along its normal. */
+  wall([x, y], name) {
+    const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (one) => this.changes.valueOf(one))[name];
+    const way = nx * x + ny * y - offset;
+    if (this.changes.valueOf(`box.${name}`) !== undefined) {
+      return { [`box.${name}`]: byHand(this.#value(`box.${name}`) + way * (nx + ny), this.#pixel) };
+    }
+    return Object.fromEntries([["x", nx], ["y", ny]].map(([axis, part]) =>
+      [`wall.${name}.${axis}`, byHand(this.#value(`wall.${name}.${axis}`) + way * part, this.#pixel)]));
+  }
+}
+
+/** Return the handle at which an event happens, if any. */
+function gripOf({ target }) {
+  return target.closest("[data-grip]")?.dataset.grip;
+}
+
+/** Return the attributes that make an element a grip, for a pointer and for keys. */
+function gripFor(kind, index) {
+  return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index) };
+}
+
+/** Return the vector from one place to another. */
+function wayTo([x0, y0], [x1, y1]) {
+  return [x1 - x0, y1 - y0];
+}
+
+/** Return the position [m] of a point after it has moved with its velocity for a time. */
+function tipOf([x, y], [vx, vy], time) {
+  return [x + vx * time, y + vy * time];
+}
+
+/** Return the place, `inside` the edge of the view, that is nearest to a wall beyond the view; undefined without a wall. */
+function edgeBefore({ normal, offset }, [low, high], inside) {
+  const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
+  if (!(normal[0] * middle[0] + normal[1] * middle[1] > offset)) return undefined;
+  const halves = [0, 1].map((axis) => (high[axis] - low[axis]) / 2 - inside);
+  const way = Math.min(...halves.map((half, axis) => half / Math.abs(normal[axis])));
+  return middle.map((place, axis) => place - way * normal[axis]);
+}
+
+/** Return the ends of the visible part of a wall; undefined if no part is visible. */
+function edgesOf(walls, name, rectangle) {
+  const { normal: [nx, ny], offset } = walls[name];
+  const { edges } = roomWithin(walls, rectangle);
+  const isOn = ([x, y]) => Math.abs(nx * x + ny * y - offset) < 1e-6 * (1 + Math.abs(offset));
+  return edges.filter((ends) => ends.every(isOn));
+}

@@ -1,0 +1,369 @@
+// The map: an output at the end of each run, as a colour over a grid of two parameters.
+
+import { find } from "../base/dom.js";
+import { numberText, unitText } from "../base/format.js";
+import { pictureOf, save } from "./export.js";
+import { colourAt, quantityOf, scaled, shownIn, ticksBetween, titleOf, VIRIDIS } from "./map_scales.js";
+
+const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
+const POINTS = 41; // number of points in each direction
+const COARSE = 9; // number of points of the preview in each direction
+const WORKERS = 8; // largest number of workers
+// [pixels] margins around the canvas, equal to those in the style sheet
+const EDGE = { left: 64, right: 16, top: 8, bottom: 86 };
+/** Return the first and the last value of an axis: around the present value, within the allowed values. */
+function rangeOf({ low, high }, value) {
+  if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
+  const reach = value === 0 ? 1 : Math.abs(value) / 2;
+  return [Math.max(value - reach, low), Math.min(value + reach, high)];
+}
+
+/** Return an output by its name, if the scene has it; its value is the largest of some words of the record. */
+function outputsLike({ columns }, name) {
+  return columns.filter((one) => one.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
+}
+
+/** Return the largest values of a run, by their names in a sweep: at walls, at stops of joints, and in joints. */
+function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
+  const atWalls = contactPoints.length || sliderStops.length ? { peak_force: "N", max_penetration: "m" } : {};
+  const atStops = stops.length ? { "stop.peak_moment": "N.m", "stop.max_penetration": "rad" } : {};
+  const found = Object.entries({ ...atWalls, ...atStops }).map(([name, unit]) => ({ name, unit, integer: false, words: [peaks[name]] }));
+  const loads = columns.filter(({ name }) => /^joint\[\d+\]\.peak_force$/.test(name)).map(({ word }) => word);
+  return loads.length ? [...found, { name: "joint_force", unit: "N", integer: false, words: loads }] : found;
+}
+
+export class GridMap {
+  #engines = []; // the workers that are in use
+  #read; // the run at which a finger has pointed
+  #chosen; // the run that the keyboard has chosen
+
+  /** `begin` is a function that makes an engine. */
+  constructor(begin, changes) {
+    Object.assign(this, { begin, changes });
+    this.dialog = find("map");
+    this.canvas = find("map-canvas");
+    this.scales = SVG(find("map-scales"));
+    this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
+    this.output = find("map-output");
+    this.inputs.forEach(([name], k) => name.addEventListener("change", () => this.#range(k)));
+    this.#fill();
+    changes.onOpen(() => this.#fill());
+    find("map-run").addEventListener("click", () => this.run());
+    [...this.inputs.flat(), this.output].forEach((field) => field.addEventListener("change", () => this.#preview()));
+    find("map-csv").addEventListener("click", () => save(new Blob([this.#table()], { type: "text/csv" }), `${changes.scene.name}-map.csv`));
+    find("map-png").addEventListener("click", () => this.#picture());
+    new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
+    this.dialog.addEventListener("close", () => this.#stop());
+    this.canvas.addEventListener("click", (event) => this.#choose(event));
+    this.canvas.addEventListener("pointermove", (event) => this.#tell(this.#at(event)));
+    this.canvas.addEventListener("keydown", (event) => this.#press(event));
+  }
+
+  /** Show the dialog, with ranges around the present values, unless the reader has changed the ranges. */
+  open() {
+    this.inputs.forEach(([, from, to], k) => {
+      if ([from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
+    });
+    this.dialog.showModal();
+    if (this.shown) this.#drawScales();
+    this.#preview();
+  }
+
+  /** Show at once, with few runs, the map that a press of the button will show; a complete map stays. */
+  #preview() {
+    if (this.shown?.points !== POINTS) this.run(COARSE);
+  }
+
+  /** Return the outputs that a map can show: the largest forces and penetrations, and outputs at the end. */
+  get #outputs() {
+    const { scene } = this.changes;
+    const tip = `point[${scene.links}]`;
+    const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
+    const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
+    return [...first, ...largestOf(scene), ...last].map((one) => ({ ...one, label: titleOf(one.name, unitText(one.unit)) }));
+  }
+
+  /** Fill the lists with the parameters and outputs of the scene; the map of another scene is removed. */
+  #fill() {
+    this.#stop();
+    this.shown = undefined;
+    this.canvas.getContext("2d").clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.scales.clear();
+    find("map-files").hidden = true;
+    this.#say("");
+    const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
+    const preferred = ["contact.restitution", "stop.restitution", "initial.angle[1]", "gravity.y"].filter((name) => this.changes.parameters.has(name));
+    this.inputs.forEach(([name], k) => {
+      name.replaceChildren(...reals.map((parameter) => new Option(parameter.name)));
+      name.value = preferred[k];
+      this.#range(k);
+    });
+    this.output.replaceChildren(...this.#outputs.map(({ name, label }) => new Option(label, name)));
+  }
+
+  #range(k) {
+    const [name, from, to] = this.inputs[k];
+    const parameter = this.changes.parameters.get(name.value);
+    const range = rangeOf(parameter, this.changes.valueOf(name.value));
+    find(`map-${"xy"[k]}-unit`).textContent = unitText(parameter.unit);
+    [from, to].forEach((field, end) => {
+      field.value = numberText(Number(range[end].toPrecision(4)));
+      field.dataset.own = field.value;
+    });
+  }
+
+  /**
+   * Compute the map with a number of points along each axis, and draw it as it grows; a fault in the fields changes nothing.
+   */
+  async run(points = POINTS) {
+    let asked;
+    try {
+      asked = this.#asked(points);
+    } catch (error) {
+      this.#say(`${error.message}.`);
+      return;
+    }
+    this.#stop();
+    this.#read = this.#chosen = undefined;
+    const shown = { ...asked, points, found: Array(points * points), rows: 0 };
+    this.shown = shown;
+    Object.assign(this.canvas, { width: points, height: points });
+    find("map-files").hidden = true;
+    this.#drawScales();
+    const began = performance.now();
+    const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
+    if (shown !== this.shown) return;
+    this.#stop();
+    const seconds = ((performance.now() - began) / 1000).toPrecision(2);
+    const told = points === POINTS ? `${points * points} runs in ${seconds} s.` : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
+    const inputs = Object.keys(this.changes.held).length ? " Inputs keep their start values." : "";
+    const done = `${told}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
+    this.#say(fault || (shown.rows === points ? done : `Stopped after ${shown.rows} of ${points} rows.`));
+  }
+
+  #say(text) {
+    find("map-text").textContent = text;
+  }
+
+  /** Return the values of the fields: names, values along both axes, the other changes and the output. */
+  #asked(points) {
+    const names = this.inputs.map(([name]) => name.value);
+    if (names[0] === names[1]) throw new RangeError("choose two parameters");
+    const axes = this.inputs.map(([name, from, to]) => {
+      const [first, last] = [from, to].map((field) => this.changes.numberOf(name.value, field.value));
+      return Array.from({ length: points }, (_, k) => Number((first + ((last - first) * k) / (points - 1)).toPrecision(12)));
+    });
+    const output = this.#outputs.find(({ name }) => name === this.output.value);
+    return { names, axes, values: { ...this.changes.values }, output };
+  }
+
+  /** Simulate the rows of a map, each in the next free worker; there is a worker for each processor. */
+  async #simulate(shown) {
+    const { names, axes, values, output, points } = shown;
+    const words = [this.changes.scene.layout.status, ...output.words];
+    let next = 0;
+    const work = async (engine) => {
+      while (next < points) {
+        const row = next;
+        next += 1;
+        const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
+        const result = await engine.ask("study", values, { names, each, words });
+        if (!result) return; // if not equal, the worker was ended
+        if (shown === this.shown) this.#take(result.rows, row);
+      }
+    };
+    this.#engines = Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, this.begin);
+    this.#say(`0 of ${points} rows`);
+    await Promise.all(this.#engines.map(work));
+  }
+
+  /** End the workers; an incomplete map stays as it is. */
+  #stop() {
+    this.#engines.forEach((engine) => engine.end());
+    this.#engines = [];
+  }
+
+  /** Store the outputs at the ends of a row's runs; null for a run that has failed, or that the scene refuses. */
+  #take(rows, row) {
+    const { output, found, points } = this.shown;
+    const integers = new BigInt64Array(rows.buffer);
+    for (let column = 0; column < points; column += 1) {
+      const status = (1 + output.words.length) * column;
+      const index = row * points + column;
+      const given = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
+      found[index] = integers[status] === 0n && this.#isAllowed(index) ? given : null;
+    }
+    this.shown.rows += 1;
+    this.#say(`${this.shown.rows} of ${points} rows`);
+    this.#draw();
+  }
+
+  /** Return the values of both parameters in a run. */
+  #givenAt(index) {
+    const { names, axes, points } = this.shown;
+    return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
+  }
+
+  #isAllowed(index) {
+    try {
+      return Boolean(this.changes.with(this.#givenAt(index), this.shown.values));
+    } catch {
+      return false;
+    }
+  }
+
+  #draw() {
+    const known = this.shown.found.filter((value) => Number.isFinite(value));
+    const [least, most] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
+    const context = this.canvas.getContext("2d");
+    const { points } = this.shown;
+    const image = context.createImageData(points, points);
+    Array.from(this.shown.found, (value, index) => {
+      const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
+      const colour = !Number.isFinite(value) ? [128, 128, 128, 60] : [...colourAt((value - least) / (most - least || 1)), 255];
+      image.data.set(colour, 4 * (row * points + column));
+    });
+    context.putImageData(image, 0, 0);
+    this.shown.ends = known.length ? [least, most] : null;
+    find("map-files").hidden = points !== POINTS;
+    this.#drawScales();
+  }
+
+  /** Draw the axes, the present run and the scale of the colours. */
+  #drawScales() {
+    const { scales, shown: { names, axes, output, ends, points } } = this;
+    const { clientWidth, clientHeight } = find("map-frame");
+    const [width, height] = [clientWidth - EDGE.left - EDGE.right, clientHeight - EDGE.top - EDGE.bottom];
+    if (!(width > 0 && height > 0)) return;
+    scales.clear().size(clientWidth, clientHeight).viewbox(0, 0, clientWidth, clientHeight);
+    const write = (text, x, y, anchor) => scales.plain(text).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
+    const bottom = EDGE.top + height;
+    const at = (k, value) => {
+      const [first, last] = [axes[k][0], axes[k].at(-1)];
+      const share = ((points - 1) * (value - first) / (last - first || 1) + 0.5) / points;
+      return k ? bottom - share * height : EDGE.left + share * width;
+    };
+    const units = names.map((name) => shownIn(this.changes.parameters.get(name)));
+    names.forEach((name, k) => {
+      const { factor, text } = units[k];
+      const [low, high] = [axes[k][0] * factor, axes[k].at(-1) * factor].sort((a, b) => a - b);
+      ticksBetween(low, high).forEach((tick) => {
+        const place = at(k, tick / factor);
+        scales.line(k ? [[EDGE.left - 5, place], [EDGE.left, place]] : [[place, bottom], [place, bottom + 5]]).addClass("map-tick");
+        if (k) write(numberText(tick), EDGE.left - 8, place + 4, "end");
+        else write(numberText(tick), place, bottom + 18, "middle");
+      });
+      const title = titleOf(quantityOf(name), text);
+      if (k) write(title, 0, 0, "middle").attr({ transform: `translate(13 ${EDGE.top + height / 2}) rotate(-90)` });
+      else write(title, EDGE.left + width / 2, bottom + 34, "middle");
+    });
+    scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
+    const { factor, text } = scaled(output.unit, Math.max(...(ends ?? [0]).map(Math.abs)));
+    this.#drawColours(write, EDGE.left, bottom + 52, width, titleOf(quantityOf(output.name), text), ends?.map((end) => factor * end));
+    if (this.#chosen !== undefined) {
+      const [column, row] = [this.#chosen % points, Math.floor(this.#chosen / points)];
+      const [left, top] = [EDGE.left + (column * width) / points, bottom - ((row + 1) * height) / points];
+      ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
+        scales.rect(width / points + 2 * RIM, height / points + 2 * RIM).move(left - RIM, top - RIM).addClass(kind));
+    }
+    const present = names.map((name, k) => at(k, this.changes.valueOf(name)));
+    const isSeen = present[0] >= EDGE.left && present[0] <= EDGE.left + width && present[1] >= EDGE.top && present[1] <= bottom;
+    if (isSeen && this.#isOfPresent()) ["map-present-edge", "map-present"].forEach((kind) => scales.circle(13).center(...present).addClass(kind));
+  }
+
+  /** Draw the scale of the colours, with its ends and its title. */
+  #drawColours(write, left, top, width, title, ends) {
+    const bar = this.scales.gradient("linear", (add) => VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
+    this.scales.rect(width, 9).move(left, top - 8).fill(bar);
+    const [least, most] = ends ? ends.map((value) => numberText(Number(value.toPrecision(4)))) : ["", ""];
+    write(least, left, top + 16, "start");
+    write(title, left + width / 2, top + 16, "middle");
+    write(most, left + width, top + 16, "end");
+  }
+
+  /** Return whether the present parameters differ from the runs of the map only in the two parameters of the map. */
+  #isOfPresent() {
+    const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
+    return !Object.keys(this.changes.held).length && others(this.shown.values) === others(this.changes.values);
+  }
+
+  /** Return the runs as a table: both parameters and the output. */
+  #table() {
+    const { names, output, found } = this.shown;
+    const lines = Array.from(found, (value, index) => [...Object.values(this.#givenAt(index)), value ?? ""].join(","));
+    return [[...names, output.name].join(","), ...lines, ""].join("\r\n");
+  }
+
+  async #picture() {
+    const { offsetLeft: left, offsetTop: top, offsetWidth: width, offsetHeight: height } = this.canvas;
+    const picture = await pictureOf(find("map-scales"), getComputedStyle(this.dialog).backgroundColor, (context) => {
+      context.imageSmoothingEnabled = false;
+      context.drawImage(this.canvas, ...[left, top, width, height].map((length) => 2 * length));
+    });
+    save(picture, `${this.changes.scene.name}-map.png`);
+  }
+
+  /** Return the run at a place of the canvas; undefined if there is none yet. */
+  #at({ clientX, clientY }) {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const points = this.canvas.width;
+    const place = (share) => Math.min(Math.max(Math.floor(share * points), 0), points - 1);
+    const [column, row] = [place((clientX - left) / width), points - 1 - place((clientY - top) / height)];
+    const index = row * points + column;
+    return this.shown?.found[index] === undefined ? undefined : index;
+  }
+
+  /** Move from run to run with the arrow keys, first from the run in the middle; open a run with Enter. */
+  #press(event) {
+    const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [];
+    if (!this.shown || (right === undefined && event.key !== "Enter")) return;
+    event.preventDefault();
+    const { points } = this.shown;
+    const middle = (points * points - 1) / 2;
+    if (event.key === "Enter") {
+      if (this.#chosen !== undefined) this.#open(this.#chosen);
+      return;
+    }
+    const [column, row] = this.#chosen === undefined ? [middle % points, Math.floor(middle / points)]
+      : [this.#chosen % points + right, Math.floor(this.#chosen / points) + up].map((place) => Math.min(Math.max(place, 0), points - 1));
+    this.#chosen = row * points + column;
+    this.#tell(this.#chosen);
+    this.#drawScales();
+  }
+
+  #tell(index) {
+    if (this.shown?.found[index] === undefined) return;
+    const value = this.shown.found[index];
+    const parameters = Object.entries(this.#givenAt(index)).map(([name, one]) => this.#valueText(name, one));
+    const result = value === null ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
+    this.#say(`${parameters.join(", ")}: ${result}`);
+  }
+
+  /** Return a value of a parameter with its unit; for an angle, also in degrees. */
+  #valueText(name, value) {
+    const parameter = this.changes.parameters.get(name);
+    const { factor, text } = shownIn(parameter);
+    const degrees = factor === 1 ? "" : ` (${numberText(Number((factor * value).toPrecision(4)))}\u202f${text})`;
+    return `${name} = ${[numberText(Number(value.toPrecision(5))), unitText(parameter.unit)].filter(Boolean).join("\u202f")}${degrees}`;
+  }
+
+  /** Open a run; the first touch of a run with a finger only shows its values. */
+  #choose(event) {
+    const index = this.#at(event);
+    if (index === undefined) return;
+    const isRead = event.pointerType !== "touch" || index === this.#read;
+    this.#read = index;
+    if (isRead) this.#open(index);
+    else this.#tell(index);
+  }
+
+  #open(index) {
+    if (this.shown.found[index] === undefined) return;
+    try {
+      this.changes.replace(this.changes.with(this.#givenAt(index), this.shown.values), {}); // its inputs are constant
+      this.dialog.close();
+    } catch (error) {
+      this.#say(`${error.message}.`);
+    }
+  }
+}

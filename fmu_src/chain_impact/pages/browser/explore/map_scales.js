@@ -1,0 +1,61 @@
+// The scales of the map: titles, units, ticks and colours of its axes.
+
+import { unitText } from "../base/format.js";
+import { KNOBS } from "./sliders.js";
+
+// the colour map viridis of matplotlib (CC0), at equal distances
+export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+
+const TICKS = 5; // approximate number of ticks of an axis
+const DEGREES = 180 / Math.PI;
+
+/** Return the factor and the unit in which a value is shown: degrees for an angle. */
+export function shownIn({ unit }) {
+  return unit.startsWith("rad") ? { factor: DEGREES, text: unit.replace("rad", "°") } : { factor: 1, text: unitText(unit) };
+}
+
+/** Return a name with a unit. */
+export function titleOf(name, unit) {
+  return unit ? `${name}, ${unit}` : name;
+}
+
+/** Return round numbers between two numbers. */
+export function ticksBetween(low, high) {
+  const rough = (high - low) / TICKS;
+  if (!(rough > 0)) return [low];
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
+  const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
+  return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(9)));
+}
+
+/** Return the colour of a fraction from 0 to 1. */
+export function colourAt(share) {
+  const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
+  const at = Math.min(Math.floor(place), VIRIDIS.length - 2);
+  return VIRIDIS[at].map((part, k) => Math.round(part + (place - at) * (VIRIDIS[at + 1][k] - part)));
+}
+
+/** The quantities that a map can show: name in a scene or a sweep → title. */
+const QUANTITIES = {
+  "impact.count": "Number of impacts",
+  "impact.last_time": "Time of the last impact",
+  peak_force: "Largest force at a wall",
+  max_penetration: "Largest penetration",
+  "stop.peak_moment": "Largest moment at a stop",
+  "stop.max_penetration": "Largest angle beyond a stop",
+  joint_force: "Largest force in a joint",
+  "energy.total": "Energy at the end",
+};
+
+/** Return the quantity with a name, or the name if there is no quantity. */
+export function quantityOf(name) {
+  return QUANTITIES[name] ?? KNOBS.find((knob) => knob.name === name)?.label ?? name;
+}
+
+/** Return a unit in which values up to a largest value are easy to read, and the factor to this unit. */
+export function scaled(unit, most) {
+  if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };
+  if (unit === "m" && most < 0.1) return { factor: 1e3, text: "mm" };
+  return shownIn({ unit });
+}

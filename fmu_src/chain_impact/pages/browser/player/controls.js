@@ -1,0 +1,113 @@
+// The buttons, the slider and the keys of the player.
+
+import { find } from "../base/dom.js";
+import { speedText } from "../base/format.js";
+import { SPEEDS } from "./clock.js";
+
+/**
+ * Connect buttons, slider and keys with the clock; without a recording they do nothing. Return a function that must be
+ * called when the clock has another recording.
+ */
+export function connect(clock, scene) {
+  const actions = {
+    " ": () => clock.toggle(),
+    ArrowLeft: () => clock.step(-1),
+    ArrowRight: () => clock.step(1),
+    ShiftArrowLeft: () => clock.stepImpact(-1),
+    ShiftArrowRight: () => clock.stepImpact(1),
+    ArrowUp: () => clock.shift(1),
+    ArrowDown: () => clock.shift(-1),
+    Home: () => clock.seek(clock.recording.start),
+    End: () => clock.seek(clock.recording.end),
+    s: () => find("slow").click(),
+    t: () => find("trace").click(),
+    l: () => find("loop").click(),
+    f: () => find("full").click(),
+    "?": () => find("help").showModal(),
+  };
+  document.addEventListener("keydown", (event) => {
+    const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift${event.key}` : event.key;
+    const action = actions[name.length === 1 ? name.toLowerCase() : name];
+    if (!action || !clock.recording || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
+    event.preventDefault();
+    action();
+  });
+  const buttons = { play: actions[" "], previous: actions.ShiftArrowLeft, next: actions.ShiftArrowRight };
+  Object.entries(buttons).forEach(([id, action]) => find(id).addEventListener("click", () => clock.recording && action()));
+  find("slow").addEventListener("change", ({ target }) => clock.set({ slow: target.checked }));
+  find("loop").addEventListener("change", ({ target }) => clock.set({ loop: target.checked }));
+  find("full").hidden = !document.fullscreenEnabled;
+  find("full").addEventListener("click", () =>
+    (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()));
+  find("trace").addEventListener("change", ({ target }) => {
+    scene.showTrace = target.checked;
+    clock.set({});
+  });
+  find("help-open").addEventListener("click", () => find("help").showModal());
+  connectSpeed(clock);
+  return connectSlider(clock);
+}
+
+/** Return whether the element with the focus uses the key itself. */
+function keepsKey({ target, key }) {
+  if (find("help").open || target.closest("dialog")) return true;
+  if (target.closest("input:not([type=checkbox], #scrub)")) return true;
+  if (target.closest("select")) return true;
+  return key === " " && target.closest("summary, button, input[type=checkbox]") !== null;
+}
+
+function connectSpeed(clock) {
+  const select = find("speed");
+  const choices = SPEEDS.includes(clock.speed) ? SPEEDS : [...SPEEDS, clock.speed].sort((a, b) => a - b);
+  select.append(...choices.map((value) => new Option(speedText(value), String(value))));
+  select.addEventListener("change", () => clock.set({ speed: Number(select.value) }));
+  const show = () => {
+    select.value = String(clock.speed);
+  };
+  clock.onChange(show);
+  show();
+}
+
+function connectSlider(clock) {
+  const slider = find("scrub");
+  slider.addEventListener("input", () => clock.recording && clock.seek(Number(slider.value)));
+  const play = find("play");
+  clock.onChange(() => {
+    const { recording } = clock;
+    slider.value = String(clock.time);
+    slider.setAttribute("aria-valuetext", `${clock.time.toFixed(4)} s`);
+    slider.style.setProperty("--done", `${(100 * (clock.time - recording.start)) / (recording.end - recording.start)}%`);
+    const label = clock.playing ? "Pause" : "Play";
+    if (play.getAttribute("aria-label") !== label) play.setAttribute("aria-label", label);
+  });
+  const marks = find("marks");
+  // Size and colour are stored: reading them after a change would make the browser lay out the page twice.
+  let look;
+  const draw = () => clock.recording && look && drawMarks(marks, look, clock.recording);
+  const fit = () => {
+    look = { width: marks.clientWidth, height: marks.clientHeight, colour: getComputedStyle(marks).color };
+    draw();
+  };
+  new ResizeObserver(fit).observe(marks.parentElement);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", fit);
+  return () => {
+    Object.assign(slider, { min: clock.recording.start, max: clock.recording.end });
+    draw();
+  };
+}
+
+/** Draw a mark above the slider for each impact; faster impacts have higher marks. */
+function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
+  const density = window.devicePixelRatio;
+  Object.assign(canvas, { width: width * density, height: height * density });
+  const context = canvas.getContext("2d");
+  context.scale(density, density);
+  context.fillStyle = colour;
+  const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
+  const thumb = 16; // [pixels] the middle of the slider's thumb stays half of this width from the ends of the slider
+  for (const { onset, endSpeed } of impacts) {
+    const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);
+    const tall = Math.max(3, (height * endSpeed) / fastest);
+    context.fillRect(x - 1, height - tall, 2, tall);
+  }
+}

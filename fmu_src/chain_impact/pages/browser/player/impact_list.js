@@ -1,0 +1,86 @@
+// The list of impacts; a click on an impact goes to its time.
+
+import { make } from "../base/dom.js";
+import { forceText, unitsOf } from "../base/format.js";
+
+const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
+const COLUMNS = ["#", "time", "point", "wall", "speed", "e′", "peak force"];
+const TITLES = { "e′": "Speed after the impact over that before" };
+
+/** Return the peak of a force as text, as far as it is known. */
+function peakText({ peak, atStop }) {
+  return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
+}
+
+function approachText(impact) {
+  return `${impact.speed.toFixed(2)} ${unitsOf(impact).speed}`;
+}
+
+/**
+ * Return the ratio of separation speed to impact speed as text; for a contact that has not ended, the word that it lasts.
+ */
+function reboundText({ speed, rebound, peak }) {
+  if (!Number.isFinite(rebound ?? NaN)) return peak === null ? "–" : "lasts";
+  return speed > 0 ? (rebound / speed).toFixed(3) : "–";
+}
+
+export class ImpactList {
+  constructor(element, goTo) {
+    this.element = element;
+    this.goTo = goTo;
+  }
+
+  /** List the impacts of a recording. */
+  show(recording) {
+    const { element, goTo } = this;
+    this.current = undefined;
+    this.rows = undefined;
+    element.classList.toggle("none", !recording.impacts.length);
+    element.textContent = recording.impacts.length ? "" : "none";
+    if (!recording.impacts.length) return;
+    const table = make("table");
+    table.createTHead().insertRow().append(...COLUMNS.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" })));
+    const body = table.createTBody();
+    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact, number) => this.#row(body, impact, number, goTo));
+    element.append(table);
+    const others = recording.impacts.length - this.rows.length;
+    if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));
+  }
+
+  #row(body, impact, number, goTo) {
+    const row = body.insertRow();
+    const button = make("button", { type: "button", textContent: String(number + 1) });
+    button.setAttribute("aria-label", `Go to impact ${number + 1}, at ${impact.onset.toFixed(6)} s`);
+    row.insertCell().append(button);
+    const texts = [`${impact.onset.toFixed(5)} s`, impact.what.replace(/^point /, ""), impact.wall.replace(/^slider_/, ""), approachText(impact), reboundText(impact), peakText(impact)];
+    texts.forEach((text) => {
+      row.insertCell().textContent = text;
+    });
+    row.addEventListener("click", () => goTo(number));
+    return row;
+  }
+
+  /** Mark the present contact if it is an impact, and scroll to it within the list only. */
+  draw(frame, contact) {
+    if (contact === this.current) return;
+    this.element.querySelector("[aria-current]")?.removeAttribute("aria-current");
+    this.current = contact;
+    const row = this.rows?.[contact?.number - 1];
+    if (!row) return;
+    row.setAttribute("aria-current", "true");
+    const head = row.parentElement.previousElementSibling.offsetHeight;
+    const { scrollTop, clientHeight } = this.element;
+    if (row.offsetTop - head < scrollTop) this.element.scrollTop = row.offsetTop - head;
+    const bottom = row.offsetTop + row.offsetHeight;
+    if (bottom > scrollTop + clientHeight) this.element.scrollTop = bottom - clientHeight;
+  }
+}
+
+/** Return words for a contact at a time; "" if the contact is not an impact. */
+export function impactText({ impacts }, contact, time) {
+  if (!contact?.number) return "";
+  const { number, onset, wall, peak } = contact;
+  const next = onset > time ? " is next" : "";
+  const force = peak === null ? "" : `, peak ${peakText(contact)}`;
+  return `Impact ${number} of ${impacts.length}${next}: ${contact.what} at ${wall}, ${approachText(contact)}${force}`;
+}

@@ -1,0 +1,111 @@
+// The player: the parts of the page that show a recording, and the loop that draws them.
+
+import { find } from "../base/dom.js";
+import { rateText } from "../base/format.js";
+import { CurveCharts } from "../charts/curve_charts.js";
+import { ForceChart } from "../charts/force_chart.js";
+import { EnergyChart } from "../charts/time_chart.js";
+import { Scene } from "../drawing/chain_drawing.js";
+import { Clock } from "./clock.js";
+import { connect } from "./controls.js";
+import { ImpactList, impactText } from "./impact_list.js";
+
+// [s] longest step of the animation: after a pause of the browser, the animation continues where it was
+const LONGEST_FRAME = 0.1;
+const SLOW = 0.5; // rate, over the chosen speed, below which the clock says slow motion
+
+export class Player {
+  further = []; // further functions that draw at each frame
+  #asked = false;
+  #before = undefined;
+
+  constructor(speed) {
+    this.clock = new Clock(speed);
+    this.scene = new Scene(find("scene"));
+    this.panels = [
+      [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
+        new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
+      [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
+        new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time), { of: ({ inputs }) => inputs, label: "Driven inputs" })],
+      [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
+        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time), { of: ({ outputs }) => outputs, label: "Outputs", closer: find("closer") })],
+      [({ forces }) => forces.length > 0, find("force").closest("section"),
+        new ForceChart(find("force"), find("close-what"), find("over"))],
+    ];
+    this.impacts = new ImpactList(find("impacts"), (number) => this.clock.toImpact(number));
+    this.hasChanged = connect(this.clock, this.scene);
+    this.clock.onChange(() => this.drawSoon());
+    new ResizeObserver(() => this.fit()).observe(find("view"));
+  }
+
+  /** Show another recording at the same time; a panel without contents is hidden. */
+  show(recording) {
+    const first = !this.recording;
+    this.recording = recording;
+    const [low, high] = recording.view;
+    find("view").style.setProperty("--aspect", (high[0] - low[0]) / (high[1] - low[1]));
+    this.panels.forEach(([isThere, panel, part]) => {
+      panel.hidden = !isThere(recording);
+      if (!panel.hidden) part.show(recording);
+    });
+    [this.scene, this.impacts].forEach((part) => part.show(recording));
+    this.clock.show(recording);
+    this.hasChanged();
+    find("subtitle").textContent = subtitle(recording);
+    if (first) this.#begin();
+    else this.drawSoon();
+  }
+
+  #begin() {
+    this.fit();
+    this.draw();
+    performance.mark("first-frame");
+    this.clock.set({ playing: !matchMedia("(prefers-reduced-motion: reduce)").matches });
+    requestAnimationFrame((now) => this.#tick(now));
+  }
+
+  #tick(now) {
+    const seconds = (now - (this.#before ?? now)) / 1000;
+    if (this.clock.playing) this.clock.advance(Math.min(seconds, LONGEST_FRAME));
+    this.#before = now;
+    requestAnimationFrame((next) => this.#tick(next));
+  }
+
+  fit() {
+    if (!this.recording) return;
+    const { clientWidth, clientHeight } = find("view");
+    this.scene.resize(clientWidth, clientHeight);
+    this.drawSoon();
+  }
+
+  /** Draw once, before the browser paints next. */
+  drawSoon() {
+    if (this.#asked) return;
+    this.#asked = true;
+    requestAnimationFrame(() => {
+      this.#asked = false;
+      this.draw();
+    });
+  }
+
+  /** Draw the clock, the caption, and every part, at the present frame. */
+  draw() {
+    const { clock, recording } = this;
+    const { frame, time, contact } = clock;
+    this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
+    [this.scene, this.impacts, ...this.further].forEach((part) => part.draw(frame, contact));
+    find("time").textContent = `${time.toFixed(5)} s`;
+    const slow = clock.slow && recording.rateAt(frame) < SLOW;
+    find("rate").textContent = rateText(clock.rate);
+    document.body.classList.toggle("slow-motion", slow);
+    document.body.classList.toggle("playing", clock.playing);
+    const caption = impactText(recording, contact, time);
+    if (find("caption").textContent !== caption) find("caption").textContent = caption;
+  }
+}
+
+/** Return words for the contents of a recording: numbers of links and impacts, and the duration. */
+function subtitle({ links, impacts: { length: count }, start, end }) {
+  return `${links} link${links === 1 ? "" : "s"}, ` +
+    `${count} impact${count === 1 ? "" : "s"} in ${+(end - start).toPrecision(4)} s`;
+}

@@ -1,0 +1,26 @@
+// The room between the walls, on the screen.
+
+/** Return the part of a polygon on the free side of a wall n·p ≥ offset (Sutherland & Hodgman, 1974). */
+function clipped(polygon, { normal: [nx, ny], offset }) {
+  const gap = ([x, y]) => nx * x + ny * y - offset;
+  return polygon.flatMap((here, index) => {
+    const before = polygon.at(index - 1);
+    const [gapBefore, gapHere] = [gap(before), gap(here)];
+    const kept = gapHere >= 0 ? [here] : [];
+    if (gapBefore * gapHere >= 0) return kept;
+    const fraction = gapBefore / (gapBefore - gapHere);
+    return [before.map((value, axis) => value + fraction * (here[axis] - value)), ...kept];
+  });
+}
+
+/** Return the room inside a rectangle: its corners, and the ends of the visible part of each wall. */
+export function roomWithin(walls, [[x0, y0], [x1, y1]]) {
+  const all = Object.values(walls);
+  const corners = all.reduce(clipped, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);
+  const size = Math.hypot(x1 - x0, y1 - y0);
+  const edges = all.map(({ normal: [nx, ny], offset }) =>
+    corners.filter(([x, y]) => Math.abs(nx * x + ny * y - offset) < 1e-9 * (size + Math.abs(offset))),
+  );
+  return { corners, edges: edges.filter((ends) => ends.length > 1) };
+}
+

@@ -1,0 +1,66 @@
+// The ratio of simulated time to time on the screen: smaller during impacts, to show them slowly. `pacing.py` computes the
+// same ratio for films. In an impact the ratio is such that the impact takes a given time. Before and after the impact the
+// ratio is proportional to the distance in time from the impact.
+
+const RAMP = 0.05; // [s] simulated time before an impact at which the player begins to slow down
+const LONGEST = 0.1; // [s] longest part of a contact that is shown slowly
+const SHORTEST = 1e-4; // [s] assumed duration of a contact without a duration
+export const FRAME_RATE = 60; // number of frames per second on the screen
+const FLIGHT_STEP = 1 / 240; // [s] step, far from impacts, of the grid of times on which the ratio is computed
+const SLOW_SPEED = 0.05; // least speed of an impact that is shown slowly, over the speed of the fastest impact
+const SLOW_COUNT = 100; // largest number of impacts that are shown slowly
+const NEAR = Array.from({ length: 48 }, (_, k) => 1e-3 ** (1 - k / 47));
+const WITHIN = Array.from({ length: 25 }, (_, k) => k / 24);
+
+/** Return onset and end [s] of the impacts that are shown slowly, from all impacts with their speeds. */
+export function slowSpans(impacts) {
+  const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, SLOW_COUNT);
+  return fastest
+    .filter(({ endSpeed }) => endSpeed >= SLOW_SPEED * fastest[0].endSpeed)
+    .map(({ onset, impactEnd }) => [onset, impactEnd])
+    .sort((a, b) => a[0] - b[0]);
+}
+
+/** Return equally spaced numbers between two numbers. */
+function between(from, to, count) {
+  return Array.from({ length: count }, (_, k) => from + ((to - from) * k) / (count - 1));
+}
+
+/** Return the values at some places of a curve through increasing places. */
+function interpolated(wanted, places, values) {
+  let at = 0;
+  return wanted.map((place) => {
+    while (at < places.length - 2 && places[at + 1] < place) at += 1;
+    const share = (place - places[at]) / (places[at + 1] - places[at] || 1);
+    return values[at] + Math.min(Math.max(share, 0), 1) * (values[at + 1] - values[at]);
+  });
+}
+
+/**
+ * Return the simulated times of the frames, which follow each other evenly on the screen, and the frames per second: `rate`,
+ * if there are not too many frames.
+ */
+export function frameTimes(start, stop, spans, impactTime, most, rate = FRAME_RATE) {
+  const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, SHORTEST), LONGEST)]) : [];
+  const places = between(start, stop, 2 + Math.min(Math.floor((stop - start) / FLIGHT_STEP), 2 * most));
+  for (const [onset, end] of shown) {
+    for (const near of NEAR) places.push(onset - RAMP * near, end + RAMP * near);
+    for (const share of WITHIN) places.push(onset + (end - onset) * share);
+  }
+  const clipped = Float64Array.from(places, (time) => Math.min(Math.max(time, start), stop)).sort();
+  const grid = clipped.filter((time, k) => k === 0 || time > clipped[k - 1]);
+  const slowness = grid.map((time) => 1 / shown.reduce((slowest, [onset, end]) => {
+    const distance = Math.max(0, onset - time, time - end);
+    return Math.min(slowest, Math.min(1, (end - onset) / impactTime) + distance / RAMP);
+  }, 1));
+  // the time on the screen: ∫ dt / rate, by the trapezoidal rule
+  const screen = new Float64Array(grid.length);
+  for (let k = 1; k < grid.length; k += 1) {
+    screen[k] = screen[k - 1] + ((grid[k] - grid[k - 1]) * (slowness[k] + slowness[k - 1])) / 2;
+  }
+  const whole = screen[screen.length - 1];
+  const count = Math.min(most, 2 + Math.floor(whole * rate));
+  const times = interpolated(between(0, whole, count), screen, grid);
+  [times[0], times[count - 1]] = [start, stop];
+  return { times: Float64Array.from(times), frameRate: (count - 1) / whole };
+}

@@ -1,0 +1,47 @@
+// The scene file with the changes of the reader: its contents, and its text as TOML.
+
+import { numberText } from "../base/format.js";
+import { asWritten } from "./scene_file.js";
+
+/** Return the contents of the scene file with the changes, without changed inputs, and with some more signals. */
+export function contentsOf(changes, signals = {}) {
+  const file = structuredClone(changes.scene.file);
+  for (const [name, value] of Object.entries(changes.values)) {
+    const { place, items } = changes.parameters.get(name);
+    if (place) put(file, place, items.length ? items[value - 1][0] : value);
+  }
+  Object.assign(file.signals, signals);
+  return asWritten(file, changes.scene.forms);
+}
+
+/** Return the contents of a scene file as TOML, without values that equal the defaults of their keys. */
+export function tomlText(file, keys) {
+  return blocksOf(file, { keys }, "").join("\n");
+}
+
+/** Return the blocks of a table: its values below its head line, and then the blocks of the tables inside it. */
+function blocksOf(table, { kind, keys }, name, headline = "") {
+  const ruleOf = (key) => (kind === "named" ? { kind: "table", keys } : keys[key]);
+  const isValue = ([key]) => !["table", "tables", "named"].includes(ruleOf(key).kind);
+  const given = Object.entries(table).filter(([key, value]) => JSON.stringify(value) !== JSON.stringify(ruleOf(key).default));
+  const lines = given.filter(isValue).map(([key, value]) => `${key} = ${tomlOf(value)}\n`);
+  const inner = given.filter((one) => !isValue(one)).flatMap(([key, value]) => {
+    const path = name ? `${name}.${key}` : key;
+    const title = Array.isArray(value) ? `[[${path}]]\n` : `[${path}]\n`;
+    return [value].flat().flatMap((one) => blocksOf(one, ruleOf(key), path, title));
+  });
+  return [...(lines.length ? [headline + lines.join("")] : []), ...inner];
+}
+
+/** Put a value at its path in a scene file; missing tables on the path are made. */
+function put(table, [key, ...rest], value) {
+  if (rest.length) put((table[key] ??= {}), rest, value);
+  else table[key] = value;
+}
+
+/** Return a value as TOML. */
+function tomlOf(value) {
+  if (Array.isArray(value)) return `[${value.map(tomlOf).join(", ")}]`;
+  if (typeof value === "number") return numberText(value);
+  return JSON.stringify(value);
+}

@@ -1,0 +1,154 @@
+// The present parameters of the page: the values of the scene, and the changes of the reader.
+
+import { numberText } from "../base/format.js";
+import { sumOf } from "./geometry.js";
+import { inRadians } from "./scene_file.js";
+
+export class Changes {
+  #listeners = [];
+  #openers = [];
+
+  constructor(scene) {
+    this.#take(scene);
+  }
+
+  #take(scene) {
+    this.scene = scene;
+    this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
+    this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
+    this.values = {}; // the changed values: name → number
+    this.held = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
+  }
+
+  /** Use another scene, without changes except for changes `from` before of inputs that this scene also has. */
+  open(scene, from = { values: {}, held: {} }) {
+    this.#take(scene);
+    this.#openers.forEach((opener) => opener());
+    const [values, held] = [from.values, from.held].map((table) => without(table, Object.keys(table).filter((name) => !scene.inputs.includes(name))));
+    this.replace(this.with(values), held);
+  }
+
+  /** Add a listener that is called when another scene is opened, before listeners for its values are called. */
+  onOpen(opener) {
+    this.#openers.push(opener);
+  }
+
+  onChange(listener) {
+    this.#listeners.push(listener);
+  }
+
+  get count() {
+    return Object.keys({ ...this.values, ...this.held }).length;
+  }
+
+  valueOf(name) {
+    return this.#valueIn(this.values, name);
+  }
+
+  /** Return a value for some changes: the changed value, else a derived value, else the scene's value. */
+  #valueIn(values, name) {
+    const { derived } = this.parameters.get(name) ?? {};
+    if (name in values || !derived) return values[name] ?? this.starts[name];
+    return sumOf(derived, (factor) => this.#valueIn(values, factor));
+  }
+
+  /** Return the value of an input at a time, or of any other parameter. */
+  valueAt(name, time) {
+    return this.held[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
+  }
+
+  isChanged(name) {
+    return name in this.values || name in this.held;
+  }
+
+  /** Return the number for a text or the name of a choice; an error says which values are allowed. */
+  numberOf(name, given) {
+    const parameter = this.parameters.get(name);
+    if (!parameter) throw new RangeError(`${this.scene.name} has no parameter ${name}`);
+    const { items, low, high, allowed, type, unit } = parameter;
+    const choice = items.findIndex(([id]) => id === given) + 1;
+    const text = typeof given === "string" ? given.trim() : given;
+    const number = inRadians(text, unit);
+    const isNumber = typeof number === "number" || (typeof number === "string" && number !== "");
+    const value = choice || (isNumber ? Number(number) : NaN);
+    const whole = type === "real" || Number.isInteger(value);
+    if (!(value >= low && value <= high && whole)) throw new RangeError(`${name} = ${given} must be ${allowed}`);
+    return value;
+  }
+
+  /**
+   * Return the checked changes: `from`, with the changes `given` added. A value that equals the scene's value is not a
+   * change, except for a value that the scene derives: that value then stays fixed.
+   */
+  with(given, from = this.values) {
+    const values = { ...from };
+    for (const [name, one] of Object.entries(given)) {
+      const value = this.numberOf(name, one);
+      if (value === this.starts[name] && !this.parameters.get(name).derived) delete values[name];
+      else values[name] = value;
+    }
+    checkTogether((name) => this.#valueIn(values, name), this.parameters);
+    return values;
+  }
+
+  /** Change some values: name → number, text, or the name of a choice. An input has this value all the time then. */
+  set(given) {
+    this.replace(this.with(given), without(this.held, Object.keys(given)));
+  }
+
+  /** Give an input a value from a time on; what it had later goes. */
+  hold(name, given, time) {
+    const before = (this.held[name] ?? []).filter(([from]) => from < time);
+    this.replace(this.values, { ...this.held, [name]: [...before, [time, this.numberOf(name, given)]] });
+  }
+
+  reset(name) {
+    this.replace(this.with({}, without(this.values, [name])), without(this.held, [name]));
+  }
+
+  /** Replace all changes by these changes. */
+  replace(values, held = this.held) {
+    Object.assign(this, { values, held });
+    this.#listeners.forEach((listener) => listener());
+  }
+
+  /** Return the changes as in a command or a link: name and text; for a choice, its name. */
+  texts(values = this.values) {
+    return Object.entries(values).map(([name, value]) => {
+      const { items } = this.parameters.get(name);
+      return [name, items.length ? items[value - 1][0] : numberText(value)];
+    });
+  }
+}
+
+/** Return a table without some of its keys. */
+function without(table, keys) {
+  return Object.fromEntries(Object.entries(table).filter(([key]) => !keys.includes(key)));
+}
+
+/** Refuse values that are each valid, but not together, as the scene does. */
+function checkTogether(valueOf, parameters) {
+  for (const name of parameters.keys()) {
+    const [, table] = /^(.*)\.static_friction$/.exec(name) ?? [];
+    const [least, sliding] = table ? [valueOf(name), valueOf(`${table}.friction`) ?? valueOf("contact.friction") ?? 0] : [0, 0];
+    if (least > 0 && least < sliding) {
+      throw new RangeError(`${name} = ${numberText(least)} must be >= ${numberText(sliding)}, ` +
+        "the coefficient of sliding friction, or 0 for the same");
+    }
+  }
+  for (const name of parameters.keys()) {
+    const [, link] = /^(.*)\.joint_max$/.exec(name) ?? [];
+    const low = link && valueOf(`${link}.joint_min`);
+    if (low !== undefined && valueOf(name) <= low) {
+      throw new RangeError(`${name} = ${numberText(valueOf(name))} must be > ${numberText(low)} [rad], which is ${link}.joint_min`);
+    }
+  }
+  const radius = valueOf("contact.radius") ?? 0;
+  for (const axis of ["x", "y"]) {
+    const [low, high] = ["min", "max"].map((end) => valueOf(`box.${axis}_${end}`));
+    if (high - low <= 2 * radius) {
+      throw new RangeError(`box.${axis}_max = ${numberText(high)} must be > ${numberText(low + 2 * radius)} [m], ` +
+        `which is ${axis}_min + 2 contact.radius`);
+    }
+  }
+}

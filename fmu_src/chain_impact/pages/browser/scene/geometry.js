@@ -1,0 +1,45 @@
+// The geometry of a scene for given values of its parameters: walls, points of links, names of stops.
+
+/** The inward normals of the walls of the box. */
+export const NORMALS = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
+/** The stops of a joint: keys of a link, which are also names among the walls. */
+export const STOPS = ["joint_min", "joint_max"];
+/** The stops of a slider: name among the walls → key. */
+export const SLIDER_STOPS = { slider_min: "min", slider_max: "max" };
+
+/**
+ * Return the coordinates of a point of a link, along the link and to its left, and its radius [m]; corners of a box are
+ * computed from the box.
+ */
+export function discOf({ link, entry, corner }, valueOf) {
+  const of = `link[${link + 1}]`;
+  if (!corner) return ["x", "y", "radius"].map((key) => valueOf(`${of}.point[${entry + 1}].${key}`));
+  const [length, half] = [valueOf(`${of}.length`), valueOf(`${of}.height`) / 2];
+  return [corner % 2 ? 0 : length, corner > 2 ? half : -half, valueOf("contact.radius")];
+}
+
+/** Return a derived value: the sum of products of some values, divided by a number. */
+export function sumOf({ terms, divisor }, valueOf) {
+  const products = terms.map((factors) => factors.reduce((found, factor) => found * valueOf(factor), 1) / divisor);
+  return products.reduce((sum, product) => sum + product, 0);
+}
+
+/** Return the words for a point in sentences: its number, and its name if `names` has one: "point 5 (heel)". */
+export function pointText(names, point) {
+  return names.has(point) ? `point ${point} (${names.get(point)})` : `point ${point}`;
+}
+
+/** Return the free sides of the walls for the present parameters: name → normal and offset. */
+export function wallsAt(scene, valueOf) {
+  const found = Object.entries(scene.walls).map(([name, wall]) => {
+    if (valueOf(`box.${name}`) !== undefined) {
+      const [nx, ny] = NORMALS[name];
+      return [name, { normal: [nx, ny], offset: (nx + ny) * valueOf(`box.${name}`) }];
+    }
+    const angle = valueOf(`wall.${name}.angle`);
+    if (angle === undefined) return [name, wall];
+    const [nx, ny] = [-Math.sin(angle), Math.cos(angle)];
+    return [name, { normal: [nx, ny], offset: nx * valueOf(`wall.${name}.x`) + ny * valueOf(`wall.${name}.y`) }];
+  });
+  return Object.fromEntries(found);
+}

@@ -1,0 +1,241 @@
+// The contents of a scene file, completed and checked by the rules of the keys in `kit.py`. The kernel refuses values that
+// are valid alone but not together.
+
+import { unitText } from "../base/format.js";
+import { SLIDER_STOPS, STOPS } from "./geometry.js";
+import { completeSignals, signalsAsWritten } from "./signals.js";
+
+const IN_DEGREES = { rad: "deg", "rad/s": "deg/s" };
+const DEGREES_TEXT = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg(?:\/s)?)\s*$/;
+const LONGEST_VALUE = 60; // largest number of characters of a value in a message
+
+const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
+
+/** Return a value for a message. */
+function quotedValue(value) {
+  const text = JSON.stringify(value) ?? String(value);
+  return text.length > LONGEST_VALUE ? `${text.slice(0, LONGEST_VALUE)}…` : text;
+}
+
+/** Refuse the value at a path of the file. */
+function refuse(path, what) {
+  throw new RangeError([path, what].filter(Boolean).join(" "));
+}
+
+/** Return an angle as text, "90 deg", in radians; return other values unchanged. */
+export function inRadians(value, unit) {
+  const [, number, given] = (typeof value === "string" && DEGREES_TEXT.exec(value)) || [];
+  return given && given === IN_DEGREES[unit] ? Number(number) * (Math.PI / 180) : value;
+}
+
+/** Return whether a value keeps a rule. */
+function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
+  const is = { float: Number.isFinite, int: Number.isInteger, bool: (one) => typeof one === "boolean", str: (one) => typeof one === "string" };
+  return is[kind](value) && !(value < minimum) && !(value <= above) && !(value > maximum) &&
+    (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
+}
+
+class ContentsReader {
+  constructor({ keys, laws, lawFile, inputs, still }) {
+    const units = [...inputs, ...still].flatMap(({ rows }) => rows.map(({ name, unit }) => [name, unit]));
+    Object.assign(this, { keys, lawFile, laws: laws.map(({ name }) => name), units: new Map(units) });
+  }
+
+  table(data, keys, path) {
+    if (!isTable(data)) refuse(path || "the file", `= ${quotedValue(data)} must be a table`);
+    const inner = (key) => (path ? `${path}.${key}` : key);
+    const unknown = Object.keys(data).find((key) => !Object.hasOwn(keys, key));
+    if (unknown !== undefined) refuse(inner(unknown), `is unknown; the keys here are ${Object.keys(keys).join(", ")}`);
+    const found = {};
+    for (const [key, rule] of Object.entries(keys)) {
+      const given = data[key] ?? (rule.needed ? undefined : { table: {}, named: {}, tables: [] }[rule.kind] ?? rule.default);
+      if (given === undefined && rule.needed) refuse(inner(key), `is missing (${rule.needed})`);
+      if (given !== undefined && given !== null) found[key] = this.value(given, this.#inUnitOf(found.input, rule), inner(key));
+      if (key === "links" && rule.kind === "tables") found.links = this.#each(found.links);
+    }
+    return found;
+  }
+
+  value(given, rule, path) {
+    if (rule.kind === "table") return this.table(given, rule.keys, path);
+    if (rule.kind === "tables" || rule.kind === "list") return this.#list(given, rule, path);
+    if (rule.kind === "named") {
+      if (!isTable(given)) refuse(path, `= ${quotedValue(given)} must be a table of tables`);
+      return Object.fromEntries(Object.entries(given).map(([name, one]) => [name, this.table(one, rule.keys, `${path}.${name}`)]));
+    }
+    const value = inRadians(given, rule.unit);
+    const known = rule.choices?.includes(this.laws[0]) ? { ...rule, choices: this.laws } : rule;
+    if (!keeps(value, known)) refuse(path, `= ${quotedValue(given)} must be ${rule.allowed}`);
+    return value;
+  }
+
+  /** Return the rule of a key with the unit of the first input of a signal, if the values of the key have this unit. */
+  #inUnitOf(names, rule) {
+    if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
+    if (!rule.hasUnitOfInput) return rule;
+    const unit = this.units.get(names[0]?.replace(/\[\d+\]/, "[{n}]").replace(/^wall\.\w+/, "wall.{name}"));
+    const told = unitText(unit ?? "1");
+    return { ...rule, unit, allowed: told ? `${rule.allowed} [${told}]` : rule.allowed };
+  }
+
+  #list(asked, { kind, keys, entries, each, length, orTrue, orOne }, path) {
+    const given = orOne && typeof asked === "string" ? [asked] : asked;
+    if (orTrue && typeof given === "boolean") return given ? ["*"] : [];
+    if (!Array.isArray(given)) refuse(path, `= ${quotedValue(given)} must be a list`);
+    const wanted = length === "links" ? this.links : length;
+    if (typeof wanted === "number" && given.length !== wanted) refuse(path, `has ${given.length} values, must have ${wanted}`);
+    if (entries && !(given.length >= entries[0] && given.length <= entries[1])) {
+      refuse(path, `has ${given.length} entries, must have ${entries.join(" to ")}`);
+    }
+    const read = (one, k) => (kind === "tables" ? this.table(one, keys, `${path}[${k + 1}]`) : this.value(one, each, `${path}[${k + 1}]`));
+    return given.map(read);
+  }
+
+  /** Return one entry for each of the equal links of a `count`. */
+  #each(links) {
+    const all = links.flatMap(({ count = 1, ...link }) => Array.from({ length: count }, () => ({ ...link })));
+    const [, most] = this.keys.chain.keys.links.entries;
+    if (all.length > most) refuse("chain.links", `are ${all.length}, must be at most ${most}`);
+    this.links = all.length;
+    return all;
+  }
+}
+
+/** Return the existing stops: pairs of a joint, counted from 1, and the key of its link. */
+export function stopsOf({ chain: { links } }) {
+  return links.flatMap((link, k) => STOPS.filter((stop) => link[stop] !== undefined).map((stop) => [k + 1, stop]));
+}
+
+/** Return the existing stops of a slider, with their names among the walls. */
+export function sliderStopsOf({ chain: { slider } }) {
+  return Object.entries(SLIDER_STOPS).filter(([, key]) => slider?.[key] !== undefined).map(([name]) => name);
+}
+
+/** Return the points of links in the order of their numbers, with the index of the link and the index in the link. */
+export function sitesOf({ chain: { links } }) {
+  return links.flatMap(({ points }, link) => points.map((site, entry) => ({ ...site, link, entry })));
+}
+
+/** Return the names of the existing walls. */
+export function wallsOf({ box, walls }) {
+  return [...Object.keys(box), ...walls.map(({ name }) => name)];
+}
+
+/** Return the points that can touch a wall if the file does not list points. */
+export function movablePoints({ chain: { base, links } }) {
+  return Array.from({ length: links.length + 1 }, (_, point) => point).slice(base === "pinned" ? 1 : 0);
+}
+
+/**
+ * Return the contents of a scene file with every default, with each link as one entry, and with all angles absolute and in
+ * radians; derived values are left out. An error says which key is wrong.
+ */
+export function complete(data, kit) {
+  const file = new ContentsReader(kit).table(data, kit.keys, "");
+  if ((file.contact.law_file || "") !== kit.lawFile) {
+    refuse("contact.law_file", `= ${quotedValue(file.contact.law_file)}: this page has no compiler; chain-impact explore makes a page with this law`);
+  }
+  setBodies(file, data);
+  setAngles(file);
+  setStops(file, kit.keys.stops.keys);
+  completeSignals(file.signals, kit.signals);
+  checkContents(file, kit.boxWalls);
+  file.outputs.sensitivities = []; // the page computes no derivatives
+  return file;
+}
+
+/** Add the corners of links that are boxes, and the slider of a sliding base; another base has no slider. */
+function setBodies({ chain }, data) {
+  chain.links.forEach((link, k) => {
+    const { shape, height, length } = link;
+    if ((shape === undefined) !== (height === undefined)) {
+      refuse(`chain.links[${k + 1}]`, `has ${shape ? "shape but no height" : "height but no shape"}; must have both or neither`);
+    }
+    if (shape === undefined) return;
+    const positions = [-height / 2, height / 2].flatMap((y) => [0, length].map((x) => ({ x, y })));
+    const corners = positions.map((position, index) => ({ ...position, name: "", corner: index + 1 }));
+    link.points = [...corners, ...link.points];
+    delete link.shape;
+  });
+  if (chain.base === "slider") return;
+  if (isTable(data.chain.slider)) refuse("chain.slider", "must be left out: only a base on a slider has it");
+  delete chain.slider;
+}
+
+/**
+ * Return the contents of a complete scene in the form of a file: boxes without corners, signals without default values of
+ * their `forms`.
+ */
+export function asWritten(file, forms) {
+  const found = structuredClone(file);
+  found.signals = signalsAsWritten(found.signals, forms);
+  found.chain.links.filter(({ height }) => height !== undefined).forEach((link) => {
+    link.shape = "box";
+    link.points = link.points.filter(({ corner }) => !corner);
+  });
+  return found;
+}
+
+/** Replace joint angles, normals of walls and other forms of angles by absolute angles. */
+function setAngles({ initial, chain, walls }) {
+  if (initial.joint_angles && initial.angles) refuse("initial", "has both angles and joint_angles; must have one of them");
+  let sum = 0;
+  initial.angles ??= initial.joint_angles?.map((angle) => (sum += angle));
+  if (!initial.angles) refuse("initial.angles", "is missing (angle of each link, absolute, from +x)");
+  delete initial.joint_angles;
+  initial.angular_velocities ??= chain.links.map(() => 0);
+  walls.forEach((wall) => {
+    if ((wall.angle === undefined) === (wall.normal === undefined)) refuse(`wall.${wall.name}`, "must have one of angle and normal");
+    wall.angle ??= Math.atan2(-wall.normal[0], wall.normal[1]) + 0;
+    delete wall.normal;
+  });
+}
+
+/** Set the numbers of the stops' law that do not follow from other numbers, if there are stops. */
+function setStops(file, keys) {
+  const [found] = stopsOf(file);
+  const [given] = Object.keys(file.stops);
+  if (!found && given) refuse(`stops.${given}`, "must be left out: no link has a joint_min or joint_max");
+  if (!found) return;
+  if (found[0] === 1 && file.chain.base === "free") refuse(`chain.links[1].${found[1]}`, "must be left out: a free base has no joint 1");
+  for (const [key, { ofStops }] of Object.entries(keys)) {
+    if (ofStops !== undefined) file.stops[key] ??= ofStops;
+  }
+}
+
+/** Refuse contents from which the page cannot make a record. */
+function checkContents(file, boxWalls) {
+  const { contact, inputs, initial, chain, walls } = file;
+  const movable = movablePoints(file);
+  const strange = contact.points?.find((point, k) => !movable.includes(point) || contact.points.indexOf(point) !== k);
+  if (strange !== undefined) refuse("contact.points", `holds ${strange}, must hold ${movable[0]} to ${movable.at(-1)}, each once`);
+  walls.forEach(({ name }, k) => {
+    const others = [...boxWalls, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...walls.slice(0, k).map((wall) => wall.name)];
+    if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
+  });
+  const there = wallsOf(file);
+  const named = [
+    ...Object.keys(contact.wall).map((name) => [`contact.wall.${name}`, name]),
+    ...inputs.wall_motion.map((name) => ["inputs.wall_motion", name]),
+  ];
+  for (const [path, name] of named) {
+    if (name !== "*" && !there.includes(name)) refuse(path, `= "${name}" is no wall of the scene; must be one of ${there.join(", ")}`);
+  }
+  const bases = { free: "a free base", pinned: "a pinned base", slider: "a base on a slider" };
+  if (inputs.base_motion && chain.base !== "pinned") refuse("inputs.base_motion", `= true must be false for ${bases[chain.base]}`);
+  if (chain.base !== "free" && initial.velocity.some(Boolean)) refuse("initial.velocity", `must be zero for ${bases[chain.base]}`);
+  checkSlider(file, bases);
+}
+
+/** Refuse values that a sliding base cannot have, and values that only a sliding base can have. */
+function checkSlider({ chain: { base, slider }, initial, inputs }, bases) {
+  if (!slider) {
+    if (initial.slider_velocity) refuse("initial.slider_velocity", `must be 0 for ${bases[base]}`);
+    if (inputs.slider_force) refuse("inputs.slider_force", `= true must be false for ${bases[base]}`);
+    return;
+  }
+  const { min, max } = slider;
+  if (min >= max) refuse("chain.slider.max", `= ${max} must be > ${min} [m], which is chain.slider.min`);
+  if (min > 0) refuse("chain.slider.min", `= ${min} must be <= 0: the slider is at 0 at the start`);
+  if (max < 0) refuse("chain.slider.max", `= ${max} must be >= 0: the slider is at 0 at the start`);
+}

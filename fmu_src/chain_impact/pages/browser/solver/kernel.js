@@ -1,0 +1,223 @@
+// The kernel: the WebAssembly module with one instance in its memory, and runs of this instance. `model.js` has the places
+// of values in the record of the instance.
+
+const WORD = 8; // [bytes] size of a word
+const ROWS = 256; // number of rows of outputs that the kernel fills in one call
+const RUNS = 41; // number of runs of a study in one call
+const PAGE = 65536; // [bytes] size of a page of WebAssembly's memory
+
+/** Return the next multiple of 64 bytes. */
+function aligned(place) {
+  return (place + 63) & ~63;
+}
+
+/** Return the times [s] of the rows of a result: multiples of the step, and the end. */
+export function rowTimes(stop, step) {
+  const count = Math.ceil((stop / step) * (1 - 1e-12)) + 1;
+  const times = Float64Array.from({ length: count }, (_, row) => row * step);
+  times[count - 1] = stop;
+  return times;
+}
+
+/** Return spans of consecutive words: the first word of each span, and its number of words. */
+function wordSpans(outputs) {
+  const spans = [];
+  for (const { word } of outputs) {
+    const [first, count] = spans.at(-1) ?? [NaN, 0];
+    if (word === first + count) spans.at(-1)[1] += 1;
+    else spans.push([word, 1]);
+  }
+  return spans.flat().map(BigInt);
+}
+
+/** The functions that a user's law may ask for. */
+const mathematics = Object.assign(Object.create(Math), { fmod: (x, y) => x % y });
+
+export class Kernel {
+  /** Return a promise of the kernel of a module, for the scene of a description. */
+  static async load(module, scene) {
+    const { exports } = await WebAssembly.instantiate(module, { Math: mathematics });
+    return new Kernel(exports, scene, scene.record);
+  }
+
+  constructor(exports, scene, start) {
+    this.exports = exports;
+    this.scene = scene;
+    this.start = start;
+    this.record = aligned(exports.__heap_base.value);
+    this.scratch = aligned(this.record + start.length);
+    this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
+    this.#reserve(this.scratch);
+    this.bytes.set(start);
+  }
+
+  /** Ensure that the memory reaches to an end; only this function grows the memory, which makes all views invalid. */
+  #reserve(end) {
+    const { exports, start } = this;
+    const missing = Math.ceil((end - exports.memory.buffer.byteLength) / PAGE);
+    if (missing > 0) exports.memory.grow(missing);
+    const { buffer } = exports.memory;
+    this.bytes = new Uint8Array(buffer, this.record, start.length);
+    this.reals = new Float64Array(buffer, this.record, start.length / WORD);
+    this.integers = new BigInt64Array(buffer, this.record, start.length / WORD);
+  }
+
+  /** Return places after the record for arrays of some numbers of words. */
+  #places(sizes) {
+    const places = sizes.reduce((found, size) => [...found, aligned(found.at(-1) + size * WORD)], [this.scratch]);
+    this.#reserve(places.at(-1));
+    return places;
+  }
+
+  get status() {
+    return Number(this.integers[this.scene.layout.status]);
+  }
+
+  /** Return the scene's record, not initialized, with some parameters changed: name → number. */
+  #given(values) {
+    this.bytes.set(this.start);
+    for (const [name, value] of Object.entries(values)) {
+      const { word, type } = this.parameters.get(name);
+      if (word < 0) continue;
+      if (type === "real") this.reals[word] = value;
+      else this.integers[word] = BigInt(value);
+    }
+    return this.bytes;
+  }
+
+  /** Set the scene's start with some parameters changed. */
+  initialize(values) {
+    this.#given(values);
+    this.exports.initialize(this.record, 0);
+  }
+
+  /**
+   * Run from the scene's start through some times, and return the results. The generator yields the finished fraction often
+   * enough for its caller to do other work.
+   *
+   * @param values the changed parameters: name → number.
+   * @param times Float64Array [s].
+   * @param outputs { word, integer } of the record, one for each column.
+   * @param atOnce number of times in one call of the kernel, which cannot be interrupted.
+   * @param held { time, word, value } in the order of time: inputs that have another value from a time on.
+   */
+  *run(values, times, outputs = [], { atOnce = ROWS, held = [] } = {}) {
+    const width = outputs.length;
+    const spans = wordSpans(outputs);
+    const [timesAt, spansAt, rowsAt] = this.#places([atOnce, spans.length, atOnce * width]);
+    this.initialize(values);
+    const columns = outputs.map(() => new Float64Array(times.length));
+    const { buffer } = this.exports.memory;
+    const timesHeld = new Float64Array(buffer, timesAt, atOnce);
+    const reals = new Float64Array(buffer, rowsAt, atOnce * width);
+    const integers = new BigInt64Array(buffer, rowsAt, atOnce * width);
+    new BigInt64Array(buffer, spansAt, spans.length).set(spans);
+    const impacts = [];
+    let done = 0;
+    for (const { time, word, value } of [...held, { time: Infinity }]) {
+      const later = times.findIndex((one) => one > time);
+      const until = later < 0 ? times.length : later;
+      while (done < until && this.status === 0) {
+        const asked = Math.min(atOnce, until - done);
+        timesHeld.set(times.subarray(done, done + asked));
+        const filled = Number(
+          this.exports.trajectory(this.record, timesAt, BigInt(asked), spansAt, BigInt(spans.length / 2), rowsAt, BigInt(width), 0));
+        columns.forEach((column, k) => {
+          const read = outputs[k].integer ? (from) => Number(integers[from]) : (from) => reals[from];
+          for (let row = 0; row < filled; row += 1) column[done + row] = read(row * width + k);
+        });
+        done += filled;
+        impacts.push(...this.#finished());
+        yield done / times.length;
+      }
+      if (this.status !== 0 || done === times.length) break;
+      timesHeld[0] = time;
+      let isThere = false;
+      while (!isThere && this.status === 0) {
+        isThere = this.exports.trajectory(this.record, timesAt, 1n, spansAt, 0n, rowsAt, 0n, 0) === 1n;
+        impacts.push(...this.#finished());
+      }
+      this.reals[word] = value;
+      this.integers[this.scene.layout.inputsChanged] = BigInt(this.scene.atOnce);
+    }
+    const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
+    const place = Number(this.integers[this.scene.layout.place]);
+    const statistics = Object.fromEntries(
+      Object.entries(this.scene.layout.statistics).map(([name, word]) => [name, Number(this.integers[word])]));
+    if (status === 0 || done > 0) impacts.push(...this.#open());
+    const whole = (column) => (done === times.length ? column : column.slice(0, done));
+    impacts.sort((a, b) => a.onset - b.onset || a.point - b.point || a.wall - b.wall);
+    return {
+      status,
+      place,
+      reached,
+      statistics,
+      impacts,
+      time: whole(times),
+      columns: columns.map(whole),
+    };
+  }
+
+  /**
+   * Run once for each row of values of some real parameters, and return words of the record at the end of each run. The
+   * generator yields the finished fraction.
+   */
+  *runEach(values, names, each, stops, words) {
+    const [runs, width] = [stops.length, words.length];
+    const [at, rows, ends, outputs, found] = this.#places([names.length, each.length, runs, width, runs * width]);
+    const { buffer } = this.exports.memory;
+    this.#given(values);
+    new BigInt64Array(buffer, at, names.length).set(names.map((name) => BigInt(this.parameters.get(name).word)));
+    new Float64Array(buffer, rows, each.length).set(each);
+    new Float64Array(buffer, ends, runs).set(stops);
+    new BigInt64Array(buffer, outputs, words.length).set(words.map(BigInt));
+    for (let done = 0, continuing = 0; done < runs;) {
+      const most = Math.min(RUNS, runs - done);
+      const [valuesAt, endsAt, foundAt] = [rows + done * names.length * WORD, ends + done * WORD, found + done * width * WORD];
+      const counts = [names.length, most, words.length].map(BigInt);
+      const complete = Number(this.exports.run_each(this.record, at, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], foundAt, continuing));
+      done += complete;
+      continuing = complete < most ? 1 : 0;
+      yield done / runs;
+    }
+    return new Float64Array(buffer, found, runs * width).slice();
+  }
+
+  /** Collect the finished contacts from the log; the oldest contacts are lost if they were not collected in time. */
+  #finished() {
+    const { finished, changes } = this.scene.layout;
+    const ended = Number(this.integers[finished.count]);
+    const first = Math.max(Number(this.integers[finished.collected]), ended - finished.room);
+    this.integers[finished.collected] = this.integers[finished.count];
+    this.integers[changes] = 0n;
+    return this.#logged(ended - first, (index) => (first + index) % finished.room);
+  }
+
+  /** Return rows of the log of contacts. */
+  #logged(count, rowOf) {
+    const { reals, integers, scene: { layout: { finished, impulses, loads } } } = this;
+    const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
+    return Array.from({ length: count }, (_, index) => {
+      const read = ([name, word]) => [name, ["point", "wall", "joint"].includes(name) ? Number(integers[word + rowOf(index)]) : reals[word + rowOf(index)]];
+      return { ...Object.fromEntries(Object.entries(finished.fields).map(read)), ...unknown };
+    });
+  }
+
+  /**
+   * Return the contacts that have not ended, with their peaks so far, which follow the ended contacts; drop results that
+   * were computed ahead.
+   */
+  #open() {
+    this.exports.follow(this.record);
+    const { finished, active } = this.scene.layout;
+    const ended = Number(this.integers[finished.count]);
+    return this.#logged(Number(this.integers[active]), (index) => (ended + index) % finished.room);
+  }
+}
+
+/** Return the result of a run without interruption. */
+export function runThrough(run) {
+  let step = run.next();
+  while (!step.done) step = run.next();
+  return step.value;
+}

@@ -1,0 +1,191 @@
+// A motion for the player, from two runs, and a third run if outputs are chosen. The first run finds the impacts, the second
+// run has rows at the frames, which are dense where the motion is shown slowly. Rows do not change the solution.
+
+import { contactsOf, framesOf, timesOf } from "../recording/frames.js";
+import { FRAME_RATE } from "../recording/pacing.js";
+import { lastBefore } from "../recording/recording.js";
+import { viewOf } from "../recording/view.js";
+import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
+import { rowTimes } from "./kernel.js";
+import { bodiesOf, railOf } from "./outlines.js";
+
+const IMPACT_TIME = 0.6; // [s] time on the screen that an impact takes
+const PARTS = 100; // number of parts of the first run, between which the run can be stopped
+const ROWS_OF_INPUTS = 2000; // number of rows of the first run if signals drive inputs
+const GOLDEN = (Math.sqrt(5) - 1) / 2;
+const FRAMES_OF_A_PERIOD = 16; // least number of frames in a period of the fastest sine that drives an input
+// largest number of impacts with additional rows of chosen outputs, and number of these rows
+const [FOLLOWED, ROWS_OF_IMPACT] = [400, 50];
+const FEW_FRAMES = 20; // number of frames in an impact below which additional rows show the course of the force
+const ALONE = 1e-3; // largest radius that is not drawn, over the size of the motion
+
+/** Return the impacts of a run in the form of a recording. */
+function listed(impacts, scene, valueOf) {
+  return impacts.map(({ point, wall, onset, end, impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak }) => {
+    const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
+    const endSpeed = speed * (atStop ? valueOf(`link[${point}].length`) : 1);
+    const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
+    return { point, what: stopped || pointText(new Map(scene.pointNames), point), wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, rebound, endSpeed, peak, depth, atStop };
+  });
+}
+
+/** Return the ranges of the joints with stops, in the form that the page draws. */
+function rangesOf(scene, valueOf) {
+  return scene.stops.map((joint) => {
+    const [low, high] = STOPS.map((stop) => valueOf(`link[${joint}].${stop}`));
+    const from = low ?? high - scene.openArc;
+    const to = Math.min(high ?? low + scene.openArc, from + 2 * Math.PI);
+    return { joint, arc: [from, to], marks: [low, high].filter((end) => end !== undefined) };
+  });
+}
+
+/** Return the radius of a point [m]. */
+function radiusOf({ sites, links }, valueOf, point) {
+  const site = sites[point - links - 1];
+  return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;
+}
+
+/** Return one coordinate of all points, in rows of all points. */
+function interleaved(each) {
+  const found = new Float64Array(each[0].length * each.length);
+  each.forEach((column, point) => column.forEach((value, row) => {
+    found[row * each.length + point] = value;
+  }));
+  return found;
+}
+
+/**
+ * Return the parts of a `Recording`, and how the runs ended; the generator yields the finished fraction.
+ *
+ * @param curves names of outputs that are needed over time.
+ * @param held inputs with other values from some times on: name → pairs of a time and a value.
+ */
+export function* motion(kernel, values, { curves = [], held = {} } = {}) {
+  const { scene } = kernel;
+  const valueOf = (name) => {
+    const parameter = kernel.parameters.get(name);
+    return parameter && (values[name] ?? parameter.start);
+  };
+  const stop = valueOf("simulation.stop_time");
+  const began = performance.now();
+  const { driven } = scene;
+  const hands = heldIn(kernel, held);
+  const firstTimes = driven.length || hands.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
+  const chosen = scene.columns.filter(({ name }) => curves.includes(name));
+  const runs = chosen.length ? 3 : 2;
+  const first = yield* part(kernel.run(values, firstTimes, driven, { atOnce: Math.ceil(firstTimes.length / PARTS), held: hands }), 0, runs);
+  const spent = performance.now() - began;
+  const end = first.status === 0 ? stop : Math.min(first.reached, stop);
+  const { status, place, reached, statistics, impacts } = first;
+  const ending = { status, place, reached, statistics, impacts, spent };
+  if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
+  const contacts = contactsOf(listed(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
+  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, IMPACT_TIME, frameRateOf(scene, valueOf, stop));
+  const { points, energies, touches, loads } = scene.drawn;
+  const ofTouches = touches.flatMap(({ force, depth, friction, sticking }) => [force, depth, friction, sticking]);
+  const { moved } = scene;
+  const words = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
+    .filter((word) => word !== null);
+  const sparse = contacts.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
+  const dense = sparse.length ? withImpacts(times, sparse) : times;
+  const { time, columns } = yield* part(kernel.run(values, dense, words.map((word) => ({ word })), { held: hands }), 1, runs);
+  if (time.length < 2) return { ...ending, parts: null };
+  const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
+  const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
+  const walls = wallsAt(scene, valueOf);
+  const reach = viewOf(x, y, points.length, {}, 0, false).view;
+  const size = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
+  const touching = scene.contactPoints.map((point) => [point, radiusOf(scene, valueOf, point)]);
+  const largest = Math.max(0, ...touching.map(([, radius]) => radius));
+  const rows = {
+    name: scene.name,
+    links: scene.links,
+    pointCount: points.length,
+    time,
+    x,
+    y,
+    energies: Object.fromEntries(Object.entries(energies).map(([name, word]) => [name, column(word)])),
+    touches: touches.map(({ point, wall, sign, force, depth, friction, sticking }) => ({
+      point,
+      wall,
+      force: column(force)?.map((value) => Math.max(sign * value, 0)),
+      depth: column(depth),
+      friction: column(friction),
+      sticking: column(sticking),
+    })),
+    loads: loads.map(({ joint, x: along, y: up }) => ({ joint, x: column(along), y: column(up) })),
+    contacts,
+    walls,
+    moved: Object.fromEntries(moved.map(({ name, word }) => [name.split(".")[1], column(word)])),
+    stops: rangesOf(scene, valueOf),
+    radius: largest > ALONE * size ? largest : 0,
+    touching,
+    pointNames: scene.pointNames,
+    bodies: bodiesOf(scene, valueOf),
+    rail: railOf(Array.from(time, (_, row) => [x, y].map((all) => all[row * points.length])), size, valueOf),
+    pinned: scene.pinned,
+  };
+  const inputs = { time: first.time, curves: [
+    ...driven.map(({ name, unit }, k) => ({ name, unit, values: first.columns[k] })),
+    ...Object.entries(held).map(([name, steps]) => ({
+      name,
+      unit: kernel.parameters.get(name).unit,
+      isStepped: true,
+      values: first.time.map((now) => steps.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
+    })),
+  ] };
+  const frames = dense === times ? time : times.slice(0, lastBefore(times, time.at(-1)) + 1);
+  const outputs = { time: frames, curves: [] };
+  if (chosen.length) {
+    const found = yield* part(kernel.run(values, withImpacts(frames, contacts), chosen, { held: hands }), 2, runs);
+    outputs.time = found.time;
+    outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, isStepped: integer, values: found.columns[k] }));
+  }
+  return { ...ending, parts: { ...framesOf(rows, { times: frames, frameRate }), inputs, outputs } };
+}
+
+/** Return held inputs as a run of the kernel needs them. */
+export function heldIn(kernel, held) {
+  const all = Object.entries(held).flatMap(([name, steps]) =>
+    steps.map(([time, value]) => ({ time, word: kernel.parameters.get(name).word, value })));
+  return all.sort((a, b) => a.time - b.time);
+}
+
+/** Return times with additional times within impacts, because an impact may lie between two times. */
+function withImpacts(times, contacts) {
+  const inside = contacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
+    [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
+      Array.from({ length: ROWS_OF_IMPACT }, (_, k) => from + ((to - from) * k) / (ROWS_OF_IMPACT - 1))));
+  const all = Float64Array.from([...times, ...inside.filter((time) => time < times.at(-1))]).sort();
+  return all.filter((time, k) => k === 0 || time > all[k - 1]);
+}
+
+/** Return the number of frames per second on the screen, enough to show the sines that drive inputs. */
+function frameRateOf({ parameters }, valueOf, stop) {
+  const sines = parameters.filter(({ name }) => /^signal\.\w+\.frequency$/.test(name)).flatMap(({ name }) => {
+    const lasting = stop - (valueOf(name.replace(/frequency$/, "start")) ?? 0);
+    if (lasting <= 0 || valueOf(name.replace(/frequency$/, "amplitude")) === 0) return [];
+    return [valueOf(name), valueOf(name) + lasting * valueOf(`${name}_rate`)].map(Math.abs);
+  });
+  return Math.max(FRAME_RATE, FRAMES_OF_A_PERIOD * Math.max(0, ...sines));
+}
+
+/**
+ * Return increasing times from 0 to the end, one in each of equal intervals, at uneven places in the interval: with even
+ * times a fast oscillation could look like a slow one, or like none.
+ */
+function unevenTimes(stop, count) {
+  const times = Float64Array.from({ length: count + 1 }, (_, k) => ((k + ((k * GOLDEN) % 1)) * stop) / count);
+  times[count] = stop;
+  return times;
+}
+
+/** Advance one of several runs, and yield the finished fraction of all runs. */
+function* part(run, number, runs) {
+  let step = run.next();
+  while (!step.done) {
+    yield (number + step.value) / runs;
+    step = run.next();
+  }
+  return step.value;
+}

@@ -1,0 +1,68 @@
+// The shapes that the page draws: outlines of links with points, and the line of a sliding base. Pictures use the same
+// shapes.
+
+import { discOf } from "../scene/geometry.js";
+
+const ROUND = 24; // number of corners of the polygon that is drawn for a circle
+const TICK = 0.06; // length of a stop's mark, and half the length of the carriage, over the size of the drawing
+const AHEAD = 0.12; // how far a line without a stop is drawn beyond the carriage, over the size of the drawing
+
+/** Return the part of a hull from the first of sorted places to the last one, which is left out (Andrew, 1979). */
+function halfHull(places) {
+  const found = [];
+  for (const [x, y] of places) {
+    while (found.length > 1) {
+      const [[ax, ay], [bx, by]] = found.slice(-2);
+      if ((bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0) break;
+      found.pop();
+    }
+    found.push([x, y]);
+  }
+  return found.slice(0, -1);
+}
+
+/** Return the corners of the convex hull of discs x, y, radius [m]. */
+function outlineOf(discs) {
+  const rims = discs.flatMap(([x, y, radius]) => Array.from({ length: radius > 0 ? ROUND : 1 }, (_, k) =>
+    [x + radius * Math.cos((2 * Math.PI * k) / ROUND), y + radius * Math.sin((2 * Math.PI * k) / ROUND)]));
+  rims.sort(([x0, y0], [x1, y1]) => x0 - x1 || y0 - y1);
+  return [...halfHull(rims), ...halfHull(rims.reverse())];
+}
+
+/**
+ * Return the links with points, each with its outline in the link's axes; ends that are not in `touching` have no radius.
+ */
+export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
+  const links = [...new Set(sites.map(({ link }) => link))];
+  return links.map((link) => {
+    const ends = [[0, link], [valueOf(`link[${link + 1}].length`), link + 1]];
+    const discs = sites.filter((site) => site.link === link).map((site) => discOf(site, valueOf));
+    return [link + 1, outlineOf([
+      ...ends.map(([x, point]) => [x, 0, touching.includes(point) ? valueOf("contact.radius") : 0]),
+      ...discs,
+    ])];
+  });
+}
+
+/** Return the line of a slider with its stops, and the carriage around the base; null without a slider. */
+export function railOf(bases, size, valueOf) {
+  const angle = valueOf("slider.angle");
+  if (angle === undefined) return null;
+  const [c, s] = [Math.cos(angle), Math.sin(angle)];
+  const [x0, y0] = bases[0];
+  const reached = bases.map(([x, y]) => (x - x0) * c + (y - y0) * s);
+  const at = (along, left) => [x0 + c * along - s * left, y0 + s * along + c * left];
+  const [low, high] = [valueOf("slider.min"), valueOf("slider.max")];
+  const ends = [low ?? Math.min(...reached) - AHEAD * size, high ?? Math.max(...reached) + AHEAD * size];
+  const ticks = [low, high].filter((end) => end !== undefined).map((end) => [-1, 1].map((side) => at(end, side * TICK * size)));
+  const start = x0 * c + y0 * s;
+  return {
+    lines: [ends.map((end) => at(end, 0)), ...ticks],
+    carriage: [[-1, -0.5], [1, -0.5], [1, 0.5], [-1, 0.5]].map(([along, left]) =>
+      [TICK * size * (c * along - s * left), TICK * size * (s * along + c * left)]),
+    stops: {
+      ...(low === undefined ? {} : { slider_min: { normal: [c, s], offset: start + low } }),
+      ...(high === undefined ? {} : { slider_max: { normal: [-c, -s], offset: -start - high } }),
+    },
+  };
+}

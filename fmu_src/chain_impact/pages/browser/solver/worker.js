@@ -1,0 +1,75 @@
+// The worker, which runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
+
+import { Kernel, rowTimes } from "./kernel.js";
+import { heldIn, motion } from "./motion.js";
+
+const MOST_BYTES = 500e6; // [byte] largest size of a table
+const AT_ONCE = 15; // [ms] computing time after which the worker looks for messages
+
+/** Let the browser deliver messages. */
+function pause() {
+  return new Promise((go) => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => go();
+    port2.postMessage(null);
+  });
+}
+
+/** Return the requested columns of the FMU, at the rows of a result. */
+function* rows(kernel, values, { names, held = {} }) {
+  const wanted = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
+  const time = (name) => values[name] ?? kernel.parameters.get(name).start;
+  const [stop, step] = [time("simulation.stop_time"), time("simulation.step_size")];
+  if (!(8 * (stop / step + 1) * (1 + wanted.length) <= MOST_BYTES)) {
+    throw new RangeError("the table would be too large: choose longer steps, an earlier end or fewer outputs");
+  }
+  const times = rowTimes(stop, step);
+  const found = yield* kernel.run(values, times, wanted, { held: heldIn(kernel, held) });
+  return { ...found, columns: Object.fromEntries(wanted.map(({ name }, k) => [name, found.columns[k]])) };
+}
+
+/** Return some words of the record at the end of runs with rows of values of some parameters. */
+function* study(kernel, values, { names, each, words }) {
+  const stop = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
+  const stops = new Float64Array(each.length / names.length).fill(stop);
+  return { rows: yield* kernel.runEach(values, names, each, stops, words) };
+}
+
+/** Return the memory of the columns of a result, which is transferred and not copied. */
+function columnsOf({ time, columns = {}, rows: runs }) {
+  return [time, runs, ...Object.values(columns)].filter(Boolean).map(({ buffer }) => buffer);
+}
+
+const KINDS = { motion, rows, study };
+const newest = {}; // kind → number of the newest request; older requests of some kinds are given up
+const kernels = {}; // kind → promise of a separate kernel for this kind, because runs of several kinds take turns
+const queues = {}; // kind → promise of the end of the request before
+let given; // the scene and the compiled module
+
+async function answer({ kind, number, values, options }) {
+  kernels[kind] ??= Kernel.load(given.module, given.scene);
+  const kernel = await kernels[kind];
+  const isOld = () => options.replaces && newest[kind] !== number;
+  const run = KINDS[kind](kernel, values, options);
+  let began = performance.now();
+  for (;;) {
+    if (isOld()) return postMessage({ number, result: null });
+    const step = run.next();
+    if (step.done) return postMessage({ number, result: step.value }, columnsOf(step.value));
+    if (performance.now() - began > AT_ONCE) {
+      postMessage({ number, done: step.value });
+      await pause();
+      began = performance.now();
+    }
+  }
+}
+
+onmessage = ({ data }) => {
+  if (data.kind === "scene") {
+    given = data;
+    return;
+  }
+  newest[data.kind] = data.number;
+  const after = queues[data.kind] ?? Promise.resolve();
+  queues[data.kind] = after.then(() => answer(data)).catch((error) => postMessage({ number: data.number, fault: error.message }));
+};
