@@ -10,6 +10,7 @@ import shutil
 from collections import Counter
 from functools import cache
 from importlib.util import find_spec
+from itertools import chain
 
 import pytest
 from hypothesis import settings
@@ -55,8 +56,11 @@ IMPORTING = {
 
 
 def pytest_addoption(parser):
-    """Add the option ``--full`` for all tests."""
+    """Add the options that choose a tier."""
     parser.addoption("--full", action="store_true", help="run all tests; needs the extra dev, and browsers")
+    parser.addoption(
+        "--without-quick", action="store_true", help="with --full: leave out the tests that pytest has run"
+    )
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -71,6 +75,8 @@ def pytest_cmdline_main(config):
 def pytest_configure(config):
     """Declare the marker, refuse impossible options, and fix the random examples of the quick tier."""
     config.addinivalue_line("markers", "full(reason, but=0): only in pytest --full, but for the first cases")
+    if config.option.without_quick and not config.option.full:
+        raise pytest.UsageError("--without-quick needs --full")
     if config.option.full:
         refuse_what_is_missing()
     random = config.option.full and "CI" not in os.environ
@@ -108,18 +114,21 @@ def not_importable():
 
 def leave_out(config, items):
     """Leave out the tests that are not in the tier."""
-    if config.option.full:
+    if config.option.full and not config.option.without_quick:
         return
     named = [argument for argument in config.args if "::" in argument]
-    seen, kept, left_out = Counter(), [], []
+    seen, quick, others = Counter(), [], []
     for item in items:
         mark = item.get_closest_marker("full")
         if mark and not any(is_named(item, name) for name in named):
             function = re.sub(r"\[.*", "", item.nodeid)
             seen[function] += 1
-            (kept if seen[function] <= first_cases(mark, item) else left_out).append(item)
+            (quick if seen[function] <= first_cases(mark, item) else others).append(item)
+        elif config.option.full and item.path.name in chain.from_iterable(IMPORTING.values()):
+            others.append(item)  # the environment in which the quick tier has run cannot import this file
         else:
-            kept.append(item)
+            quick.append(item)
+    kept, left_out = (others, quick) if config.option.full else (quick, others)
     if left_out:
         config.hook.pytest_deselected(items=left_out)
         items[:] = kept
