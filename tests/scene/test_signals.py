@@ -28,6 +28,11 @@ def refused(*signals, scene=ARM):
             "signal.a.input = 'joint[3].torque' is no input of the scene; the nearest is",
         ),
         (
+            "joint[2].target_angl",
+            SINE.replace("0.01", '"5 deg"'),
+            "signal.a.input = 'joint[2].target_angl' is no input of the scene; ",
+        ),
+        (
             "slider.force",
             SINE,
             "signal.a.input = 'slider.force' is no input of the scene; inputs.slider_force = true",

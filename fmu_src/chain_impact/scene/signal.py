@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from chain_impact.scene.limits import NO_KEY, quantity
-from chain_impact.scene.names import AXES, is_like
+from chain_impact.scene.names import AXES, is_like, nearest
 
 FORMS = ("constant", "sine", "ramp", "steps", "table")
 """The forms of signals, in the order of their numbers in the kernel."""
@@ -32,8 +32,13 @@ _UNITS = {
 
 
 def unit_of(name: str) -> str:
-    """Return the unit of an input; "1" if no input has this name."""
-    return next((unit for template, unit in _UNITS.items() if is_like(name, template)), "1")
+    """Return the unit of an input.
+
+    A misspelt name, which is refused after the values are read, has the unit of the nearest input; "1" if
+    no input is near.
+    """
+    template = next((one for one in _UNITS if is_like(name, one)), nearest(name, _UNITS))
+    return _UNITS[template] if template else "1"
 
 
 def _unit_of_values(known: Mapping[str, Any]) -> str:
