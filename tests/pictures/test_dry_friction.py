@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
+from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import conditions
 from chain_impact.pictures.over_time import ROWS
-from chain_impact.pictures.style import GREY, INK, SEPARATOR
+from chain_impact.pictures.style import GREY, INK
 from tests.helpers.friction import pendulum, sled, thrown
 from tests.pictures.pictures import drawn, recorded
 
@@ -31,7 +32,7 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
         assert bar.get_x() == phase["start"]
         end = recording.time[-1] if np.isnan(phase["end"]) else phase["end"]
         assert bar.get_x() + bar.get_width() == pytest.approx(end)
-        wide = bar.get_height() > 0.5
+        wide = bar.get_height() > 0.2
         assert wide == (phase["mode"] == 0)
     assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks", "slides"]
     assert INK != GREY

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
+from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import conditions, message
-from chain_impact.pictures.style import SEPARATOR
 from chain_impact.scene.scene import with_values
 from tests.helpers.stops import knee
 from tests.pictures.pictures import MODELS, hit, recorded, swing

@@ -4,8 +4,10 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from chain_impact.pictures.over_time import TOLD, point_groups
+from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
 
@@ -53,7 +55,7 @@ def test_energy_from_inputs_is_drawn_if_there_is_any():
     assert "supplied" not in energy.get_legend_handles_labels()[1]
     recording = swing()
     recording.columns["energy.supplied"] = np.ones(50)
-    _, _, _, energy, _ = drawn(recording)
+    _, _, _, energy = drawn(recording)
     assert energy.get_legend_handles_labels()[1][-1] == "supplied"
 
 
@@ -70,8 +72,9 @@ def test_many_points_are_not_told_apart_by_colour():
 
 
 def test_without_impacts_the_panel_says_so():
-    *_, speeds = drawn(swing())
-    assert texts(speeds) == ["no impact"]
+    page = Figure(layout="constrained")
+    fill(page, swing(), ["impacts"])
+    assert texts(page.axes[-1]) == ["no impact"]
 
 
 def test_a_contact_that_lasts_has_a_band_to_its_end():

@@ -1,5 +1,6 @@
 """The page with a recording: its files, its headline, and no overlaps."""
 
+import dataclasses
 import itertools
 import re
 
@@ -14,11 +15,12 @@ from matplotlib.text import Text
 
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import fit_legends, legend_above
+from chain_impact.pictures.overview import BESIDE, broadness
 from chain_impact.pictures.pages import SIZE
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.models import model_names
-from tests.pictures.pictures import MODELS, boxes, crowd, drawn, recorded, swing, write
+from tests.pictures.pictures import MODELS, boxes, crowd, drawn, hit, recorded, swing, write
 
 BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
 PICTURES = [*MODELS, "sixty impacts"]
@@ -105,6 +107,25 @@ def test_the_motion_fills_its_panel(name):
     assert box.width > 0.4 * page.bbox.width or box.height > 0.85 * height
 
 
+def test_a_broad_motion_has_the_whole_width_and_a_page_without_impacts_no_empty_panel():
+    page = recorded("clattering_rod").plot()
+    motion, _, energy, _ = page.axes
+    assert motion.get_window_extent().width > 0.8 * page.bbox.width
+    assert energy.get_window_extent().y1 < motion.get_window_extent().y0
+    _, _, *over_time = drawn(swing())
+    assert [axes.get_label() for axes in over_time] == ["time", "energy"]
+
+
+def test_long_names_of_points_are_short_in_the_panels_and_whole_at_the_foot():
+    name = "left_front_foot_collision_sphere"
+    recording = dataclasses.replace(
+        swing([hit(1.0, 1, "x_min", 1.0)], {"x_min": -1.0}), point_names={1: name}
+    )
+    page, *_, speeds = drawn(recording)
+    assert speeds.get_legend().get_texts()[0].get_text() == "point 1 (left_fr…_sphere)"
+    assert f"point 1: {name}" in [text.get_text() for text in page.texts]
+
+
 def test_the_headline_has_the_message_and_the_conditions():
     page, *_ = drawn(recorded("four_link_box"))
     message, conditions = (text.get_text() for text in page.texts)
@@ -122,7 +143,7 @@ def test_a_simulation_that_stopped_at_once_has_a_picture(tmp_path, rows):
 
 
 def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
-    _, motion, clock, _, _ = drawn(swing(rows=201))
+    _, motion, clock, _ = drawn(swing(rows=201))
     strip = clock.images[0]
     path = next(item for item in motion.collections if item.get_label() == "tip")
     for row, time in ((0, 0.005), (70, 0.705), (199, 1.995)):
@@ -201,7 +222,8 @@ def test_texts_fit_a_page_of_any_width(model, width):
     page = recorded(model).plot(size=(width, height))
     assert tuple(page.get_size_inches()) == (width, height)
     motion, *others = (axes.get_position(original=True) for axes in page.axes)
-    assert all((one.x0 >= motion.x1) == (width >= 6.0) for one in others)
+    beside = width >= 6.0 and broadness(recorded(model)) <= BESIDE
+    assert all((one.x0 >= motion.x1) == beside for one in others)
     check_texts(page)
     check_rules(page)
 

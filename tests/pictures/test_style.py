@@ -3,7 +3,8 @@
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.style import SEPARATOR, broken, headline, number
+from chain_impact.pictures.lines import SEPARATOR
+from chain_impact.pictures.style import broken, headline, number
 
 
 @pytest.mark.parametrize("conditions", ["", "4 links"])

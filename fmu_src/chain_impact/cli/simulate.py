@@ -254,10 +254,11 @@ def report(
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
     """Draw the derivatives of a recording, or its motion."""
-    from chain_impact.pictures import drawn, fill, fill_sensitivities
+    from chain_impact.pictures import SIZE, drawn, fill, fill_sensitivities, usual_size
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
-    canvas.draw(partial(drawn, fill_page), fill_page)
+    usual = SIZE if has_derivatives else usual_size(recording, size=canvas.size)
+    canvas.draw(partial(drawn, fill_page, usual=usual), fill_page)
 
 
 def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:

@@ -5,14 +5,15 @@ from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
 from chain_impact.pictures.impact import SIZE as IMPACT_SIZE, fill_impact, fill_loop_axes
 from chain_impact.pictures.motion import draw_chain
-from chain_impact.pictures.overview import fill, fill_axes
-from chain_impact.pictures.pages import NoRoomError, check_alone, drawn
+from chain_impact.pictures.overview import fill, fill_axes, usual_size
+from chain_impact.pictures.pages import SIZE, NoRoomError, check_alone, drawn
 from chain_impact.pictures.room import draw_walls
 from chain_impact.pictures.sizes import MM
 
 __all__ = [
     "IMPACT_SIZE",
     "MM",
+    "SIZE",
     "NoRoomError",
     "bars_size",
     "check_alone",
@@ -28,4 +29,5 @@ __all__ = [
     "fill_impact",
     "fill_loop_axes",
     "fill_sensitivities",
+    "usual_size",
 ]

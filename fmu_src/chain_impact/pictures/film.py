@@ -26,6 +26,7 @@ from chain_impact.pictures.style import (
     BLUE,
     BROWN,
     INK,
+    LOAD,
     OUTSIDE_COLOUR,
     PALE,
     STYLE as PICTURES,
@@ -41,7 +42,7 @@ from chain_impact.scene.bodies import placed
 from chain_impact.scene.checks import warn
 from chain_impact.scene.names import STOPS
 
-MUTED, CHAIN, TIP, FORCE, LOAD = "#566076", "#2b4a9f", "#c2255c", "#d9480f", "#0b7285"
+MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
 ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
 COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
 """All colours of a film, except white and the shades between the colours and white."""

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import hit
 from chain_impact.pictures.pages import settle
 from chain_impact.pictures.style import (
@@ -18,7 +19,6 @@ from chain_impact.pictures.style import (
     GREEN,
     GREY,
     INK,
-    SEPARATOR,
     VERMILLION,
     force_text,
     give_ticks,

@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.style import SEPARATOR, headline, is_narrow, number, raised
+from chain_impact.pictures.lines import SEPARATOR
+from chain_impact.pictures.style import headline, is_narrow, number, raised
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
 from chain_impact.scene.unit_text import of_power

@@ -20,7 +20,7 @@ from chain_impact.pictures.rest import ends_at_rest, rest_word
 from chain_impact.pictures.room import draw_walls, view_of
 from chain_impact.pictures.style import (
     INK,
-    PURPLE,
+    LOAD,
     TIME_COLOURS,
     force_text,
     give_ticks,
@@ -181,10 +181,10 @@ def draw_loads(axes: Axes, recording: Recording) -> None:
             angles="xy",
             scale_units="xy",
             scale=most / (LONGEST_LOAD * view),
-            color=PURPLE,
+            color=LOAD,
             zorder=6,
         )
-        told: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": PURPLE}
+        told: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
         axes.plot([], [], **told, label=f"joint forces, ≤ {force_text(most, 'N')}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.motion import by_speed
+from chain_impact.pictures.names import short_names
 from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import (
     BLACK,
@@ -29,7 +31,6 @@ from chain_impact.pictures.style import (
     faint,
     give_ticks,
     is_full,
-    is_narrow,
 )
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
@@ -40,12 +41,15 @@ ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissip
 ENERGY_COLOURS |= {"supplied": PURPLE}
 PARTS = {"friction": BROWN}
 """Energies that are parts of other energies → colours."""
+# the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
+BAR, NAME = 0.42, 0.5
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 TOLD = 5  # the largest number of points with individual colours, so that the legend has room
 POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)  # orange is the potential energy
 NUMBERED = 60  # the largest number of impacts that get numbers
 SHORT = 0.002  # the longest phase of dry friction that cannot be seen, relative to the duration of the run
 SEEN = 0.01  # the least duration of a contact that gets a band, relative to the shown time
+HEADROOM = 1.3  # the height of the panel of impact speeds over the largest speed, so that numbers have room
 DOT = 4.0  # [points] the size of the mark of an impact
 
 
@@ -94,15 +98,14 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
         if (place := place_of(phase, recording.wall_names, recording.point_names)) in shown:
             row, sticks = shown.index(place), phase["mode"] == STICKS
-            colour, height = (INK, 0.62) if sticks else (GREY, 0.16)
+            colour, height = (INK, BAR) if sticks else (GREY, 0.3 * BAR)
             axes.barh(row, length, height, left=phase["start"], color=colour)
-    page = axes.get_figure(root=True)
-    # names are on the left of the panel, which has the rest of the width
-    short = page is not None and is_narrow(page)
-    names = [place.removeprefix("point ") for place in shown] if short else shown
-    axes.set_yticks(range(len(shown)), names, fontsize="small")
-    axes.set_ylim(-0.6, len(shown) - 0.4)
-    axes.tick_params(axis="y", length=0)
+    # a name is above its bars, so that a long name takes no width from the panels
+    rows = [row + NAME for row in range(len(shown))]
+    names = [short_names(recording, place) for place in shown]
+    axes.set_yticks(rows, names, fontsize="small", ha="left", va="center")
+    axes.set_ylim(-0.4, len(shown) - 0.25)
+    axes.tick_params(axis="y", length=0, pad=-1.0)
     axes.spines["left"].set_visible(False)
     held = phases["mode"] == STICKS
     handles: list[Any] = [Patch(color=INK, label="sticks")] if held.any() else []
@@ -154,7 +157,8 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     """
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
-    for name, colour, hits in point_groups(recording):
+    groups = point_groups(recording)
+    for name, (_, colour, hits) in zip(shared_word([name for name, *_ in groups]), groups, strict=True):
         axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
         marker = "D" if stopped[hits[0]] else "o"
         axes.plot(times[hits], tops[hits], marker, linestyle="", color=colour, markersize=DOT, label=name)
@@ -162,7 +166,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         axes.hlines(tops[goes_on], times[goes_on], ends[goes_on], color=colour, linewidth=2.5, alpha=0.35)
     at_stops, at_walls = bool(stopped.any()), not stopped.all()
     axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
-    axes.set_ylim(0.0, 1.2 * (tops.max(initial=0.0) or 1.0))
+    axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
     if at_stops and at_walls:
         scale = stop_scale(recording)
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
@@ -177,6 +181,13 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
     over_all_time(axes, recording)
+
+
+def shared_word(names: Sequence[str]) -> list[str]:
+    """Return names for a legend, without a word with which the name before begins: "point 0", "1"."""
+    kinds = ["", *(name.partition(" ")[0] for name in names)]
+    pairs = zip(kinds, names, strict=False)
+    return [name.removeprefix(f"{before} ") if before else name for before, name in pairs]
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
@@ -210,7 +221,8 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
 
     Impacts of points and of joints at their stops are in different groups.
     """
-    names, impacts = [recording.toucher(row) for row in recording.impacts], recording.impacts
+    impacts = recording.impacts
+    names = [short_names(recording, recording.toucher(row)) for row in impacts]
     members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
     hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
     told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])

@@ -12,8 +12,10 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.labels import Ink, listed
+from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.motion import draw_motion, number_rings
+from chain_impact.pictures.names import full_names
 from chain_impact.pictures.over_time import (
     ROWS,
     draw_clock,
@@ -23,19 +25,29 @@ from chain_impact.pictures.over_time import (
     number_impacts,
     rubbing_places,
 )
-from chain_impact.pictures.pages import settle
+from chain_impact.pictures.pages import SIZE, settle
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import view_of
-from chain_impact.pictures.style import SEPARATOR, broken, is_narrow, styled, write_foot
+from chain_impact.pictures.sizes import Size, page_size
+from chain_impact.pictures.style import FULL, WIDE, broken, is_narrow, styled, write_foot
 from chain_impact.recording.recording import Recording
 
 SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion, relative to its height
 # the height of the panel of dry friction, and of each of its lines, relative to the height of the energies
-RUBBING, RUBBING_ROW = 0.3, 0.15
+RUBBING, RUBBING_ROW = 0.15, 0.3
 HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the page
-# ABOVE_TIME: the height of the panel of motion above the other panels; CLOCK: the height of the axis of
-# colours; both over the height of the energies
+# ABOVE_TIME: the largest height of the panel of motion above the other panels; CLOCK: the height of the axis
+# of colours; both over the height of the energies
 ABOVE_TIME, CLOCK = 1.1, 0.06
+# BESIDE: the ratio of width to height of a motion above which its panel has the whole width of the page;
+# BROADEST: this ratio of a motion that needs the largest height above the other panels on a narrow page
+BESIDE, BROADEST = 2.2, 1.7
+# [inch] sizes on a page whose height suits its contents. PANEL: the height of a panel over time with its
+# legend and numbers; LOWEST, HIGHEST: the least and the largest height of the panel of motion beside others;
+# ROUND: the width of the numbers and labels beside the motion; HEADS: the height of the headline, of the
+# legend above the motion, and of the labels below
+PANEL, LOWEST, HIGHEST, ROUND, HEADS = 1.7, 2.7, 4.0, 0.9, 1.3
+LABELS = 0.6  # [inch] the height of the legend and the labels of a motion above other panels
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
     "energy": draw_energy,
@@ -66,6 +78,8 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: 
     shown = chosen(recording, panels)
     if title is not None:
         write_head(page, recording, title)
+    if names := full_names(recording):
+        write_foot(page, names)
     found = axes_of(page, recording, shown)
     for name, axes in found.items():
         if name in shown:
@@ -154,20 +168,57 @@ def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
             raise ValueError(
                 f"panels = {list(panels)!r}: {name!r} is no panel; must be of {', '.join(PANELS)}"
             )
-    rubs = bool(len(recording.stick_slip))
-    return [name for name in PANELS if (name in panels if panels else name != "friction" or rubs)]
+    data = {"impacts": recording.impacts, "friction": recording.stick_slip}
+    return [name for name in PANELS if (name in panels if panels else len(data.get(name, PANELS)))]
+
+
+def usual_size(
+    recording: Recording, panels: Sequence[str] = (), size: Size | None = None
+) -> tuple[float, float]:
+    """Return the default size of a page [inches] that is not narrow: it is low for a broad motion.
+
+    Only the width of the wanted ``size`` counts.
+
+    Raises:
+        ValueError: when a panel does not exist.
+    """
+    shown = chosen(recording, panels)
+    heights, ratio = heights_of(recording, shown), broadness(recording)
+    if "motion" not in shown or not heights or (size and page_size(size)[0] < WIDE):
+        return SIZE
+    if ratio > BESIDE:
+        return FULL, HEADS + (FULL - ROUND) / ratio + PANEL * sum(heights)
+    motion = (motion_share(ratio) * FULL - ROUND) / ratio
+    return FULL, HEADS + min(max(motion, LOWEST, 0.9 * PANEL * sum(heights) - LABELS), HIGHEST)
+
+
+def broadness(recording: Recording) -> float:
+    """Return the ratio of width to height of the motion with its walls."""
+    width, height = np.ptp(view_of(recording).corners, axis=0)
+    return float(width / height)
+
+
+def motion_share(ratio: float) -> float:
+    """Return the width of the panel of motion beside other panels, relative to the width of the page."""
+    return HEIGHT * min(max(ratio, SLIM), BROAD)  # with this share the motion fills its panel
+
+
+def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
+    """Return the heights of the panels over time and of the axis of colours, relative to the energies."""
+    timed = [name for name in shown if name != "motion"]
+    rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
+    return [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
 
 
 def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
     """Return the axes of the panels, and of the axis of colours below the panels over time, by name."""
     timed = [name for name in shown if name != "motion"]
-    rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
-    heights = [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
-    width, height = np.ptp(view_of(recording).corners, axis=0)
+    heights, ratio = heights_of(recording, shown), broadness(recording)
     parts = [part for part, there in (("motion", "motion" in shown), ("time", timed)) if there]
-    share = HEIGHT * min(max(width / height, SLIM), BROAD)  # with this share the motion fills its panel
-    across = len(parts) > 1 and not is_narrow(page)
-    sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": ABOVE_TIME, "time": sum(heights)}
+    share, narrow = motion_share(ratio), is_narrow(page)
+    across = len(parts) > 1 and not narrow and ratio <= BESIDE
+    above = ABOVE_TIME * min(1.0, BROADEST / ratio) if narrow else ((FULL - ROUND) / ratio + LABELS) / PANEL
+    sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": above, "time": sum(heights)}
     ratios = [sizes[part] for part in parts]
     if across:
         grid = page.add_gridspec(1, len(parts), width_ratios=ratios)

@@ -20,6 +20,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.legends import fit_legends
+from chain_impact.pictures.lines import in_lines
 from chain_impact.pictures.sizes import LEAST, Size, page_size
 from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, Page, save, styled, suit_page
 
@@ -31,6 +32,7 @@ ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to
 # the largest number of quarters of an inch by which the height of a page is increased, to find a sufficient
 # height
 HIGHER = 40
+APART = 0.35  # the least space between two numbers of an axis, relative to their height
 # the length of a label, relative to the length of its axis, above which it is broken into two lines
 LONGER = 1.1
 Fill = Callable[[Figure], None]
@@ -195,8 +197,8 @@ def settle(page: Figure, scaled: Axes | None = None) -> None:
 
 
 def meet(one: Bbox, two: Bbox) -> bool:
-    """Return whether two successive numbers of an axis overlap."""
-    return bool(one.x1 > two.x0)
+    """Return whether two successive numbers of an axis overlap, or are so close that they look like one."""
+    return bool(one.x1 + APART * one.height > two.x0)
 
 
 def break_labels(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
@@ -214,7 +216,8 @@ def break_labels(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
             axes.locator_params(axis="x", nbins=LEAST_TICKS)
         label = axes.xaxis.label
         if label.get_window_extent().width > LONGER * inside.width:
-            label.set_text(label.get_text().replace("; ", ";\n"))
+            label.set_text(label.get_text().replace("\n", " "))
+            in_lines(label, LONGER * inside.width, "; ")
     return labels_of(page) != before
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import functools
 import os
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +22,12 @@ from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, MaxNLocator
 
 from chain_impact.pictures.dark import TIME, Ground, is_dark
+from chain_impact.pictures.lines import in_lines
 from chain_impact.system import written_whole
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
 BLUE, VERMILLION, PURPLE, BROWN, VIOLET = "#0072b2", "#d55e00", "#cc79a7", "#7a4b2a", "#7a3fa8"
+LOAD = "#0b7285"  # the forces in joints, also in films and pages
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """The colours of curves.
 
@@ -79,13 +81,10 @@ LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the 
 GAP = 0.09  # [inch] space below the headline, and below the conditions
 MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the page
 MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the height of the page
-# the font sizes that are tried for a headline longer than a line, relative to its usual size
+# the font sizes that are tried for a headline longer than a line, then than two, relative to its usual size
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
 STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten
-# a space at which a line may end: not beside the sign before a number, and not before a unit
-SPACE = re.compile(r"(?<![=≤]) (?![=≤]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
-SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
 
 
 @contextmanager
@@ -178,12 +177,11 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
     width, height = page.get_size_inches()
     place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
     said = page.suptitle(message, y=1.0 - TOP / height, va="top", **place)
-    size = float(said.get_fontsize())
-    for smaller in SMALLER:
-        said.set_fontsize(smaller * size)
-        if said.get_window_extent().width <= (width - 2.0 * LEFT) * page.dpi:
+    size, inside = float(said.get_fontsize()), (width - 2.0 * LEFT) * page.dpi
+    for lines, smaller in product((1, 2), SMALLER):
+        said.set(text=message, fontsize=smaller * size)
+        if in_lines(said, inside) <= lines:
             break
-    said.set_wrap(True)
     top = TOP + said.get_window_extent().height / page.dpi + GAP
     if conditions and is_narrow(page):
         write_foot(page, conditions)
@@ -198,44 +196,27 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
     _reserve(page, top / height, 0.0)
 
 
-def broken(page: Figure, text: str) -> str:
-    """Return a small text with line breaks, so that it fits between the margins of the page.
-
-    No line ends between a number and its name or unit.
-    """
-    probe = page.text(0.0, 0.0, "", fontsize="small")
-
-    @functools.cache
-    def width(word: str) -> float:
-        """Return the width of a word [pixels]."""
-        probe.set_text(word)
-        return float(probe.get_window_extent().width)
-
-    room, space = (page.get_figwidth() - 2.0 * LEFT) * page.dpi, width("n n") - width("nn")
-    lines: list[str] = []
-    filled = 0.0  # the width of the last line, with a space at its end
-    for word in SPACE.split(text):
-        if lines and filled + width(word.rstrip(SEPARATOR)) <= room:
-            lines[-1] += f" {word}"
-        else:
-            lines.append(word)
-            filled = 0.0
-        filled += width(word) + space
+def broken(page: Figure, text: str, more: int = 1) -> str:
+    """Return a small text in lines that fit between the margins; ``more`` is as in ``in_lines``."""
+    probe = page.text(0.0, 0.0, text, fontsize="small")
+    in_lines(probe, (page.get_figwidth() - 2.0 * LEFT) * page.dpi, more=more)
     probe.remove()
-    return "\n".join(lines)
+    return str(probe.get_text())
 
 
 def write_foot(page: Figure, text: str) -> Text | None:
     """Write a text at the foot of a page, above other texts there; return None if the page is too low."""
     (width, height), low = page.get_size_inches(), _foot(page)
     look: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
-    told = page.text(LEFT / width, low + 0.5 * GAP / height, broken(page, text), **look)
-    room = (told.get_window_extent().height / page.dpi + GAP) / height
-    if low + room > MOST_FOOT:
-        told.remove()
-        return None
-    _reserve(page, 0.0, low + room)
-    return told
+    told = page.text(LEFT / width, low + 0.5 * GAP / height, "", **look)
+    for more in (1, 0):
+        told.set_text(broken(page, text, more))
+        room = (told.get_window_extent().height / page.dpi + GAP) / height
+        if low + room <= MOST_FOOT:
+            _reserve(page, 0.0, low + room)
+            return told
+    told.remove()
+    return None
 
 
 def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:

@@ -103,9 +103,8 @@ class Pictured(Recording):
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
         shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
         if ax is None:
-            return pictures.drawn(
-                partial(pictures.fill, recording=self, panels=shown, title=title), path, size
-            )
+            fill = partial(pictures.fill, recording=self, panels=shown, title=title)
+            return pictures.drawn(fill, path, size, pictures.usual_size(self, shown, size))
         pictures.check_alone(path, size)
         pictures.fill_axes(ax, self, shown or ["motion"])
         return ax

@@ -19,12 +19,12 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.given import drawn_into, fit_into_figure
+from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.pages import check_alone, drawn
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
     PALETTE,
-    SEPARATOR,
     give_ticks,
     headline,
     is_narrow,

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.pages import drawn
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
@@ -25,7 +26,6 @@ from chain_impact.pictures.style import (
     INK,
     PALE,
     PALETTE,
-    SEPARATOR,
     headline,
     is_narrow,
     number,

@@ -1,0 +1,73 @@
+"""Texts of several lines: where a line may end, and lines of similar lengths."""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from collections.abc import Callable, Sequence
+
+from matplotlib.text import Text
+
+# a space at which a line may end: not beside the sign before a number, and not before a unit
+SPACE = re.compile(r"(?<![=≤]) (?![=≤]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
+SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
+HALVINGS = 8  # the number of times that the interval of the least sufficient width is halved
+
+
+def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> int:
+    """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
+
+    A line ends within a part of the text only if the part is longer than a line, or if whole parts need too
+    many lines. The text between two parts is left out at the end of a line.
+
+    Args:
+        text: the text, which is changed.
+        room: the width [pixels].
+        parts: the text between two parts.
+        more: the number of lines more than necessary that whole parts may need.
+
+    Returns:
+        The number of lines.
+    """
+    whole = text.get_text()
+
+    @functools.cache
+    def width(words: str) -> float:
+        """Return the width of some words [pixels]."""
+        text.set_text(words)
+        return float(text.get_window_extent().width)
+
+    pieces: list[str] = []
+    for part in re.split(f"(?<={re.escape(parts.rstrip(' '))}) ", whole):
+        fits = width(part.rstrip(parts)) <= room
+        pieces += [part] if fits else SPACE.split(part)
+    lines, words = _filled(pieces, room, width, parts), SPACE.split(whole)
+    filled = _filled(words, room, width, parts)
+    if len(lines) > len(filled) + more:
+        lines, pieces = filled, words
+    low, high = max(map(width, pieces), default=0.0), room
+    for _ in range(HALVINGS if len(lines) > 1 else 0):
+        middle = 0.5 * (low + high)
+        tried = _filled(pieces, middle, width, parts)
+        if len(tried) == len(lines):
+            lines, high = tried, middle
+        else:
+            low = middle
+    text.set_text("\n".join(line.rstrip(parts) for line in lines))
+    return len(lines)
+
+
+def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], parts: str) -> list[str]:
+    """Return lines, each with as many pieces as fit."""
+    space = width("n n") - width("nn")
+    lines: list[str] = []
+    filled = math.inf  # the width of the last line, with a space at its end
+    for piece in pieces:
+        if filled + width(piece.rstrip(parts)) <= room:
+            lines[-1] += f" {piece}"
+        else:
+            lines.append(piece)
+            filled = 0.0
+        filled += width(piece) + space
+    return lines

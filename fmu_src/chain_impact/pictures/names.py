@@ -1,0 +1,31 @@
+"""Long names of points: a picture has short names in its panels, and the full names at its foot."""
+
+from __future__ import annotations
+
+from chain_impact.pictures.lines import SEPARATOR
+from chain_impact.recording.recording import Recording
+
+LONGEST = 16  # the largest number of characters of a name that is not shortened
+KEPT = 7  # the number of characters at each end of a shortened name
+
+
+def short_names(recording: Recording, text: str) -> str:
+    """Return a text in which long names of points are shortened: "left_fo…phere_0"."""
+    for name in recording.point_names.values():
+        text = text.replace(f"({name})", f"({short(name)})")
+    return text
+
+
+def short(name: str) -> str:
+    """Return a name without its middle if it is long."""
+    return name if len(name) <= LONGEST else f"{name[:KEPT]}…{name[-KEPT:]}"
+
+
+def full_names(recording: Recording) -> str:
+    """Return the full names of the points that the impacts and the dry friction show with short names."""
+    shown = {*recording.impacts["point"][~recording.at_stops].tolist()}
+    shown |= {int(phase["point"]) for phase in recording.stick_slip if phase["wall"] >= 0}
+    names = recording.point_names
+    return SEPARATOR.join(
+        f"point {k}: {names[k]}" for k in sorted(shown & names.keys()) if len(names[k]) > LONGEST
+    )
