@@ -1,0 +1,297 @@
+"""The page on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon
+from matplotlib.patheffects import withStroke
+
+from chain_impact.pictures.arrow_scale import ArrowScale
+from chain_impact.pictures.body import body_look, draw_rail
+from chain_impact.pictures.over_time import ENERGY_COLOURS, mark_impacts
+from chain_impact.pictures.room import draw_pin, draw_room, moves
+from chain_impact.pictures.style import (
+    BLUE,
+    BROWN,
+    INK,
+    LOAD,
+    OUTSIDE_COLOUR,
+    PALE,
+    STYLE as PICTURES,
+    force_text,
+)
+from chain_impact.pictures.trace import trace_of
+from chain_impact.recording.joint_stops import range_lines, touching_place
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import framed, pin_mark, places_of, radius_of, size_of
+from chain_impact.scene.bodies import placed
+from chain_impact.scene.names import STOPS
+
+MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
+ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
+COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
+"""All colours of a film, except white and the shades between the colours and white."""
+STYLE: Any = PICTURES | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
+STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
+"""Settings of matplotlib for a film."""
+ROOM = (8.0, 4.5)  # [inch] the least width and height of a page with energies
+# position and size of the axes: left, bottom, width and height, relative to the size of the page
+SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)
+# position of the texts: left and middle of the height, relative to the size of the page
+CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
+SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
+"""The axes and texts on a page that has no room for energies, in the form of SCENE, CLOCK and RATE."""
+# half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
+# the scene
+BAR, CORNER = 0.035, 0.035
+# TAIL: [s] the simulated time in which the trace of the tip fades; TAIL_PARTS: the number of its pieces
+TAIL, TAIL_PARTS = 0.3, 40
+# largest difference from 1 in real time, largest rate in slow motion, least factor without decimals
+REAL, SLOW, TENS = 0.02, 0.5, 9.95
+
+
+class Film:
+    """The page on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
+
+    def __init__(self, figure: Figure, recording: Recording, times: np.ndarray) -> None:
+        """Draw the parts that do not move."""
+        self.recording, self.times = recording, times
+        self.points = np.stack(
+            [self._over_frames(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
+        )
+        self.loads = {joint: self._over_frames(force) for joint, force in recording.loads.items()}
+        self.rows = np.searchsorted(recording.time, times, side="right") - 1
+        self.touches, self.moving = recording.touches, list[Any]()
+        wide = bool((figure.get_size_inches() > 0.99 * np.array(ROOM)).all())
+        scene, clock, rate = (SCENE, CLOCK, RATE) if wide else (SMALL_SCENE, SMALL_CLOCK, SMALL_RATE)
+        self.tells_energies = wide and bool(recording.energies)
+        self.scene = figure.add_axes(scene)
+        figure.text(
+            SCENE[0], 0.94, recording.name, fontsize=13 if wide else 10, fontweight="bold", va="center"
+        )
+        moving: dict[str, Any] = {"animated": True, "va": "center"}
+        self.clock = figure.text(*clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
+        self.rate = figure.text(*rate, "", fontsize=10, **moving)
+        radius = radius_of(recording)
+        self._draw_ground(radius)
+        if self.tells_energies:
+            self._draw_energies(figure.add_axes(ENERGY))
+        still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
+        self.trace_times, self.path = trace_of(recording, self.side)
+        (self.trace,) = self.scene.plot([], [], color=TIP, linewidth=0.8, alpha=0.35, **still)
+        self.tail = LineCollection([], colors=TIP, animated=True)
+        self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
+        for lines in (self.tail, self.ranges):
+            self.scene.add_collection(lines, autolim=False)
+        disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
+        touching = recording.touching if radius > 0.0 else {}
+        self.discs = {point: Circle((0, 0), own, **disc) for point, own in touching.items()}
+        body: dict[str, Any] = {**body_look(CHAIN), "animated": True}
+        self.bodies = {link: Polygon(corners, **body) for link, corners in recording.outlines.items()}
+        base = {**body, "facecolor": to_rgb(PALE)}
+        self.carriage = [(Polygon(np.zeros((4, 2)), **base), recording.rail)] if recording.rail else []
+        self.patches = [*self.discs.values(), *self.bodies.values(), *(patch for patch, _ in self.carriage)]
+        for patch in self.patches:
+            self.scene.add_patch(patch)
+        (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
+        look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
+        (self.sites,) = self.scene.plot([], [], color=CHAIN, markersize=4, **look)
+        (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
+        (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
+        peaks = recording.impacts["peak_force"][~recording.at_stops]
+        at_walls = [one.force for one in self.touches if one.wall not in STOPS]
+        seen = [force.max(initial=0.0) for force in at_walls if force is not None]
+        seen += [np.hypot(*force.T).max() for force in recording.loads.values()]
+        peak = max([np.nanmax(peaks, initial=0.0), *seen])
+        self.scale = ArrowScale(peak, self.side)
+        if peak > 0.0:
+            self.scale.draw(self.scene, self.view[0] + CORNER * self.side, MUTED)
+        if self.loads:
+            self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
+
+    def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
+        """Return vectors at the times of the frames, shape (F, 2)."""
+        return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
+
+    def _draw_key(self, figure: Figure, right: float) -> None:
+        """Draw the legend of the two kinds of arrows."""
+        arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
+        kinds = {"wall forces": FORCE, "joint forces": LOAD}
+        place: dict[str, Any] = {"loc": "center right", "bbox_to_anchor": (right, 0.94), "borderaxespad": 0.0}
+        handles = [Line2D([], [], color=colour, label=name, **arrow) for name, colour in kinds.items()]
+        figure.legend(handles=handles, ncols=2, fontsize=8, handlelength=1.4, columnspacing=1.0, **place)
+
+    def _draw_ground(self, radius: float) -> None:
+        pinned = self.recording.pinned
+        view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
+        self.side = float(min(np.ptp(view, axis=0)))
+        # x and y have the same scale: the axes show the view, and more space beside or above the view, as the
+        # page allows
+        room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
+        seen = room * (size / room).max()
+        low = view[0] - anchor * (seen - size)
+        self.scene.set(xticks=[], yticks=[])
+        self.scene.spines[:].set_visible(False)
+        self.view = low + np.array([np.zeros(2), seen])
+        self.pin = pin_mark(self.recording.all_points) if pinned else []
+        self.room_moves = bool(self.recording.moved_walls) or (pinned and moves(self.recording.points[:, 0]))
+        draw_rail(self.scene, self.recording)
+        self.room = self._draw_room(0)
+        for artist in self.room if self.room_moves else ():
+            artist.set_animated(True)
+
+    def _draw_room(self, frame: int) -> list[Artist]:
+        walls = list(self.recording.walls_at(float(self.times[frame])).values())
+        way = self.points[frame, 0] - self.recording.points[0, 0]
+        pin = draw_pin(self.scene, [line + way for line in self.pin])
+        return [*draw_room(self.scene, self.view, walls), *pin]
+
+    def _moved_room(self, frame: int) -> list[Artist]:
+        """Return the artists of the room in a frame if walls or the base move; else an empty list."""
+        if not self.room_moves:
+            return []
+        for artist in self.room:
+            artist.remove()
+        self.room = self._draw_room(frame)
+        return self.room
+
+    def _draw_energies(self, axes: Any) -> None:
+        time = self.recording.time
+        mark_impacts(axes, self.recording)
+        for name, energy in self.recording.energies.items():
+            if name in ENERGIES and energy.any():
+                width = 1 + (name == "total")
+                style = "--" if name == "friction" else "-"
+                axes.plot(time, energy, style, color=ENERGIES[name], label=name, linewidth=width)
+        axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel="energy [J]")
+        place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
+        axes.legend(**place, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
+        self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)
+
+    def show(self, frame: int, rate: float) -> Iterable[Artist]:
+        """Move the chain to its pose in a frame; return the artists to draw, in order.
+
+        Args:
+            frame: the number of the frame.
+            rate: simulated seconds per second on the screen.
+        """
+        time, places = self.times[frame], self.points[frame]
+        points = places[: self.recording.link_count + 1]
+        passed = np.searchsorted(self.trace_times, time, side="right")
+        self.trace.set_data(*np.append(self.path[:passed], points[-1:], axis=0).T)
+        self._show_tail(time)
+        for point, disc in self.discs.items():
+            disc.set_center(tuple(places[point]))
+        for link, body in self.bodies.items():
+            body.set_xy(placed(self.recording.outlines[link], points[link - 1], points[link]))
+        for carriage, rail in self.carriage:
+            carriage.set_xy(rail.carriage(points[0], size_of(self.recording)))
+        self.sites.set_data(*places[len(points) :].T)
+        self.chain.set_data(*points.T)
+        self.joints.set_data(*points[:-1].T)
+        self.tip.set_data(*points[-1:].T)
+        self.clock.set_text(f"{time:.5f} s")
+        self.rate.set_text(rate_text(rate))
+        self.rate.set_color(INK if rate < SLOW else MUTED)
+        self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
+        yield from self._moved_room(frame)
+        yield from (self.trace, self.tail, *self.patches, self.ranges)
+        yield from (self.chain, self.sites, self.joints, self.tip)
+        yield from self._forces(frame)
+        yield from (self.clock, self.rate)
+        if self.tells_energies:
+            self.now.set_xdata([time, time])
+            yield self.now
+
+    def _show_tail(self, time: float) -> None:
+        moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
+        tip = np.stack([np.interp(moments, self.trace_times, along) for along in self.path.T], axis=-1)
+        self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
+        self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
+        self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
+
+    def _forces(self, frame: int) -> Iterator[Artist]:
+        """Yield arrows of wall forces and stop moments with their sizes, and marks of sticking joints."""
+        for artist in self.moving:
+            artist.remove()
+        self.moving.clear()
+        self.plane = self.recording.sides_at(float(self.times[frame]))
+        for one in self.touches:
+            force = 0.0 if one.force is None else self._at(one.force, frame)
+            sticks = one.sticking is not None and one.sticking[self.rows[frame]] > 0.0
+            if one.wall in self.plane and force > 0.0:
+                along = 0.0 if one.friction is None else self._at(one.friction, frame)
+                self._add_contact(self.points[frame, one.point], one.wall, (force, along), sticks)
+            elif not one.wall and sticks:
+                self._add_line(
+                    self.points[frame, max(one.point - 1, 0)], "o", markeredgecolor=CHAIN, markersize=7
+                )
+            elif force > 0.0:
+                place, (dx, dy) = touching_place(self.points[frame], one.point)
+                self._add_line(place, "o", markersize=9)
+                self._add_text(force_text(force, "N·m"), place + 0.11 * self.side * np.array([dy, -dx]))
+        self._add_loads(frame)
+        yield from self.moving
+
+    def _add_loads(self, frame: int) -> None:
+        """Add the arrows of joint forces that are large enough to be seen, and the largest force as text."""
+        forces = {joint: force[frame] for joint, force in self.loads.items()}
+        largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
+        for joint, force in forces.items():
+            whole = float(np.hypot(*force))
+            if whole > 0.0 and self.scale.shows(whole):
+                place = self.points[frame, joint - 1]
+                self._add_arrow(place, force / whole, whole, LOAD, told=joint == largest)
+
+    def _at(self, column: np.ndarray, frame: int) -> float:
+        return float(np.interp(self.times[frame], self.recording.time, column))
+
+    def _add_contact(self, place: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
+        """Add the normal and the tangential force on a point.
+
+        Add a bar along the wall if the contact sticks.
+        """
+        plane = self.plane[wall]
+        normal = np.array(plane.normal)
+        tangent = np.array([normal[1], -normal[0]])
+        foot, whole = place - plane.clearance(*place) * normal, float(np.hypot(*force))
+        if sticks:
+            bar = np.stack([foot - BAR * self.side * tangent, foot + BAR * self.side * tangent])
+            self._add_line(bar.T, linewidth=5.0, solid_capstyle="butt")
+        self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / whole, whole, FORCE)
+
+    def _add_arrow(
+        self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, told: bool = True
+    ) -> None:
+        """Add the arrow of a force [N] from a place in a direction; with ``told``, also its size as text."""
+        head = foot + self.scale.length(whole) * direction
+        style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
+        arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
+        self.moving.append(self.scene.add_patch(arrow))
+        if told:
+            self._add_text(force_text(whole, "N"), head + 0.035 * self.side * direction, colour)
+
+    def _add_line(self, place: np.ndarray, *marker: str, **look: Any) -> None:
+        self.moving += self.scene.plot(*place, *marker, color=FORCE, **look)
+
+    def _add_text(self, words: str, place: np.ndarray, colour: str = FORCE) -> None:
+        look: dict[str, Any] = {"color": colour, "fontweight": "bold", "ha": "center", "va": "center"}
+        outline = [withStroke(linewidth=3.0, foreground="white")]
+        self.moving.append(self.scene.text(place[0], place[1], words, path_effects=outline, **look))
+
+
+def rate_text(rate: float) -> str:
+    """Return how many times slower or faster than real time a film runs, for example: 480 × slower."""
+    if abs(rate - 1.0) < REAL:
+        return "real time"
+    times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")
+    number = f"{times:.1f}".removesuffix(".0") if times < TENS else f"{float(f'{times:.2g}'):.0f}"
+    return f"{number} × {word}"
