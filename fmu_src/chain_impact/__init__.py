@@ -92,8 +92,8 @@ def __getattr__(name: str) -> Any:
     """Import a public name at its first use."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    globals()[name] = found = getattr(import_module(_HOMES[name]), name)
-    return found
+    globals()[name] = exported = getattr(import_module(_HOMES[name]), name)
+    return exported
 
 
 def __dir__() -> list[str]:

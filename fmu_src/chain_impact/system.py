@@ -55,8 +55,8 @@ PLATFORMS = {
 
 def _host(system: str, machine: str, word: int) -> str:
     """Return the platform of a Python with addresses of ``word`` bytes; "" if no kernels exist for it."""
-    found = (name for name, one in PLATFORMS.items() if (one.system, one.machine) == (system, machine))
-    return next(found, "") if word == struct.calcsize("q") else ""
+    names = (name for name, host in PLATFORMS.items() if (host.system, host.machine) == (system, machine))
+    return next(names, "") if word == struct.calcsize("q") else ""
 
 
 def _machine() -> str:
@@ -70,10 +70,10 @@ HOST = _host(SYSTEM, _machine(), struct.calcsize("P"))
 
 def nowhere() -> str:
     """Return the sentence, with a remedy, for a machine for which no kernels exist."""
-    known = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
+    platforms = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
     return (
-        f"chain-impact runs on {known}, not on {platform.platform()} ({sysconfig.get_platform()}): use such "
-        "a machine, or a container or a virtual machine for one of them"
+        f"chain-impact runs on {platforms}, not on {platform.platform()} ({sysconfig.get_platform()}): use "
+        "such a machine, or a container or a virtual machine for one of them"
     )
 
 
@@ -97,7 +97,7 @@ def cache_folder() -> Path:
     return Path(platformdirs.user_cache_dir("chain-impact", appauthor=False))
 
 
-def others_can_write(found: os.stat_result) -> bool:
+def others_can_write(status: os.stat_result) -> bool:
     """Return whether another user of this machine, except root, can put files into a folder.
 
     On many systems a group with the same number as the user contains only this user. On Windows, other users
@@ -105,8 +105,8 @@ def others_can_write(found: os.stat_result) -> bool:
     """
     if SYSTEM == WINDOWS:
         return False
-    user, groups = os.getuid(), stat.S_IWGRP if found.st_gid not in (0, os.getuid()) else 0
-    return found.st_uid not in (0, user) or bool(found.st_mode & (groups | stat.S_IWOTH))
+    user, groups = os.getuid(), stat.S_IWGRP if status.st_gid not in (0, os.getuid()) else 0
+    return status.st_uid not in (0, user) or bool(status.st_mode & (groups | stat.S_IWOTH))
 
 
 def remove_lock(lock: Any) -> None:

@@ -107,9 +107,9 @@ def made(name: str, make: Callable[[Path], None]) -> Path:
     Raises:
         BuildError: when another process clears the cache meanwhile, or when no file can be written there.
     """
-    found = find(name)
-    if found:
-        return found
+    existing = find(name)
+    if existing:
+        return existing
     base = writable(base_folder())
     folder = base / _present()
     with explained(base):
@@ -198,11 +198,11 @@ def entries() -> list[Entry]:
 
 def clear() -> int:
     """Remove everything in the cache, and return the number of removed bytes."""
-    found = entries()
-    for entry in found:
+    removed = entries()
+    for entry in removed:
         with removal():
             shutil.rmtree(entry.path)
-    return sum(entry.size for entry in found)
+    return sum(entry.size for entry in removed)
 
 
 def _entry(path: Path) -> Entry:

@@ -58,15 +58,15 @@ class Library(codegen.JITCodeLibrary):
 
     def and_those_it_calls(self) -> Iterator[Library]:
         """Yield this library and all libraries that it needs, each library once."""
-        found: dict[Library, None] = {}
+        visited: dict[Library, None] = {}
         waiting = [self]
         while waiting:
             library = waiting.pop()
-            if library not in found:
+            if library not in visited:
                 library._ensure_finalized()
-                found[library] = None
+                visited[library] = None
                 waiting.extend(library._linking_libraries)
-        return iter(found)
+        return iter(visited)
 
 
 class Convention(callconv.MinimalCallConv):
@@ -126,13 +126,15 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     inner = ir.Function(
         module, context.call_conv.get_function_type(result, arguments), description.llvm_func_name
     )
-    kind = ir.FunctionType(context.get_value_type(result), [context.get_value_type(one) for one in arguments])
+    kind = ir.FunctionType(
+        context.get_value_type(result), [context.get_value_type(argument) for argument in arguments]
+    )
     entry = ir.Function(module, kind, description.llvm_cfunc_wrapper_name)
     builder = ir.IRBuilder(entry.append_basic_block("entry"))
-    held = builder.call(_external(module, WORD, USUAL_REGISTERS), ()) if guarded else None
+    caller_settings = builder.call(_external(module, WORD, USUAL_REGISTERS), ()) if guarded else None
     _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
-    if held:
-        builder.call(_external(module, ir.VoidType(), PUT_BACK, WORD), [held])
+    if caller_settings:
+        builder.call(_external(module, ir.VoidType(), PUT_BACK, WORD), [caller_settings])
         # an inlined function could compute before the registers are set, or after they are restored
         for call in builder.block.instructions:
             if isinstance(call, ir.CallInstr):
@@ -161,13 +163,13 @@ def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable
 
     numba asks for the same results thousands of times.
     """
-    known: dict[Any, Any] = {}
+    results: dict[Any, Any] = {}
 
     def remembered(*arguments: Any) -> Any:
-        one = key(*arguments)
-        if one not in known:
-            known[one] = method(*arguments)
-        return known[one]
+        result_key = key(*arguments)
+        if result_key not in results:
+            results[result_key] = method(*arguments)
+        return results[result_key]
 
     return remembered
 

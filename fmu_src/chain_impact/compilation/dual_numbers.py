@@ -71,9 +71,9 @@ def _parts(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
 
 def _all(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
     """Return a vector with the number in each entry."""
-    one = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
+    vector = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
     places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
-    return builder.shuffle_vector(one, ir.Constant(VECTOR, ir.Undefined), places)
+    return builder.shuffle_vector(vector, ir.Constant(VECTOR, ir.Undefined), places)
 
 
 def _times(builder: ir.IRBuilder, number: ir.Value, slopes: ir.Value) -> ir.Value:
@@ -103,11 +103,14 @@ def _declare(function: Any, result: types.Type, number: types.Type | None = floa
 
         def generic(self, arguments: Sequence[types.Type], keywords: Any) -> Any:
             plain = (types.Number, types.Boolean)
-            if keywords or not any(isinstance(one, Dual) for one in arguments):
+            if keywords or not any(isinstance(argument, Dual) for argument in arguments):
                 return None
-            if not all(isinstance(one, (Dual, *plain)) for one in arguments):
+            if not all(isinstance(argument, (Dual, *plain)) for argument in arguments):
                 return None
-            return signature(result, *(one if isinstance(one, Dual) else number or one for one in arguments))
+            return signature(
+                result,
+                *(argument if isinstance(argument, Dual) else number or argument for argument in arguments),
+            )
 
     infer_global(function)(_Template)
 
@@ -149,10 +152,12 @@ def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) 
 
     def code(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
         (a, *da), (b, *db) = (
-            (one,) if one.type == ir.DoubleType() else _parts(builder, one) for one in (x, y)
+            (x_or_y,) if x_or_y.type == ir.DoubleType() else _parts(builder, x_or_y) for x_or_y in (x, y)
         )
         by_a, by_b = slopes(a, b)
-        terms = [_times(builder, by_a, one) for one in da] + [_times(builder, by_b, one) for one in db]
+        terms = [_times(builder, by_a, x_or_y) for x_or_y in da] + [
+            _times(builder, by_b, x_or_y) for x_or_y in db
+        ]
         return _made(builder, getattr(builder, operation)(a, b), functools.reduce(builder.fadd, terms))
 
     return code, code, code
@@ -209,7 +214,10 @@ for _function, _relation in (
     def _compared(
         _context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value, relation: str = _relation
     ) -> ir.Value:
-        a, b = (builder.extract_value(one, 0) if one.type != ir.DoubleType() else one for one in (x, y))
+        a, b = (
+            builder.extract_value(operand, 0) if operand.type != ir.DoubleType() else operand
+            for operand in (x, y)
+        )
         compare = builder.fcmp_unordered if relation == "!=" else builder.fcmp_ordered
         return compare(relation, a, b)
 
@@ -220,10 +228,10 @@ for _function, _relation in (
 def _extreme(relation: str) -> Any:
     def lowered(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         best, *others = arguments
-        for one in others:
+        for candidate in others:
             # Python keeps the first of equal numbers, and so does this code
-            a, b = (builder.extract_value(number, 0) for number in (one, best))
-            best = builder.select(builder.fcmp_ordered(relation, a, b), one, best)
+            a, b = (builder.extract_value(number, 0) for number in (candidate, best))
+            best = builder.select(builder.fcmp_ordered(relation, a, b), candidate, best)
         return best
 
     return lowered
@@ -321,8 +329,8 @@ def _varies(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     slopes = builder.extract_value(x, 1)
     some: ir.Value = ir.Constant(ir.IntType(1), 0)
     for direction in range(DIRECTIONS):
-        one = builder.extract_element(slopes, cgutils.int32_t(direction))
-        some = builder.or_(some, builder.fcmp_unordered("!=", one, ir.Constant(one.type, 0.0)))
+        derivative = builder.extract_element(slopes, cgutils.int32_t(direction))
+        some = builder.or_(some, builder.fcmp_unordered("!=", derivative, ir.Constant(derivative.type, 0.0)))
     return some
 
 

@@ -65,14 +65,14 @@ class Function(types.Dispatcher):
 
     def _for(self, arguments: Any) -> types.Dispatcher:
         """Return the compiled function, or its replacement, that takes these arguments."""
-        rules = _RULES if any(carries_derivatives(one) for one in arguments) else {}
+        rules = _RULES if any(carries_derivatives(argument) for argument in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules
         return types.Dispatcher(compiled(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
         """Return the signature for some arguments; a rule with a dual number takes dual numbers only."""
         if self._function in _RULES and DUAL in args:
-            args = tuple(DUAL if one == float64 else one for one in args)
+            args = tuple(DUAL if argument == float64 else argument for argument in args)
         return self._for(args).get_call_type(context, args, kws)
 
     def get_overload(self, sig: Any) -> Any:

@@ -60,8 +60,8 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
     Raises:
         LawError: when the law cannot be compiled.
     """
-    known = {**FUNCTIONS, "__import__": lambda *_: MATHEMATICS}
-    space: dict[str, Any] = {"__name__": law.id, "__builtins__": known}
+    names = {**FUNCTIONS, "__import__": lambda *_: MATHEMATICS}
+    space: dict[str, Any] = {"__name__": law.id, "__builtins__": names}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
         MODULES.add(f"{law.id}.")  # a law may call other functions of the same file
@@ -88,6 +88,6 @@ def _reason(error: NumbaError) -> str:
     """Return the lines of numba's message that give the fault and its place, joined to one line."""
     text = re.sub(r"\x1b\[\d*m", "", str(error))  # removes the colours of the message
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    said = [line for line in lines if not line.startswith("Failed in")]
-    place = re.findall(r"line (\d+)", text)
-    return (said or lines)[0] + (f" (line {place[-1]})" if place else "")
+    messages = [line for line in lines if not line.startswith("Failed in")]
+    line_numbers = re.findall(r"line (\d+)", text)
+    return (messages or lines)[0] + (f" (line {line_numbers[-1]})" if line_numbers else "")

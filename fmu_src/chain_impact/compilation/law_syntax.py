@@ -63,10 +63,10 @@ def check_syntax(tree: ast.Module, source: str) -> None:
         _check_common(node)
     refused = next(_refused(tree), None)
     if refused is not None:
-        found = " ".join((ast.get_source_segment(source, refused) or type(refused).__name__).split())
-        said = found.encode("ascii", "backslashreplace").decode()
-        said = said if len(said) <= LONGEST else f"{said[: LONGEST - 3]}..."
-        raise LawError(f"has {said} in line {_line(refused)}; {ALLOWED}")
+        segment = " ".join((ast.get_source_segment(source, refused) or type(refused).__name__).split())
+        shown = segment.encode("ascii", "backslashreplace").decode()
+        shown = shown if len(shown) <= LONGEST else f"{shown[: LONGEST - 3]}..."
+        raise LawError(f"has {shown} in line {_line(refused)}; {ALLOWED}")
 
 
 def _check_common(node: ast.AST) -> None:
@@ -120,10 +120,10 @@ class _Names:
         heads = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
         constants = [node for node in tree.body if isinstance(node, ast.Assign | ast.AnnAssign)]
         imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
-        own = {*_bound(heads), *_bound(part for node in constants for part in ast.walk(node))}
+        defined = {*_bound(heads), *_bound(part for node in constants for part in ast.walk(node))}
         imported = set(_bound(part for node in imports for part in ast.walk(node)))
-        self._top = own | imported
-        self._callable = (imported | set(FUNCTIONS)) - own
+        self._top = defined | imported
+        self._callable = (imported | set(FUNCTIONS)) - defined
         self._math = {
             alias.asname or alias.name
             for node in ast.walk(tree)
@@ -137,8 +137,8 @@ class _Names:
         fine = True
         match node:
             case ast.Name(id=name):
-                known = name in self._all or name in FUNCTIONS or not hasattr(builtins, name)
-                fine = known and not name.startswith("__")
+                is_name = name in self._all or name in FUNCTIONS or not hasattr(builtins, name)
+                fine = is_name and not name.startswith("__")
             case ast.Attribute(value=ast.Name(id=name), attr=attribute, ctx=ast.Load()):
                 fine = name in self._math and attribute in MATH
             case ast.Attribute():

@@ -45,9 +45,9 @@ def kernel_library(
     kind = DERIVATIVES if derivatives else KERNEL
     exact = ready.exact(links, kind)
     name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
-    found = cache.find(name) if law else ready.best(links, platform, kind) or cache.find(name)
-    if found:
-        return found
+    existing = cache.find(name) if law else ready.best(links, platform, kind) or cache.find(name)
+    if existing:
+        return existing
     ready.require_compilers(_purpose(platform, law_file, derivatives))
     lowered_law = _lowered_law(law, law_file) if law else None
 
@@ -81,9 +81,9 @@ def browser_module(law_file: str = "") -> Path:
     """
     law = _law(law_file) if law_file else None
     name = f"{_law_name(law)}-{browser.MODULE}" if law else browser.MODULE
-    found = ready.find(name) or cache.find(name)
-    if found:
-        return found
+    existing = ready.find(name) or cache.find(name)
+    if existing:
+        return existing
     ready.require_compilers(f"{law_file}: a contact law of your own" if law_file else "a page that computes")
     lowered_law = _lowered_law(law, law_file) if law else None
 

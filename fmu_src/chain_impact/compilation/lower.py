@@ -57,8 +57,8 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
     The modules are joined in pairs, because the time to join two modules grows with the sizes of both.
     """
     while len(modules) > 1:
-        for one, next_one in zip(modules[::2], modules[1::2], strict=False):
-            one.link_in(next_one)
+        for module, next_module in zip(modules[::2], modules[1::2], strict=False):
+            module.link_in(next_module)
         modules = modules[::2]
     return modules[0]
 

@@ -78,12 +78,12 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
     table: dict[Path, Field] = {}
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
-        one = dtypes[0]
-        if one.subdtype and is_table(one):
+        first_dtype = dtypes[0]
+        if first_dtype.subdtype and is_table(first_dtype):
             add_columns(path, dtypes, offsets)
             return
-        kind = _kind(one.base)
-        fields = () if kind == DUAL else one.names or ()
+        kind = _kind(first_dtype.base)
+        fields = () if kind == DUAL else first_dtype.names or ()
         table[path] = Field(
             offset=affine(offsets),
             size=affine([dtype.itemsize for dtype in dtypes]),
@@ -103,8 +103,8 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
         table[path] = Field(affine(offsets), size, row.names, types.none, ())
         for name in row.names:
             kind, start = row.fields[name][:2]
-            place = affine([offset + start for offset in offsets])
-            table[*path, name] = Field(place, size, (), _kind(kind), shape, row.itemsize)
+            column_offset = affine([offset + start for offset in offsets])
+            table[*path, name] = Field(column_offset, size, (), _kind(kind), shape, row.itemsize)
 
     add((), layouts, [0] * len(layouts))
     return table
@@ -181,11 +181,11 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
         return instance
     if record.path == () and (counter := (COUNTERS | FLAGS).get(name)):
         return builder.call(_counter(builder, counter), [instance])
-    place = _place(context, builder, instance, field)
+    address = _place(context, builder, instance, field)
     if field.shape:
         shape = [_built(size, builder, instance) for size in field.shape]
-        return _array(context, builder, field.kind, place, shape, stride=field.stride)
-    return context.unpack_value(builder, field.kind, place)
+        return _array(context, builder, field.kind, address, shape, stride=field.stride)
+    return context.unpack_value(builder, field.kind, address)
 
 
 def _array(
@@ -238,9 +238,13 @@ def _type_of_block(_context: Any) -> Any:
 @lower_builtin(duals.block, Record, types.Integer)
 def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, number = arguments
-    own, size = (_built(record.field().size, builder, instance) for record in (INSTANCE, TANGENT))
+    primal_size, tangent_size = (
+        _built(record.field().size, builder, instance) for record in (INSTANCE, TANGENT)
+    )
     number = context.cast(builder, number, signature.args[1], types.int64)
-    return cgutils.pointer_add(builder, instance, builder.add(own, builder.mul(size, number)), instance.type)
+    return cgutils.pointer_add(
+        builder, instance, builder.add(primal_size, builder.mul(tangent_size, number)), instance.type
+    )
 
 
 @type_callable(duals.words)
@@ -271,8 +275,8 @@ def _type_of_clear(_context: Any) -> Any:
 def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
     part = signature.args[0].field()
-    place = _place(context, builder, instance, part)
-    cgutils.memset(builder, place, _built(part.size, builder, instance), 0)
+    address = _place(context, builder, instance, part)
+    cgutils.memset(builder, address, _built(part.size, builder, instance), 0)
     return context.get_dummy_value()
 
 
@@ -325,11 +329,11 @@ def _copy_fields(
             count: ir.Value = cgutils.intp_t(1)
             for size in field.shape:
                 count = builder.mul(count, _built(size, builder, source))
-            given, step = _words_of(context, builder, source, field, word)
-            own, own_step = _words_of(context, builder, target, TABLES["tangent"][path], word)
+            source_words, source_step = _words_of(context, builder, source, field, word)
+            target_words, target_step = _words_of(context, builder, target, TABLES["tangent"][path], word)
             with cgutils.for_range(builder, count) as loop:
-                number = builder.load(builder.gep(given, [builder.mul(loop.index, step)]))
-                builder.store(number, builder.gep(own, [builder.mul(loop.index, own_step)]))
+                number = builder.load(builder.gep(source_words, [builder.mul(loop.index, source_step)]))
+                builder.store(number, builder.gep(target_words, [builder.mul(loop.index, target_step)]))
 
 
 def _words_of(
@@ -337,8 +341,8 @@ def _words_of(
 ) -> tuple[ir.Value, ir.Value]:
     """Return the address of a field's first value, and the number of words between successive values."""
     words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
-    place = builder.bitcast(_place(context, builder, instance, field), word.as_pointer())
-    return place, cgutils.intp_t(words)
+    address = builder.bitcast(_place(context, builder, instance, field), word.as_pointer())
+    return address, cgutils.intp_t(words)
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:

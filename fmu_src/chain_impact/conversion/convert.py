@@ -33,7 +33,9 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
     with warnings.catch_warnings():
         # the numbers of a robot's file may look unusual to the checks of a scene
         warnings.simplefilter("ignore", SceneWarning)
-        done = chain_of(read_robot(path, choices.keyframe), choices, str(path), lambda one: _scene(one, path))
+        done = chain_of(
+            read_robot(path, choices.keyframe), choices, str(path), lambda converted: _scene(converted, path)
+        )
         return _scene(done, path), done
 
 
@@ -68,8 +70,8 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
         done = Converted(scene_to_dict(scene), [], differs, left_out, [])
     else:
         _, done = of_robot(Path(source), choices)
-        told = [f"From {Path(source).name}.", *(f"{title}: {line}" for title, line in told_lines(done))]
-        text = "".join(f"# {line}\n" for line in told) + f"\n{tomlkit.dumps(done.data)}"
+        remarks = [f"From {Path(source).name}.", *(f"{title}: {line}" for title, line in told_lines(done))]
+        text = "".join(f"# {line}\n" for line in remarks) + f"\n{tomlkit.dumps(done.data)}"
     with written_whole(output) as fresh:
         fresh.write_text(text, encoding="utf-8")
     return done
@@ -81,5 +83,5 @@ def told_lines(done: Converted) -> list[tuple[str, str]]:
     Differences that change the motion come first.
     """
     titles = (WARNING, DIFFERS, LEFT_OUT, "note")
-    told = (done.warnings, done.differs, done.left_out, done.notes)
-    return [(title, line) for title, lines in zip(titles, told, strict=True) for line in lines]
+    remarks = (done.warnings, done.differs, done.left_out, done.notes)
+    return [(title, line) for title, lines in zip(titles, remarks, strict=True) for line in lines]

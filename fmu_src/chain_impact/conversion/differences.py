@@ -77,22 +77,22 @@ def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> 
 @contextmanager
 def heard(package: str) -> Iterator[list[Difference]]:
     """Collect the warnings of a package, as differences."""
-    told: list[Difference] = []
+    differences: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        yield told
-    for message in dict.fromkeys(" ".join(str(one.message).split()) for one in caught):
-        told.append(Difference(kind=package, text=message, effect=Effect.NONE))
+        yield differences
+    for message in dict.fromkeys(" ".join(str(warning.message).split()) for warning in caught):
+        differences.append(Difference(kind=package, text=message, effect=Effect.NONE))
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
     """Return the differences with a title as one sentence each, with the largest effect first."""
-    ordered = sorted(differences, key=lambda one: (one.effect, -one.size))
+    ordered = sorted(differences, key=lambda difference: (difference.effect, -difference.size))
     names: dict[tuple[str, str], list[str]] = {}
-    for one in ordered:
-        if one.title == title:
-            names.setdefault((one.kind, one.text), []).append(one.name)
-    return [line(kind, list(dict.fromkeys(found)), text) for (kind, text), found in names.items()]
+    for difference in ordered:
+        if difference.title == title:
+            names.setdefault((difference.kind, difference.text), []).append(difference.name)
+    return [line(kind, list(dict.fromkeys(of_kind)), text) for (kind, text), of_kind in names.items()]
 
 
 def line(kind: str, names: Sequence[str], text: str, shown: int = SHOWN) -> str:

@@ -71,16 +71,16 @@ def _sign(value: float) -> float:
 
 
 def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray, np.ndarray]:
-    known = {
+    axes = {
         f"{sign}{name}": factor * direction
         for sign, factor in (("", 1.0), ("-", -1.0))
         for name, direction in zip("xyz", (X, Y, Z), strict=True)
     }
     names = [part.strip() for part in directions.split(",")]
-    allowed = f"must be two of {', '.join(known)}, for example x,z"
-    if len(names) != 2 or any(name not in known for name in names):  # noqa: PLR2004
+    allowed = f"must be two of {', '.join(axes)}, for example x,z"
+    if len(names) != 2 or any(name not in axes for name in names):  # noqa: PLR2004
         raise SceneError(f"--plane {directions}: {allowed}")
-    x, y = (known[name] for name in names)
+    x, y = (axes[name] for name in names)
     if abs(np.dot(x, y)) > PARALLEL or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL:
         turning = " ".join(f"{part:.4g}" for part in _cleaned(axis))
         raise SceneError(

@@ -65,9 +65,9 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
     """Return the joints that form the chain; ``planar_chain`` describes the arguments and errors."""
     held = _held(robot, wanted, source)
     poses, moving = moving_joints(robot, held)
-    slides = [one for one in moving if one.joint.kind == "slide"]
-    hinges = [one for one in moving if one.joint.kind == "hinge"]
-    others = [one.joint for one in moving if one.joint.kind not in ("slide", "hinge")]
+    slides = [moved for moved in moving if moved.joint.kind == "slide"]
+    hinges = [moved for moved in moving if moved.joint.kind == "hinge"]
+    others = [moved.joint for moved in moving if moved.joint.kind not in ("slide", "hinge")]
     for joint in others:
         raise NoChainError(
             f"{source}: joint {joint.name} is of the kind {joint.kind}: the joints of a scene are hinges",
@@ -88,7 +88,7 @@ def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, 
     A pose is a rotation and a position.
     """
     poses = _poses(robot, held)
-    return poses, [one for one in _placed(robot, poses) if one.joint.name not in held]
+    return poses, [moved for moved in _placed(robot, poses) if moved.joint.name not in held]
 
 
 def joints_at_start(robot: Robot) -> list[Moving]:
@@ -147,7 +147,7 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def _check_limits(moving: list[Moving], source: str) -> None:
-    for joint in (one.joint for one in moving):
+    for joint in (moved.joint for moved in moving):
         if joint.low >= joint.high:
             unit, other = ("m", "") if joint.kind == "slide" else ("rad", " (a `continuous` one can)")
             what = (
@@ -178,14 +178,14 @@ def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
     return groups
 
 
-def _parallel(one: np.ndarray, other: np.ndarray) -> bool:
-    return bool(np.linalg.norm(np.cross(one, other)) < PARALLEL)
+def _parallel(first: np.ndarray, second: np.ndarray) -> bool:
+    return bool(np.linalg.norm(np.cross(first, second)) < PARALLEL)
 
 
 def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], source: str) -> None:
     """Refuse slides, except one, or two at right angles, in the plane and before the first hinge."""
-    first = next(one for one in order if one.joint.kind == "hinge")
-    before = [one for one in order[: order.index(first)] if one.body in above(robot, first.body)]
+    first = next(moved for moved in order if moved.joint.kind == "hinge")
+    before = [moved for moved in order[: order.index(first)] if moved.body in above(robot, first.body)]
     along = [abs(float(np.dot(slide.axis, first.axis))) for slide in slides]
     square = len(slides) == 2 and abs(float(np.dot(slides[0].axis, slides[1].axis))) < PARALLEL  # noqa: PLR2004
     if slides and (

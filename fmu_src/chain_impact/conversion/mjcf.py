@@ -203,6 +203,6 @@ class _Reader:
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:
         """Return the rotation matrix of a quaternion, shape (3, 3)."""
-        found = np.zeros(9)
-        self.mujoco.mju_quat2Mat(found, quaternion)
-        return found.reshape(3, 3)
+        matrix = np.zeros(9)
+        self.mujoco.mju_quat2Mat(matrix, quaternion)
+        return matrix.reshape(3, 3)

@@ -30,7 +30,7 @@ class Contacts:
         self.pairs = {
             frozenset((int(model.pair_geom1[p]), int(model.pair_geom2[p]))): p for p in range(model.npair)
         }
-        self.excluded = {int(one) for one in model.exclude_signature}
+        self.excluded = {int(signature) for signature in model.exclude_signature}
         self.still = [g for g in range(model.ngeom) if self._is_still(g)]
         self.moving = [g for g in range(model.ngeom) if not self._is_still(g)]
 
@@ -40,28 +40,28 @@ class Contacts:
     def _is_wall(self, g: int) -> bool:
         return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
-    def _touch(self, one: int, other: int) -> bool:
+    def _touch(self, geom: int, other: int) -> bool:
         """Return whether two shapes can touch: as a listed pair, or because types and affinities match."""
         model = self.model
         if not self.works:
             return False
-        if frozenset((one, other)) in self.pairs:
+        if frozenset((geom, other)) in self.pairs:
             return True
-        first, second = sorted((int(model.geom_bodyid[one]), int(model.geom_bodyid[other])))
+        first, second = sorted((int(model.geom_bodyid[geom]), int(model.geom_bodyid[other])))
         if (first << BITS) + second in self.excluded or model.body_weldid[first] == model.body_weldid[second]:
             return False
         types, affinities = model.geom_contype, model.geom_conaffinity
-        return bool(types[one] & affinities[other] or types[other] & affinities[one])
+        return bool(types[geom] & affinities[other] or types[other] & affinities[geom])
 
-    def _rubs(self, one: int, other: int) -> float:
+    def _rubs(self, geom: int, other: int) -> float:
         """Return the friction of two shapes: of the listed pair, else by priority, else the larger one."""
         model = self.model
-        if frozenset((one, other)) in self.pairs:
-            p = self.pairs[frozenset((one, other))]
+        if frozenset((geom, other)) in self.pairs:
+            p = self.pairs[frozenset((geom, other))]
             rubs, friction = model.pair_dim[p] > 1, float(model.pair_friction[p, 0])
         else:
-            most = max(model.geom_priority[one], model.geom_priority[other])
-            ruling = [g for g in (one, other) if model.geom_priority[g] == most]
+            most = max(model.geom_priority[geom], model.geom_priority[other])
+            ruling = [g for g in (geom, other) if model.geom_priority[g] == most]
             rubs = max(model.geom_condim[g] for g in ruling) > 1
             friction = max(float(model.geom_friction[g, 0]) for g in ruling)
         friction = friction if self.friction is None else self.friction

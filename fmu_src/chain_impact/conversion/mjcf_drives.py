@@ -104,8 +104,8 @@ class Drives:
             for a in filter(self._active, self.at.get(j, [])):
                 self._tell(a, f"acts on a {joint.kind}: is not in the scene", Effect.MOTION, joint.name)
             return joint
-        found = [self._drive(joint, a) for a in self.at.get(j, []) if self._active(a)]
-        drives = [one for one in found if one is not None]
+        actuators = [self._drive(joint, a) for a in self.at.get(j, []) if self._active(a)]
+        drives = [drive for drive in actuators if drive is not None]
         if drives:
             joint = self._with(joint, j, drives, zero)
         return joint
@@ -141,11 +141,11 @@ class Drives:
             bias[:] = 0.0
         fixed = model.actuator_gaintype[a] == kinds.mjtGain.mjGAIN_FIXED
         fixed |= model.actuator_gaintype[a] == kinds.mjtGain.mjGAIN_AFFINE and not np.any(gain[1:3])
-        known = (kinds.mjtBias.mjBIAS_NONE, kinds.mjtBias.mjBIAS_AFFINE)
+        bias_types = (kinds.mjtBias.mjBIAS_NONE, kinds.mjtBias.mjBIAS_AFFINE)
         stiffness, damping = -gear * gear * bias[1], -gear * gear * bias[2]
         if (
             not fixed
-            or kinds.mjtBias(model.actuator_biastype[a]) not in known
+            or kinds.mjtBias(model.actuator_biastype[a]) not in bias_types
             or min(stiffness, damping) < 0.0
         ):
             self._tell(a, "is neither a motor nor a servo: is not in the scene", Effect.MOTION, joint.name)
@@ -202,13 +202,13 @@ class Drives:
 
     def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
         """Return a joint with its drives; their springs and dampers are combined into one of each."""
-        stiffness = joint.stiffness + sum(one.stiffness for one in drives)
-        damping = joint.damping + sum(one.damping for one in drives)
+        stiffness = joint.stiffness + sum(drive.stiffness for drive in drives)
+        damping = joint.damping + sum(drive.damping for drive in drives)
         # the sum of all springs: Σ kᵢ (rᵢ − q) + τ = k (r − q), with k r = Σ kᵢ rᵢ + τ
-        torque = sum(one.torque - one.stiffness * zero for one in drives)
-        rest = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
-        servo = any(one.is_servo for one in drives)
-        inputs = {"joint_targets" if one.is_servo else "joint_torques" for one in drives}
+        torque = sum(drive.torque - drive.stiffness * zero for drive in drives)
+        rest_angle = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
+        servo = any(drive.is_servo for drive in drives)
+        inputs = {"joint_targets" if drive.is_servo else "joint_torques" for drive in drives}
         self.differences += self._told(joint, j, drives, stiffness, torque)
         limit = self._limit(joint, j, drives)
         if limit is not None and not self.ours:
@@ -221,10 +221,10 @@ class Drives:
             joint,
             stiffness=stiffness,
             damping=damping,
-            rest=rest,
+            rest=rest_angle,
             torque_limit=limit,
             inputs=frozenset(inputs),
-            drives=tuple(one.name for one in drives),
+            drives=tuple(drive.name for drive in drives),
         )
 
     def _told(
@@ -235,11 +235,11 @@ class Drives:
         if stiffness == 0.0 and torque:
             text = f"its drives act with {torque:.6g} at the start; in the scene this is an input"
             yield of_joint(joint.name, text, Effect.MOTION)
-        for one in drives:
-            if one.stiffness and abs(one.gain / one.stiffness - 1.0) > ALIKE:
-                text = f"the target angle is {one.gain / one.stiffness:.6g} times its control"
-                yield _of_servo(one.name, text, about)
-        servos = {one.name for one in drives if one.is_servo}
+        for drive in drives:
+            if drive.stiffness and abs(drive.gain / drive.stiffness - 1.0) > ALIKE:
+                text = f"the target angle is {drive.gain / drive.stiffness:.6g} times its control"
+                yield _of_servo(drive.name, text, about)
+        servos = {drive.name for drive in drives if drive.is_servo}
         for a in self.at[j]:
             if self._clamps(a) and self._name(a) in servos:
                 low, high = self.model.actuator_ctrlrange[self.model.actuator_ctrladr[a]]
@@ -263,7 +263,7 @@ class Drives:
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
         """Return the largest torque of all drives together; a scene has the same limit in both directions."""
-        low, high = (sum(one.low for one in drives), sum(one.high for one in drives))
+        low, high = (sum(drive.low for drive in drives), sum(drive.high for drive in drives))
         if self.model.jnt_actfrclimited[j]:
             low, high = np.clip((low, high), *self.model.jnt_actfrcrange[j])
         limit = max(-low, high)

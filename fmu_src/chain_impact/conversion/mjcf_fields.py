@@ -164,8 +164,8 @@ def told_fields(model: Any) -> Iterator[Difference]:
     for row in TOLD:
         if not counts[row.kind]:
             continue
-        found = np.asarray(values[row.field]).reshape(counts[row.kind], -1)
-        for i in np.flatnonzero(np.any(found != row.default, axis=1)):
+        entries = np.asarray(values[row.field]).reshape(counts[row.kind], -1)
+        for i in np.flatnonzero(np.any(entries != row.default, axis=1)):
             yield _about(model, row, int(i))
     for field, value in values.items():
         if not fates(field) and np.any(value):
@@ -188,18 +188,18 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 
 def _about(model: Any, row: Told, i: int) -> Difference:
     """Return a difference for element ``i``, with the joint or body to which the element belongs."""
-    told: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
+    common: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":
-        return Difference(kind="option", name=row.field[4:], **told)
+        return Difference(kind="option", name=row.field[4:], **common)
     if row.kind in ("joint", "dof"):
         j = i if row.kind == "joint" else int(model.dof_jntid[i])
-        return of_joint(model.joint(j).name or f"{j}", **told)
+        return of_joint(model.joint(j).name or f"{j}", **common)
     element = {"body": model.body, "geom": model.geom, "pair": model.pair, "keyframe": model.key}[row.kind](i)
     bodies = frozenset[int]()
     if row.kind in ("body", "geom"):
         b = i if row.kind == "body" else int(model.geom_bodyid[i])
         bodies = frozenset([b - 1, -1]) if model.body_weldid[b] else bodies
-    return Difference(kind=row.kind, name=element.name or f"{i}", bodies=bodies, **told)
+    return Difference(kind=row.kind, name=element.name or f"{i}", bodies=bodies, **common)
 
 
 def fates(field: str) -> list[str]:
@@ -218,17 +218,17 @@ def fates(field: str) -> list[str]:
 
 def fields(model: Any) -> Iterator[tuple[str, Any]]:
     """Yield the fields of a model and of its options, with their values."""
-    for prefix, held in (("", model), ("opt.", model.opt)):
-        for name in dir(held):
-            if not name.startswith("_") and not callable(value := getattr(held, name)):
+    for prefix, owner in (("", model), ("opt.", model.opt)):
+        for name in dir(owner):
+            if not name.startswith("_") and not callable(value := getattr(owner, name)):
                 yield f"{prefix}{name}", value
 
 
 def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
     """Yield notes on features that flags disable, and that the scene does not have either."""
     flags = model.opt.disableflags
-    found = [
+    disabled = [
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")
     ]
-    if found:
-        yield f"flags: {', '.join(found)}: so in the scene"
+    if disabled:
+        yield f"flags: {', '.join(disabled)}: so in the scene"

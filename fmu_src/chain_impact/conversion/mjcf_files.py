@@ -36,7 +36,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
         SceneError: when MuJoCo cannot read the file, or a body has its mass only from a missing mesh.
     """
     try:
-        with heard("MuJoCo") as told:
+        with heard("MuJoCo") as differences:
             spec = mujoco.MjSpec.from_file(str(path))
             try:
                 model, absent, weightless = spec.compile(), dict[str, str](), list[tuple[Any, str]]()
@@ -47,39 +47,39 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
                 model = _compiled_without(spec, weightless)
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
-    told += [
+    differences += [
         Difference(kind="file", name=name, text="cannot be read; nothing needs it", effect=Effect.NONE)
         for name in dict.fromkeys(absent.values())
     ]
     for body, mesh in weightless:
         text = f"without the mass of mesh {mesh}, of which the file {absent[mesh]} cannot be read"
         bodies, name = frozenset([body.id - 1, -1]), body.name or f"{body.id}"
-        told.append(
+        differences.append(
             Difference(kind="body", name=name, text=text, effect=Effect.MASS, size=1.0, bodies=bodies)
         )
-    return Compiled(spec, model, set(absent), told)
+    return Compiled(spec, model, set(absent), differences)
 
 
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
     """Put a stand-in in place of each missing file, or of all files; return name of a mesh → its file."""
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
-    absent = [one for one in assets if _file(one) and not _found(spec, path, _file(one))]
+    absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]
     replaced: dict[str, str] = {}
-    for one in absent or [asset for asset in assets if _file(asset)]:
-        file = _file(one)
-        replaced[one.name or Path(file).stem] = file
-        one.name = one.name or Path(file).stem
-        if one in spec.meshes:
-            one.file, one.uservert, one.userface = "", CORNERS, FACES
-            one.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
-        elif one in spec.textures:
-            one.file, one.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
-            one.cubefiles = [""] * len(one.cubefiles)
-            one.width, one.height = 8, 8 if one.type == mujoco.mjtTexture.mjTEXTURE_2D else 48
-        elif one in spec.hfields:
-            one.file, one.nrow, one.ncol, one.userdata = "", 2, 2, [0.0] * 4
+    for asset in absent or [each for each in assets if _file(each)]:
+        file = _file(asset)
+        replaced[asset.name or Path(file).stem] = file
+        asset.name = asset.name or Path(file).stem
+        if asset in spec.meshes:
+            asset.file, asset.uservert, asset.userface = "", CORNERS, FACES
+            asset.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+        elif asset in spec.textures:
+            asset.file, asset.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
+            asset.cubefiles = [""] * len(asset.cubefiles)
+            asset.width, asset.height = 8, 8 if asset.type == mujoco.mjtTexture.mjTEXTURE_2D else 48
+        elif asset in spec.hfields:
+            asset.file, asset.nrow, asset.ncol, asset.userdata = "", 2, 2, [0.0] * 4
         else:
-            spec.delete(one)
+            spec.delete(asset)
     return replaced
 
 
@@ -100,14 +100,14 @@ def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[An
     """
     by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange
-    found = []
+    bodies = []
     for geom in spec.geoms:
         given = bool(geom.parent.explicitinertial) and not by_geometry
         weighs = geom.mass != 0.0 and geom.density != 0.0 and low <= geom.group <= high
         if geom.meshname in absent and weighs and not given:
             geom.mass = 0.0
-            found.append((geom.parent, geom.meshname))
-    return found
+            bodies.append((geom.parent, geom.meshname))
+    return bodies
 
 
 def _compiled_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:

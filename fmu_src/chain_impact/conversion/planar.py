@@ -129,18 +129,18 @@ class _Conversion:
                 data[key] = {**data.get(key, {}), **table}
         if self.held:
             self.notes.append(line("joint", sorted(self.held), "held at the start"))
-        told = [one for one in self.robot.differences if one.matters(self.held, self.owner)]
-        told += [*self.differences, *differences]
-        found = [lines(told, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
-        return Converted(data, found[0], found[1], found[2], self.notes)
+        relevant = [each for each in self.robot.differences if each.matters(self.held, self.owner)]
+        relevant += [*self.differences, *differences]
+        remarks = [lines(relevant, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
+        return Converted(data, remarks[0], remarks[1], remarks[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
         """Return the table of the inputs that the drives need; a free base has no joint 1."""
         free, slides = self.chosen.base == "free", self.chosen.base == "slider"
-        found = {name for one in self.hinges[free:] for name in one.joint.inputs}
+        inputs = {name for hinge in self.hinges[free:] for name in hinge.joint.inputs}
         for name in self.slides[0].joint.inputs if slides else ():
-            found.add("slider_force" if name == "joint_torques" else name)
-        return {"inputs": dict.fromkeys(sorted(found), True)} if found else {}
+            inputs.add("slider_force" if name == "joint_torques" else name)
+        return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
 
     def _carriage(self) -> list[int]:
         """Return the bodies that slide with the base and belong to no link."""
@@ -207,24 +207,23 @@ class _Conversion:
     def _tip(self) -> np.ndarray:
         """Return the last link's end, from its joint: a frame, or twice as far as the centre of mass."""
         part, hinge = self.parts[-1], self.hinges[-1]
-        found: dict[str, np.ndarray] = {}
+        ends: dict[str, np.ndarray] = {}
         for b in part:
             body = self.robot.bodies[b]
             for name, point in (*body.frames, (body.name, np.zeros(3))):
-                found.setdefault(name, self._from(hinge, b, point))
+                ends.setdefault(name, self._from(hinge, b, point))
         chosen = self.choices.tip
-        if chosen is not None and chosen not in found:
-            names = f"its frames: {', '.join(found)}"
-            raise UnknownNameError(self.source, chosen, found, "no frame of the last link", otherwise=names)
-        far = {name: float(np.linalg.norm(at)) for name, at in found.items()}
-        name = max(found, key=far.__getitem__) if chosen is None else chosen
+        if chosen is not None and chosen not in ends:
+            names = f"its frames: {', '.join(ends)}"
+            raise UnknownNameError(self.source, chosen, ends, "no frame of the last link", otherwise=names)
+        far = {name: float(np.linalg.norm(at)) for name, at in ends.items()}
+        name = max(ends, key=far.__getitem__) if chosen is None else chosen
         if chosen is not None or far[name] > TINY:
-            others = sorted(
-                (one for one in far if far[one] > TINY and one != name), key=lambda one: -far[one]
-            )
+            others = [each for each in far if far[each] > TINY and each != name]
+            others.sort(key=lambda each: -far[each])
             more = f"; --tip can take {few(others, SHOWN)}" if others and chosen is None else ""
             self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
-            return found[name]
+            return ends[name]
         self.notes.append(
             "tip: the file does not say where the last link ends; it is taken to be twice as long as the "
             "distance to its centre of mass"
@@ -268,8 +267,8 @@ class _Conversion:
             raise NoChainError(f"{self.source}: the bodies that joint {name} moves have no mass", [name])
         ahead = float(np.dot(center, along))
         beside = float(along[0] * center[1] - along[1] * center[0])
-        found = {"mass": mass, "center_of_mass": ahead, "inertia": inertia}
-        return found | ({"center_of_mass_offset": beside} if abs(beside) > TINY else {})
+        values = {"mass": mass, "center_of_mass": ahead, "inertia": inertia}
+        return values | ({"center_of_mass_offset": beside} if abs(beside) > TINY else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
         """Write the joints' values into the links.
@@ -328,9 +327,9 @@ class _Conversion:
         """Report the values of a joint that the scene does not have, because the base is free."""
         keys = ("damping", "stiffness", "friction", "armature", "torque_limit", "low", "high")
         values = {key.replace("_", " "): getattr(joint, key) for key in keys}
-        found = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
-        if found:
-            text = f"{', '.join(found)}: the base of the scene is free, and has none of these"
+        lost = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
+        if lost:
+            text = f"{', '.join(lost)}: the base of the scene is free, and has none of these"
             self._tell("joint", joint.name, text, Effect.MOTION)
         for name in joint.drives:
             self._tell(

@@ -50,7 +50,7 @@ def _proposed(
                 check(planar_chain(robot, choices._replace(joints=names), source))
             except NoChainError as error:
                 for name in error.joints:
-                    fewer = [one for one in names if one != name]
+                    fewer = [other for other in names if other != name]
                     if fewer and len(fewer) < len(names) and fewer not in waiting:
                         waiting.append(fewer)
             except SceneError:
@@ -62,15 +62,15 @@ def _proposed(
 
 def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
     """Yield lists of wanted joints with parallel axes that follow one another, the longest list first."""
-    pool = [one for one in joints_at_start(robot) if not wanted or one.joint.name in wanted]
+    pool = [moved for moved in joints_at_start(robot) if not wanted or moved.joint.name in wanted]
     paths: list[list[Moving]] = []
-    for group in parallel([one for one in pool if one.joint.kind == "hinge"]):
+    for group in parallel([moved for moved in pool if moved.joint.kind == "hinge"]):
         paths += _paths(robot, group)
     for path in sorted(paths, key=len, reverse=True):
         before = set(above(robot, path[0].body))
-        slides = [one for one in pool if one.joint.kind == "slide" and one.body in before]
+        slides = [moved for moved in pool if moved.joint.kind == "slide" and moved.body in before]
         if slides:
-            yield [one.joint.name for one in (*slides, *path)]
+            yield [moved.joint.name for moved in (*slides, *path)]
         yield [hinge.joint.name for hinge in path]
 
 
@@ -78,5 +78,5 @@ def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
     """Yield the joints from the base to the last joint, for each last joint of a group."""
     for last in group:
         before = set(above(robot, last.body))
-        if not any(last.body in set(above(robot, one.body)) - {one.body} for one in group):
-            yield [one for one in group if one.body in before]
+        if not any(last.body in set(above(robot, moved.body)) - {moved.body} for moved in group):
+            yield [moved for moved in group if moved.body in before]

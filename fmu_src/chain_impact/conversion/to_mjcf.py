@@ -108,14 +108,14 @@ def _add_chain(world: Element, scene: Scene) -> None:
     free, links = scene.chain.base == "free", scene.chain.links
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
     width = repr(0.02 * sum(link.length for link in links) / len(links) ** 0.5)
-    parent, place = world, _numbers(0.0, 0.0, 0.0) if free else _numbers(base[0], 0.0, base[1])
+    parent, position = world, _numbers(0.0, 0.0, 0.0) if free else _numbers(base[0], 0.0, base[1])
     slider, number = scene.chain.slider, len(links)
     if slider is not None and slider.mass > 0.0:
-        parent, place = SubElement(parent, "body", name="slider", pos=place), _numbers(0.0, 0.0, 0.0)
+        parent, position = SubElement(parent, "body", name="slider", pos=position), _numbers(0.0, 0.0, 0.0)
         _add_inertial(parent, slider.mass, (0.0, 0.0), 0.0)
         _add_slide(parent, slider)
     for i, link in enumerate(links, 1):
-        body = SubElement(parent, "body", name=f"link[{i}]", pos=place)
+        body = SubElement(parent, "body", name=f"link[{i}]", pos=position)
         _add_inertial(body, link.mass, (link.center_of_mass, link.center_of_mass_offset), link.inertia)
         if slider is not None and slider.mass == 0.0 and i == 1:  # MuJoCo does not accept a body without mass
             _add_slide(body, slider)
@@ -133,7 +133,7 @@ def _add_chain(world: Element, scene: Scene) -> None:
             number += 1
             _add_ball(body, number, (site.x, site.y), max(site.radius or 0.0, radius))
         SubElement(body, "site", name=f"point[{i}]", pos=_numbers(link.length, 0.0, 0.0))
-        parent, place = body, _numbers(link.length, 0.0, 0.0)
+        parent, position = body, _numbers(link.length, 0.0, 0.0)
 
 
 def _add_inertial(body: Element, mass: float, center: tuple[float, float], inertia: float) -> None:
@@ -171,10 +171,12 @@ def _attributes(
     limit: float | None,
 ) -> dict[str, str]:
     """Return the values of a joint as attributes of the joint's element."""
-    found = {name: repr(value) for key, name in names.items() if (value := getattr(table, key))}
+    attributes = {name: repr(value) for key, name in names.items() if (value := getattr(table, key))}
     if low is not None or high is not None:
-        found["range"] = _numbers(-UNLIMITED if low is None else low, UNLIMITED if high is None else high)
-    return found | ({"actuatorfrcrange": _numbers(-limit, limit)} if limit else {})
+        attributes["range"] = _numbers(
+            -UNLIMITED if low is None else low, UNLIMITED if high is None else high
+        )
+    return attributes | ({"actuatorfrcrange": _numbers(-limit, limit)} if limit else {})
 
 
 def _of_the_joint(link: Link) -> dict[str, Any]:

@@ -43,7 +43,7 @@ def read_urdf(path: Path) -> Robot:
     root = urdf_of(path)
     shapes = {link.get("name", ""): list(_shapes(link)) for link in root.iter("link")}
     _check_parts(root, path)
-    with heard("yourdfpy") as told:
+    with heard("yourdfpy") as warned:
         robot = _loaded(yourdfpy, root, path)
     links = {link.name: link for link in robot.links}
     by_parent: dict[str, list[Any]] = {}
@@ -55,8 +55,8 @@ def read_urdf(path: Path) -> Robot:
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
-        found = f"has {few(roots, SHOWN)}" if roots else "has none" if named else "it has no link at all"
-        raise SceneError(f"{path}: must have exactly one root link; {found}")
+        roots_text = f"has {few(roots, SHOWN)}" if roots else "has none" if named else "it has no link at all"
+        raise SceneError(f"{path}: must have exactly one root link; {roots_text}")
     bodies: list[Body] = []
     places: dict[str, int] = {}
     for name, joint in _ordered(roots[0], None, by_parent):
@@ -67,7 +67,7 @@ def read_urdf(path: Path) -> Robot:
         raise SceneError(
             f"{path}: joints make a ring of {few(lost, SHOWN)}; each link must lead back to {roots[0]}"
         )
-    differences = [*other_elements(root), *told, *_odd_inertias(bodies)]
+    differences = [*other_elements(root), *warned, *_odd_inertias(bodies)]
     for joint in robot.joints:
         differences += _limits(joint)
     return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, differences=differences)
@@ -213,13 +213,13 @@ def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator
     """Yield every link beyond a link, with the joint before it; parents come first."""
     waiting = [(name, joint)]
     while waiting:
-        one, before = waiting.pop()
-        yield one, before
-        waiting += [(after.child, after) for after in reversed(by_parent.get(one, []))]
+        link, before = waiting.pop()
+        yield link, before
+        waiting += [(after.child, after) for after in reversed(by_parent.get(link, []))]
 
 
 def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
-    place = np.eye(4) if joint is None or joint.origin is None else np.asarray(joint.origin, float)
+    pose = np.eye(4) if joint is None or joint.origin is None else np.asarray(joint.origin, float)
     mass, center, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     if link is not None and link.inertial is not None and link.inertial.mass:
         at = np.eye(4) if link.inertial.origin is None else np.asarray(link.inertial.origin, float)
@@ -230,8 +230,8 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
     return Body(
         name=name,
         parent=parent,
-        rotation=place[:3, :3],
-        position=place[:3, 3],
+        rotation=pose[:3, :3],
+        position=pose[:3, 3],
         mass=mass,
         center=center,
         inertia=inertia,
@@ -307,6 +307,6 @@ def _limits(joint: Any) -> Iterator[Difference]:
             low <= high and not low <= 0.0 <= high
         ),
     }
-    for told in (left_out, differing):
-        for text in (text for text, true in told.items() if true):
-            yield of_joint(joint.name, text, Effect.NONE, differs=told is differing)
+    for texts in (left_out, differing):
+        for text in (text for text, true in texts.items() if true):
+            yield of_joint(joint.name, text, Effect.NONE, differs=texts is differing)

@@ -41,8 +41,8 @@ def other_elements(root: Element) -> Iterator[Difference]:
             continue
         if part.tag not in ("link", "joint"):
             name = part.get("name") or part.get("reference") or ""
-            held = ", ".join(dict.fromkeys(child.tag for child in part if isinstance(child.tag, str)))
-            text = f"is not in the scene{f': {held}' if held else ''}"
+            children = ", ".join(dict.fromkeys(child.tag for child in part if isinstance(child.tag, str)))
+            text = f"is not in the scene{f': {children}' if children else ''}"
             yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=Effect.NONE)
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)
@@ -64,9 +64,9 @@ def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
 
 
 def _attributes(element: Element, path: str, part: Element) -> Iterator[Difference]:
-    known = {*USED.get(path, "").split(), *NO_EFFECT}
+    used = {*USED.get(path, "").split(), *NO_EFFECT}
     for key, value in element.attrib.items():
-        if path in USED and key not in known:
+        if path in USED and key not in used:
             yield _told(part, f"{element.tag} {key}", "", value)
 
 

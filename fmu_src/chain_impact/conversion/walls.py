@@ -105,14 +105,14 @@ class Walls:
         """Return the friction of a plane with the bodies that can touch it; if it varies, the largest."""
         if plane.touching is None:
             return plane.friction
-        found = sorted({friction for b, friction in plane.touching if b in self.owner})
-        if len(found) > 1:
+        coefficients = sorted({friction for b, friction in plane.touching if b in self.owner})
+        if len(coefficients) > 1:
             text = (
-                f"its friction is from {found[0]:.6g} to {found[-1]:.6g}, depending on the body that touches "
-                "it; its wall has the largest"
+                f"its friction is from {coefficients[0]:.6g} to {coefficients[-1]:.6g}, depending on the "
+                "body that touches it; its wall has the largest"
             )
             self._tell("plane", plane.name, text, differs=True)
-        return found[-1]
+        return coefficients[-1]
 
     def _points(self, touching: set[int], bare: set[int], has_balls: bool) -> dict[str, Any]:
         """Return the joints and ends that touch walls, at links without points.
@@ -126,21 +126,21 @@ class Walls:
 
     def _is_point(self, shape: Shape) -> bool:
         """Return whether points replace a shape: it can touch a wall or, without walls, anything."""
-        known = shape.kind in OUTLINED and len(shape.corners) > 0
-        return known and (shape.walls if self.robot.planes else shape.touches)
+        has_corners = shape.kind in OUTLINED and len(shape.corners) > 0
+        return has_corners and (shape.walls if self.robot.planes else shape.touches)
 
     def _balls(self, i: int, touching: set[int]) -> list[Ball]:
         """Return the balls of link ``i`` that can touch, without a ball around a fixed pivot."""
         if self.robot.planes and i not in touching:
             return []
         fixed = i == 0 and self.chosen.base == "pinned"
-        found = [
+        balls = [
             ball
             for b in self.parts[i]
             for shape in filter(self._is_point, self.robot.bodies[b].shapes)
             for ball in balls_of(shape, self.chosen.poses[b], self.plan)
         ]
-        return [ball for ball in found if not fixed or np.linalg.norm(ball.at - self.places[0]) > TINY]
+        return [ball for ball in balls if not fixed or np.linalg.norm(ball.at - self.places[0]) > TINY]
 
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
         """Return the tables of the points of each link.
@@ -153,7 +153,7 @@ class Walls:
             length = float(np.linalg.norm(arm))
             along = np.array([math.cos(angle), math.sin(angle)])
             tables = tables_of(found, self.places[i], arm / length)
-            points.append([one for one in tables if self._fits(i, one, at, along, length)])
+            points.append([table for table in tables if self._fits(i, table, at, along, length)])
             at = at + length * along
         return points
 
@@ -218,7 +218,7 @@ class Walls:
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
         """Report how far the shapes of a link reach beyond its points or ends, which touch walls."""
         ends = self.places[i : i + 2]
-        held = balls or [Ball(end, 0.0, "") for end in ends]
+        touching = balls or [Ball(end, 0.0, "") for end in ends]
         others = [
             ball
             for b in self.parts[i]
@@ -228,7 +228,7 @@ class Walls:
         ]
         if not others:
             return
-        beyond = float((reach(others).max(axis=1) - reach(held).max(axis=1)).max())
+        beyond = float((reach(others).max(axis=1) - reach(touching).max(axis=1)).max())
         if beyond > TINY:
             length = float(np.linalg.norm(ends[1] - ends[0]))
             name, what = self.chosen.hinges[i].joint.name, "points" if balls else "two ends"

@@ -66,13 +66,13 @@ def build_fmu(
         raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
     if fmi == 3 and target != "native":  # noqa: PLR2004
         raise BuildError(f"target = {target!r} makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'")
-    known = TARGETS[target]
+    supported = TARGETS[target]
     if not all(platforms):
         raise BuildError(nowhere())
-    platforms = known if list(platforms) == ["all"] else platforms
-    if not platforms or set(platforms) - set(known):
+    platforms = supported if list(platforms) == ["all"] else platforms
+    if not platforms or set(platforms) - set(supported):
         other = "" if target == "native" or set(platforms) - set(PLATFORMS) else "; target = 'native' has all"
-        raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(known)}{other}")
+        raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(supported)}{other}")
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
     links, law, varied = kernel_size(scene), scene.contact.law_file, bool(scene.outputs.sensitivities)

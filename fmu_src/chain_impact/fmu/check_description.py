@@ -52,8 +52,8 @@ def description_findings(path: Path) -> list[Finding]:
         OSError: when the file does not exist.
         zipfile.BadZipFile: when the file is not a zip.
     """
-    if found := archive_findings(path):
-        return found
+    if findings := archive_findings(path):
+        return findings
     with zipfile.ZipFile(path) as fmu:
         try:
             root = ElementTree.fromstring(fmu.read(DESCRIPTION))
@@ -70,7 +70,9 @@ def description_findings(path: Path) -> list[Finding]:
         return [Finding(said, attribute="fmiVersion")]
     variables = variables_of(root)
     faults = [*list_findings(root, variables), *variable_findings(root, variables)]
-    names = {one.name for one in variables} | {alias.get("name", "") for alias in root.iter("Alias")}
+    names = {variable.name for variable in variables} | {
+        alias.get("name", "") for alias in root.iter("Alias")
+    }
     for file, content in terminals.items():
         faults += terminal_findings(content, names, file)
     # fmpy raises an IndexError or a KeyError for a reference to a missing element
@@ -110,7 +112,7 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
 
 def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
     """Return the faults of the lists, of the kinds of use and of the default experiment."""
-    found = [
+    findings = [
         finding
         for path in LISTS
         for parent in root.iterfind(path)
@@ -119,48 +121,55 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
     ]
     modes = [mode for kind in MODES for mode in root.iterfind(kind)]
     if not modes:
-        found.append(Finding(f"has none of {', '.join(MODES)}: it cannot be run", attribute="CoSimulation"))
+        findings.append(
+            Finding(f"has none of {', '.join(MODES)}: it cannot be run", attribute="CoSimulation")
+        )
     for mode in modes:
         name = mode.get("modelIdentifier", "")
         if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
-            said = f"modelIdentifier = {name!r} must be a name of C: letters, digits and _"
-            found.append(Finding(said, attribute=mode.tag))
-    times = [one.name for one in variables if one.causality == "independent"]
+            fault = f"modelIdentifier = {name!r} must be a name of C: letters, digits and _"
+            findings.append(Finding(fault, attribute=mode.tag))
+    times = [variable.name for variable in variables if variable.causality == "independent"]
     if len(times) > 1:
-        said = f"{', '.join(times)} are independent variables: only one is allowed"
-        found.append(Finding(said, attribute="ModelVariables"))
-    names = {one.name for one in variables}
+        fault = f"{', '.join(times)} are independent variables: only one is allowed"
+        findings.append(Finding(fault, attribute="ModelVariables"))
+    names = {variable.name for variable in variables}
     units = {
-        one.get("name", ""): {display.get("name") for display in one.iterfind("DisplayUnit")}
-        for one in root.iterfind("UnitDefinitions/Unit")
+        unit.get("name", ""): {display.get("name") for display in unit.iterfind("DisplayUnit")}
+        for unit in root.iterfind("UnitDefinitions/Unit")
     }
-    for one in types_of(root):
-        place = f"TypeDefinitions/{one.name}"
-        found += [Finding(text, attribute=f"{place}/{attribute}") for attribute, text in limit_findings(one)]
-        found += _of_unit(one, units, place)
-        if one.name in names:
-            found.append(Finding("a variable has the same name", attribute=place))
+    for definition in types_of(root):
+        path_of_type = f"TypeDefinitions/{definition.name}"
+        findings += [
+            Finding(text, attribute=f"{path_of_type}/{attribute}")
+            for attribute, text in limit_findings(definition)
+        ]
+        findings += _of_unit(definition, units, path_of_type)
+        if definition.name in names:
+            findings.append(Finding("a variable has the same name", attribute=path_of_type))
     convention = root.get("variableNamingConvention", "flat")
     allowed = NAMES.get(convention, NAMES["flat"])
-    for one in variables:
-        if not allowed.fullmatch(one.name):
-            said = f"{one.name!r} is no name of the naming convention {convention!r}"
-            found.append(Finding(said, variable=one.name, attribute="name"))
-    return [*found, *_of_experiment(root)]
+    for variable in variables:
+        if not allowed.fullmatch(variable.name):
+            fault = f"{variable.name!r} is no name of the naming convention {convention!r}"
+            findings.append(Finding(fault, variable=variable.name, attribute="name"))
+    return [*findings, *_of_experiment(root)]
 
 
-def _of_unit(one: Variable, units: Mapping[str, Container[str | None]], place: str) -> Iterator[Finding]:
+def _of_unit(
+    variable: Variable, units: Mapping[str, Container[str | None]], attribute: str
+) -> Iterator[Finding]:
     """Yield the fault of a type with an undefined unit or display unit; fmpy finds those of variables."""
-    unit, display = (one.attributes.get(key) for key in ("unit", "displayUnit"))
+    unit, display = (variable.attributes.get(key) for key in ("unit", "displayUnit"))
     if unit is not None and unit not in units:
-        yield Finding(f"unit = {unit!r} must be in UnitDefinitions", attribute=f"{place}/unit")
+        yield Finding(f"unit = {unit!r} must be in UnitDefinitions", attribute=f"{attribute}/unit")
     elif display is not None and display not in units.get(unit or "", ()):
-        said = f"displayUnit = {display!r} must be a DisplayUnit of the type's unit in UnitDefinitions"
-        yield Finding(said, attribute=f"{place}/displayUnit")
+        text = f"displayUnit = {display!r} must be a DisplayUnit of the type's unit in UnitDefinitions"
+        yield Finding(text, attribute=f"{attribute}/displayUnit")
 
 
 def _of_experiment(root: Element) -> Iterator[Finding]:
-    node, place = root.find("DefaultExperiment"), "DefaultExperiment"
+    node, attribute = root.find("DefaultExperiment"), "DefaultExperiment"
     given = {"startTime": "0"} | (dict(node.items()) if node is not None else {})
     try:
         start, stop, step, tolerance = (
@@ -169,19 +178,21 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
     except ValueError:  # the check by the schema reports this fault
         return
     if stop < start:
-        yield Finding(f"stopTime = {stop:.9g} must not be before startTime = {start:.9g}", attribute=place)
+        yield Finding(
+            f"stopTime = {stop:.9g} must not be before startTime = {start:.9g}", attribute=attribute
+        )
     if step <= 0.0 or step > stop - start > 0.0:
-        yield Finding(f"stepSize = {step:.9g} must be > 0 and fit into the experiment", attribute=place)
+        yield Finding(f"stepSize = {step:.9g} must be > 0 and fit into the experiment", attribute=attribute)
     if tolerance < 0.0:
-        yield Finding(f"tolerance = {tolerance:.9g} must not be negative", attribute=place)
+        yield Finding(f"tolerance = {tolerance:.9g} must not be negative", attribute=attribute)
 
 
 def terminal_findings(root: Element, names: set[str], file: str) -> Iterator[Finding]:
     """Yield variables of terminals that do not exist, and names that occur twice: FMI 3.0, 2.4.9.2."""
     for parent in root.iter():
         for tag, key in (("Terminal", "name"), ("TerminalMemberVariable", "memberName")):
-            for found in twice(filter(None, (node.get(key) for node in parent.findall(tag))), key, tag):
-                yield Finding(found.text, file, attribute=parent.get("name", parent.tag))
+            for repeated in twice(filter(None, (node.get(key) for node in parent.findall(tag))), key, tag):
+                yield Finding(repeated.text, file, attribute=parent.get("name", parent.tag))
         for key, name in parent.items():
             if key.lower().endswith("variablename") and name not in names:
                 yield Finding(f"{key} = {name!r} must be the name of a variable", file, attribute=parent.tag)

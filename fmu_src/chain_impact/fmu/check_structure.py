@@ -26,12 +26,14 @@ class Structure:
         self.second = root.get("fmiVersion") == "2.0"
         self.key = "index" if self.second else "valueReference"
         numbers = map(str, range(1, len(variables) + 1))
-        references = numbers if self.second else [one.reference for one in variables]
+        references = numbers if self.second else [variable.reference for variable in variables]
         self.known = dict(zip(references, variables, strict=True))
         self.lists: dict[str, list[Element]] = {}
         for node in root.findall("ModelStructure/*"):
             unknowns = node.findall("Unknown") if self.second else [node]
-            self.lists.setdefault(node.tag, []).extend(one for one in unknowns if one.get(self.key))
+            self.lists.setdefault(node.tag, []).extend(
+                unknown for unknown in unknowns if unknown.get(self.key)
+            )
 
     def listed(self, name: str) -> list[str]:
         """Return the references in a list of the model structure, by the list's name in FMI 2.0."""
@@ -42,49 +44,53 @@ class Structure:
         """Yield a fault for each reference to a missing variable."""
         count = f"an index from 1 to {len(self.known)}"
         what = count if self.second else "the value reference of a variable"
-        for one in self.variables:
-            targets = [("Dimension", "valueReference", size) for size in _sizes(one)]
-            if "derivative" in one.attributes:
-                targets.append(("derivative", "derivative", one.attributes["derivative"]))
-            for place, key, target in targets:
+        for variable in self.variables:
+            targets = [("Dimension", "valueReference", size) for size in _sizes(variable)]
+            if "derivative" in variable.attributes:
+                targets.append(("derivative", "derivative", variable.attributes["derivative"]))
+            for path, key, target in targets:
                 if target not in self.known:
-                    yield Finding(f"{key} = {target!r} must be {what}", variable=one.name, attribute=place)
-        for place, node in self._nodes():
+                    yield Finding(
+                        f"{key} = {target!r} must be {what}", variable=variable.name, attribute=path
+                    )
+        for path, node in self._nodes():
             if node.attrib[self.key] not in self.known:
                 said = f"{self.key} = {node.attrib[self.key]!r} must be {what}"
-                yield Finding(said, attribute=place.partition(",")[0])
+                yield Finding(said, attribute=path.partition(",")[0])
             for target in sorted(set(_depends(node)) - self.known.keys()):
-                yield Finding(f"{target!r} must be {what}", attribute=place)
+                yield Finding(f"{target!r} must be {what}", attribute=path)
 
     def findings(self) -> Iterator[Finding]:
         """Yield the faults of the model structure.
 
         Unknowns may be missing, superfluous, listed twice or not in order, and dependencies may be wrong.
         """
-        known, derivatives = self.known, set(self.listed(DERIVATIVES))
-        states = {known[one].attributes.get("derivative", "") for one in derivatives} - {""}
-        outputs = {one for one in known if known[one].causality == "output"}
-        start = {one for one in outputs | states | derivatives if not known[one].exact}
-        start |= {one for one in known if known[one].causality == "calculatedParameter"}
-        clocked = {one for one in known if "clocks" in known[one].attributes}
-        rates = {one for one in known if "derivative" in known[one].attributes}
+        variables, derivatives = self.known, set(self.listed(DERIVATIVES))
+        states = {variables[reference].attributes.get("derivative", "") for reference in derivatives} - {""}
+        outputs = {reference for reference in variables if variables[reference].causality == "output"}
+        start = {reference for reference in outputs | states | derivatives if not variables[reference].exact}
+        start |= {
+            reference for reference in variables if variables[reference].causality == "calculatedParameter"
+        }
+        clocked = {reference for reference in variables if "clocks" in variables[reference].attributes}
+        rates = {reference for reference in variables if "derivative" in variables[reference].attributes}
         yield from self._complete(OUTPUTS, outputs, outputs, "each output")
         yield from self._complete(DERIVATIVES, (), rates, "variables with the attribute derivative")
         which = "each output, state and derivative that is calculated at the start, each calculatedParameter"
         yield from self._complete(INITIAL, start - clocked, start | clocked, which)
         for name, nodes in self.lists.items():
-            place = f"ModelStructure/{name}"
-            yield from twice((node.attrib[self.key] for node in nodes), self.key, place)
+            path = f"ModelStructure/{name}"
+            yield from twice((node.attrib[self.key] for node in nodes), self.key, path)
             if name == INITIAL:  # a list of FMI 2.0
-                yield from _rising(self.listed(name), place)
-        for place, node in self._nodes():
-            yield from self._dependencies(place, node, states)
-        for one in self.variables:
-            for size in map(known.__getitem__, _sizes(one)):
+                yield from _rising(self.listed(name), path)
+        for path, node in self._nodes():
+            yield from self._dependencies(path, node, states)
+        for variable in self.variables:
+            for size in map(variables.__getitem__, _sizes(variable)):
                 kinds = size.causality, size.attributes.get("variability")
                 if size.type != "UInt64" or not {"structuralParameter", "constant"}.intersection(kinds):
                     said = f"its size is {size.name}, which must be UInt64, constant or a structuralParameter"
-                    yield Finding(said, variable=one.name, attribute="Dimension")
+                    yield Finding(said, variable=variable.name, attribute="Dimension")
 
     def _complete(
         self, name: str, needed: Collection[str], allowed: set[str], what: str
@@ -93,29 +99,33 @@ class Structure:
         listed = set(self.listed(name))
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
-                names = few([self.known[one].name for one in self.known if one in wrong], NAMED)
+                names = few(
+                    [self.known[reference].name for reference in self.known if reference in wrong], NAMED
+                )
                 text = f"{said} {names}: it lists {what}, and nothing else"
                 yield Finding(text, attribute=f"ModelStructure/{name if self.second else _THIRD[name]}")
 
-    def _dependencies(self, place: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
+    def _dependencies(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
         # event indicators are for debugging only and may also depend on outputs: FMI 3.0, table 23
         debugging = node.tag == "EventIndicator"
-        depends, initial = _depends(node), INITIAL[:-1] in place
-        yield from twice(depends, self.key, place)
+        depends, initial = _depends(node), INITIAL[:-1] in path
+        yield from twice(depends, self.key, path)
         if self.second:
-            yield from _rising(depends, place)
+            yield from _rising(depends, path)
         for name in depends:
-            one = self.known[name]
-            state = not states or name in states or one.attributes.get("variability") == "discrete"
-            if not (one.causality in _FROM_OUTSIDE or (one.exact if initial else state) or debugging):
+            variable = self.known[name]
+            state = not states or name in states or variable.attributes.get("variability") == "discrete"
+            if not (
+                variable.causality in _FROM_OUTSIDE or (variable.exact if initial else state) or debugging
+            ):
                 what = "known at the start" if initial else "an input, a parameter or a state"
-                yield Finding(f"{name} is {one.name}, which is not {what}", attribute=place)
+                yield Finding(f"{name} is {variable.name}, which is not {what}", attribute=path)
         kinds = node.get("dependenciesKind")
         if kinds is not None and len(kinds.split()) != len(depends):
-            said = f"there are {len(depends)} dependencies, and {len(kinds.split())} in dependenciesKind"
-            yield Finding(said, attribute=place)
+            text = f"there are {len(depends)} dependencies, and {len(kinds.split())} in dependenciesKind"
+            yield Finding(text, attribute=path)
         for kind in sorted(set((kinds or "").split()) - {"dependent", "constant"}) if initial else ():
-            yield Finding(f"dependenciesKind = {kind!r} is not allowed at the start", attribute=place)
+            yield Finding(f"dependenciesKind = {kind!r} is not allowed at the start", attribute=path)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
         """Yield all unknowns, with the words for the place of their dependencies."""
@@ -124,10 +134,12 @@ class Structure:
                 yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node
 
 
-def _sizes(one: Variable) -> list[str]:
+def _sizes(variable: Variable) -> list[str]:
     """Return the value references of an array's sizes; leave out sizes that are numbers."""
     return [
-        size.attrib["valueReference"] for size in one.node.iter("Dimension") if size.get("valueReference")
+        size.attrib["valueReference"]
+        for size in variable.node.iter("Dimension")
+        if size.get("valueReference")
     ]
 
 
@@ -135,18 +147,18 @@ def _depends(node: Element) -> list[str]:
     return (node.get("dependencies") or "").split()
 
 
-def _rising(numbers: Sequence[str], place: str) -> Iterator[Finding]:
+def _rising(numbers: Sequence[str], path: str) -> Iterator[Finding]:
     """Yield a fault for the first number that is smaller than the number before it."""
     for before, after in pairwise(numbers):
         if int(after) < int(before):
-            yield Finding(f"{after} must stand before {before}", attribute=place)
+            yield Finding(f"{after} must stand before {before}", attribute=path)
             return
 
 
-def twice(texts: Iterable[str], what: str, place: str) -> list[Finding]:
+def twice(texts: Iterable[str], what: str, path: str) -> list[Finding]:
     """Return a finding for each text that occurs more than once in a list."""
     return [
-        Finding(f"{what} = {text!r} is listed {count} times", attribute=place)
+        Finding(f"{what} = {text!r} is listed {count} times", attribute=path)
         for text, count in Counter(texts).items()
         if count > 1
     ]

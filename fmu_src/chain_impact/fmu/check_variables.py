@@ -97,7 +97,7 @@ def types_of(root: Element) -> list[Variable]:
 
 def variables_of(root: Element) -> list[Variable]:
     """Return the variables of a model description, in the order of the description."""
-    types = {one.name: one for one in types_of(root)}
+    types = {definition.name: definition for definition in types_of(root)}
     nodes = root.findall("ModelVariables/*")
     starts = {node.get("valueReference"): node.get("start", "") for node in nodes}
     return [_variable(node, types, _size(node, starts)) for node in nodes]
@@ -132,8 +132,8 @@ def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
 
 def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
     """Return the faults of attributes, start values, limits and types, and of shared values."""
-    types = {one.name: one.type for one in types_of(root)}
-    found = [
+    types = {definition.name: definition.type for definition in types_of(root)}
+    findings = [
         Finding(text, variable=variable.name, attribute=attribute)
         for variable in variables
         for attribute, text in (
@@ -143,7 +143,7 @@ def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Find
             *_of_use(variable, root),
         )
     ]
-    return found + (_aliases(variables) if root.get("fmiVersion") == "2.0" else [])
+    return findings + (_aliases(variables) if root.get("fmiVersion") == "2.0" else [])
 
 
 def limit_findings(variable: Variable) -> Iterator[tuple[str, str]]:
@@ -196,29 +196,31 @@ def _aliases(variables: Sequence[Variable]) -> list[Finding]:
     Only one of the variables that share a value may be set, and all must have the same unit and start value.
     """
     first: dict[tuple[str, str], Variable] = {}
-    found = []
-    for one in variables:
-        base = "Integer" if one.type == "Enumeration" else one.type
-        other = first.setdefault((base, one.reference), one)
-        if other is one:
+    findings = []
+    for variable in variables:
+        base = "Integer" if variable.type == "Enumeration" else variable.type
+        other = first.setdefault((base, variable.reference), variable)
+        if other is variable:
             continue
         causality, unit, start, variability = [
-            (one.attributes.get(key), other.attributes.get(key))
+            (variable.attributes.get(key), other.attributes.get(key))
             for key in ("causality", "unit", "start", "variability")
         ]
         reason = ""
         if all(kind in ("parameter", "input", "independent") for kind in causality):
             reason = "both are set from outside"
         elif unit[0] != unit[1]:
-            units = " and ".join(one or "none" for one in unit)
+            units = " and ".join(name or "none" for name in unit)
             reason = f"their units differ, {units}: variables of an alias set have one unit (FMI 2.0, 2.2.7)"
         elif (variability[0] == "constant") != (variability[1] == "constant"):
             reason = "one is constant, and one is not"
         elif None not in start and variability[0] != "constant":
             reason = "both have a start value"
-        elif None not in start and one.value(str(start[0])) != other.value(str(start[1])):
+        elif None not in start and variable.value(str(start[0])) != other.value(str(start[1])):
             reason = f"their start values differ, {start[0]} and {start[1]}"
         if reason:
-            said = f"valueReference = {one.reference} is also the reference of {other.name}, and {reason}"
-            found.append(Finding(said, variable=one.name, attribute="valueReference"))
-    return found
+            said = (
+                f"valueReference = {variable.reference} is also the reference of {other.name}, and {reason}"
+            )
+            findings.append(Finding(said, variable=variable.name, attribute="valueReference"))
+    return findings

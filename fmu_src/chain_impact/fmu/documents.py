@@ -123,12 +123,12 @@ def whose(scene: Scene) -> str:
 
 def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
     """Return the table with a row for each kind of variable, in the order of the kinds' first variables."""
-    found: dict[str, list[Variable]] = {}
+    variables_of_kind: dict[str, list[Variable]] = {}
     for variable in variables:
-        found.setdefault(variable.kind.pattern, []).append(variable)
+        variables_of_kind.setdefault(variable.kind.pattern, []).append(variable)
     return [
         (kind, str(len(some)), some[0].causality, unit_text(some[0].unit), some[0].of_its_kind)
-        for kind, some in found.items()
+        for kind, some in variables_of_kind.items()
     ]
 
 
@@ -152,14 +152,14 @@ def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
     SubElement(looks, "CoordinateSystem", EDGES, suggestedScalingFactorTo_mm="0.1")
     SubElement(looks, "Icon", EDGES)
     terminals = Element("Terminals")
-    made: dict[str, Element] = {}
+    elements: dict[str, Element] = {}
 
     def terminal(path: str) -> Element:
-        if path not in made:
+        if path not in elements:
             above, _, name = path.rpartition(".")
             parent = terminal(above) if above else terminals
-            made[path] = SubElement(parent, "Terminal", name=name, matchingRule="bus")
-        return made[path]
+            elements[path] = SubElement(parent, "Terminal", name=name, matchingRule="bus")
+        return elements[path]
 
     for variable in variables:
         if variable.owner:
@@ -170,6 +170,6 @@ def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
                 memberName=variable.name.removeprefix(f"{variable.owner}."),
                 variableKind="signal",
             )
-    if made:
+    if elements:
         root.append(terminals)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root)

@@ -49,16 +49,16 @@ class Finding:
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
     """Return one line for each finding; many that differ only in the variable have one line together."""
     alike: dict[Finding, list[Finding]] = {}
-    for one in findings:
+    for finding in findings:
         # fmpy's sentences contain the name of the variable, and its line in the file
-        text = re.sub(rf'"{re.escape(one.variable)}" \(line \d+\)', "", one.text)
-        alike.setdefault(replace(one, text=text, variable=""), []).append(one)
+        text = re.sub(rf'"{re.escape(finding.variable)}" \(line \d+\)', "", finding.text)
+        alike.setdefault(replace(finding, text=text, variable=""), []).append(finding)
     lines = []
     for first, *others in alike.values():
         if len(others) < MANY:
             lines += [str(first), *map(str, others)]
         else:
-            names = few([one.variable for one in (first, *others)], NAMED)
+            names = few([finding.variable for finding in (first, *others)], NAMED)
             lines.append(str(replace(first, variable=names)))
     return lines
 
@@ -72,11 +72,11 @@ def archive_findings(path: Path) -> list[Finding]:
     """
     with zipfile.ZipFile(path) as fmu:
         entries = fmu.infolist()
-    found = [finding for entry in entries for finding in _of_entry(entry)]
+    findings = [finding for entry in entries for finding in _of_entry(entry)]
     size = sum(entry.file_size for entry in entries)
     if size > LARGEST:
         largest = max(entries, key=lambda entry: entry.file_size)
-        found.append(
+        findings.append(
             Finding(
                 f"has {largest.file_size / 1e9:.3g} GB, and the whole FMU {size / 1e9:.3g} GB: an FMU of "
                 f"more than {LARGEST / 1e9:.3g} GB is not unpacked",
@@ -86,8 +86,8 @@ def archive_findings(path: Path) -> list[Finding]:
     contents = {(entry.filename, entry.file_size, entry.CRC) for entry in entries}
     names = Counter(name for name, *_ in contents)
     if DESCRIPTION not in names:
-        found.append(Finding("is missing: the file is no FMU"))
-    return found + [
+        findings.append(Finding("is missing: the file is no FMU"))
+    return findings + [
         Finding(f"is in the FMU {count} times, with different contents", name)
         for name, count in names.items()
         if count > 1

@@ -51,10 +51,10 @@ def driven_rows(
     """
     stop, step = experiment
     times, columns = samples_of(read_table(file), stop)
-    there = [one.name for one in description.modelVariables if one.causality == "input"]
+    input_names = [variable.name for variable in description.modelVariables if variable.causality == "input"]
     for name in columns:
-        if name not in there:
-            raise UnknownNameError(str(file), name, there, f"no input of {description.modelName}")
+        if name not in input_names:
+            raise UnknownNameError(str(file), name, input_names, f"no input of {description.modelName}")
     signal = Signal(
         input=tuple(columns),
         form="table",
@@ -67,9 +67,9 @@ def driven_rows(
     begins = {f"base.{axis}": parameters.get(f"initial.{axis}", 0.0) for axis in AXES}
     points = np.arange(math.ceil(stop / step) + 1) * step
     points = np.union1d(points, times[(times > 0.0) & (times < stop)])
-    before, after = np.zeros((2, len(points)), [(TIME, float), *((name, float) for name in there)])
+    before, after = np.zeros((2, len(points)), [(TIME, float), *((name, float) for name in input_names)])
     before[TIME] = after[TIME] = points
-    driven = {one: family(name) for name in columns for one in family(name) if one in there}
+    driven = {member: family(name) for name in columns for member in family(name) if member in input_names}
     jumps = np.zeros(len(points), bool)
     for name, members in driven.items():
         at, powers = _course(signal, members, members.index(name), stop)
@@ -81,7 +81,9 @@ def driven_rows(
     rows = np.concatenate([before[jumps], after])[[TIME, *driven]]
     short = copy(description)
     short.modelVariables = [
-        one for one in description.modelVariables if one.causality != "input" or one.name in driven
+        variable
+        for variable in description.modelVariables
+        if variable.causality != "input" or variable.name in driven
     ]
     return short, rows[np.argsort(rows[TIME], kind="stable")]
 
@@ -91,7 +93,7 @@ def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tupl
 
     The input is in the table; or it is a derivative of the nearest input there, or else its integral.
     """
-    given = [j for j, one in enumerate(members) if one in signal.input]
+    given = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given if j <= k), default=given[0])
     if is_motion(members[source]) and len(given) == 1:
         try:

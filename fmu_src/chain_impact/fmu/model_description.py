@@ -131,10 +131,10 @@ def _add_variables_3(root: Element, prepared: PreparedScene) -> None:
 
 def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: Sequence[Array]) -> None:
     of_arrays = enumerate((array.variable for array in arrays), len(variables) + 1)
-    found = _dependencies([*enumerate(variables), *of_arrays])
-    for reference, dependencies in found:
+    of_unknowns = _dependencies([*enumerate(variables), *of_arrays])
+    for reference, dependencies in of_unknowns:
         SubElement(structure, "Output", valueReference=reference, dependencies=dependencies)
-    for reference, _ in found:
+    for reference, _ in of_unknowns:
         SubElement(structure, "InitialUnknown", valueReference=reference)
 
 
@@ -220,7 +220,7 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
 
 def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
     """Return the attributes for each variable's value: type, unit, range, start and nominal value."""
-    nominal, found = nominal_values(prepared.scene), []
+    nominal, values = nominal_values(prepared.scene), []
     for variable in prepared.variables:
         value = {}
         if variable.type == "real":
@@ -236,8 +236,8 @@ def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
         value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
         if variable.causality != "output":
             value["start"] = prepared.start_text(variable)
-        found.append(value)
-    return found
+        values.append(value)
+    return values
 
 
 def rate_of(variable: Variable) -> DataPath | None:
@@ -262,11 +262,11 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     energy = mass * size * size
     depth = _depth(contact.stiffness, contact.exponent, energy)
     force = contact.stiffness * depth**contact.exponent
-    found = {"size": size, "energy": energy, "momentum": mass * size, "depth": depth, "force": force}
+    scales = {"size": size, "energy": energy, "momentum": mass * size, "depth": depth, "force": force}
     if stops.stiffness is not None and stops.exponent is not None:
         depth = _depth(stops.stiffness, stops.exponent, energy)
-        found |= {"stop depth": depth, "stop moment": stops.stiffness * depth**stops.exponent}
-    return found
+        scales |= {"stop depth": depth, "stop moment": stops.stiffness * depth**stops.exponent}
+    return scales
 
 
 def _depth(stiffness: float, n: float, energy: float) -> float:

@@ -30,8 +30,8 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
     else:
         description = model_description(prepared, tool, 3)
         kernels = {PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
-        place = word_index(prepared.start.dtype, ("step", "time"))
-        further = [(["time", "real", place, "independent", -LARGEST, LARGEST, "", place], 1)]
+        time_index = word_index(prepared.start.dtype, ("step", "time"))
+        further = [(["time", "real", time_index, "independent", -LARGEST, LARGEST, "", time_index], 1)]
         further += [(prepared.table_row(array.variable), array.length) for array in array_variables(prepared)]
     files = {
         f"binaries/{platform}/{prepared.scene.name}{library.suffix}": library.read_bytes()

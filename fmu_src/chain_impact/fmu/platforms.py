@@ -16,7 +16,7 @@ def platforms_of(path: str | Path) -> list[str]:
 
     Known platforms have their names in ``--platform``, other platforms the names of their folders.
     """
-    ours = {one.fmi3: name for name, one in PLATFORMS.items()}
+    ours = {platform.fmi3: name for name, platform in PLATFORMS.items()}
     with zipfile.ZipFile(path) as fmu:
         return [ours.get(folder, folder) for folder in _folders(fmu.namelist())]
 
@@ -33,9 +33,9 @@ def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple
     platforms = platforms if second else platforms[::-1]
     file = f"{identifier}{PLATFORMS[HOST].suffix if HOST else ''}"
     places = [f"binaries/{platform}/{file}" for platform in platforms]
-    for place in places:
-        if place in names:
-            return place, None
+    for path in places:
+        if path in names:
+            return path, None
     if others := _folders(names):
         there = f"it has folders for {', '.join(others)}"
     elif any(name.startswith("binaries/") for name in names):
@@ -48,5 +48,5 @@ def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple
 
 def _folders(names: Collection[str]) -> list[str]:
     """Return the folders of binaries that contain any files."""
-    found = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
-    return sorted({file[1] for file in found if file})
+    matches = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
+    return sorted({file[1] for file in matches if file})

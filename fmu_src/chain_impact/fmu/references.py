@@ -69,19 +69,19 @@ class Reference(NamedTuple):
 def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     """Return the reference file by its path in the FMU; an empty dict if no results are reliable."""
     try:
-        found = reference(prepared)
+        solution = reference(prepared)
     except SimulationError as error:
         log.info("no reference results in the FMU: %s", error)
         return {}
-    if len(found.times) < FEWEST:
+    if len(solution.times) < FEWEST:
         log.info("no reference results in the FMU: they depend too much on the solver's tolerance")
         return {}
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["time", *found.inputs, *found.outputs])
-    writer.writerow(["tolerance", *("" for _ in found.inputs), *(f"{x:.2g}" for x in found.tolerances)])
-    rows = np.column_stack([*found.inputs.values(), found.values])
-    for time, row in zip(found.times, rows, strict=True):
+    writer.writerow(["time", *solution.inputs, *solution.outputs])
+    writer.writerow(["tolerance", *("" for _ in solution.inputs), *(f"{x:.2g}" for x in solution.tolerances)])
+    rows = np.column_stack([*solution.inputs.values(), solution.values])
+    for time, row in zip(solution.times, rows, strict=True):
         writer.writerow([repr(float(time)), *("" if np.isnan(x) else f"{x:.{DIGITS}g}" for x in row)])
     return {FILE: text.getvalue().encode()}
 
@@ -98,9 +98,9 @@ def reference(prepared: PreparedScene) -> Reference:
     while True:
         step = shortest * max(1, round(stop / shortest / ROWS))
         count = max(1, math.floor(stop / step * (1 + 1e-12)))
-        found = _compared(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
-        if np.isfinite(found.values[:, 0]).sum() > ROWS / SHORTER or step == shortest:
-            return found
+        solution = _compared(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
+        if np.isfinite(solution.values[:, 0]).sum() > ROWS / SHORTER or step == shortest:
+            return solution
         stop /= SHORTER
 
 
@@ -181,18 +181,18 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     torque = SWING * nominal["energy"] / prepared.sizes.links  # a share for each link of the energy M L²/s²
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
-    for i, one in enumerate(prepared.inputs):
-        if one.record_path[0] == MOTION:
-            _, field, channel = one.record_path
+    for i, variable in enumerate(prepared.inputs):
+        if variable.record_path[0] == MOTION:
+            _, field, channel = variable.record_path
             k, start = 1 + int(channel), float(prepared.start[0][MOTION]["position"][channel])
             move = MOVED * nominal["size"]
-            signals[one.name] = {
+            signals[variable.name] = {
                 "position": start + move * (1.0 - np.cos(k * turn)),
                 "velocity": move * k * rate * np.sin(k * turn),
                 "acceleration": move * (k * rate) ** 2 * np.cos(k * turn),
             }[str(field)]
         else:
-            signals[one.name] = size["tip" if one.name.startswith("tip") else "joint"] * np.cos(
+            signals[variable.name] = size["tip" if variable.name.startswith("tip") else "joint"] * np.cos(
                 (1 + i) * turn
             )
     return {name: np.array([float(f"{x:.{DIGITS}g}") for x in values]) for name, values in signals.items()}
@@ -237,7 +237,7 @@ def check_references(path: Path) -> tuple[bool, str] | None:
     outputs = [name for name in head if name not in inputs]
     given = np.rec.fromarrays([columns[name] for name in inputs], dtype=[(name, float) for name in inputs])
     try:
-        found = simulated(
+        simulated_values = simulated(
             path,
             description,
             output=outputs,
@@ -250,7 +250,9 @@ def check_references(path: Path) -> tuple[bool, str] | None:
         return (False, f"cannot be simulated: {error}")
     # written so that the comparison also fails for a NaN of the FMU
     errors = {
-        name: np.abs(np.interp(time, found["time"], found[name].astype(float)) - columns[name])
+        name: np.abs(
+            np.interp(time, simulated_values["time"], simulated_values[name].astype(float)) - columns[name]
+        )
         for name in outputs
     }
     astray = {

@@ -94,11 +94,11 @@ def record_fmu(
     names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends]
     named = {name: _named(parameters[name], value) for name, value in values.items()}
     point_names = {int(at[1]): at[2] for v in variables.values() if (at := NAMED.match(v.description or ""))}
-    derived = [name for name, one in parameters.items() if UNLESS_SET in (one.description or "")]
+    derived = [name for name, parameter in parameters.items() if UNLESS_SET in (parameter.description or "")]
 
     def recording(rows: np.ndarray) -> Recording:
         followed = {name: float(rows[name][0]) for name in derived}
-        found = Recording(
+        recorded = Recording(
             name=description.modelName,
             time=np.asarray(rows["time"]),
             columns={name: rows[name] for name in outputs},
@@ -108,9 +108,9 @@ def record_fmu(
             parameters=named | followed,
             stops=stops,
             point_names=point_names,
-            inputs=tuple(name for name, one in variables.items() if one.causality == "input"),
+            inputs=tuple(name for name, parameter in variables.items() if parameter.causality == "input"),
         )
-        return replace(found, stick_slip=phases_from(found.time, found.touches, names))
+        return replace(recorded, stick_slip=phases_from(recorded.time, recorded.touches, names))
 
     recorders: list[Any] = []  # the recorder of fmpy, which exists after the first step
 
@@ -154,7 +154,7 @@ def _named(variable: Any, value: float) -> float | str:
 def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
         given = "it is an input: give it over time in a table, --inputs FILE"
-        signals = {one.split(".")[1] for one in parameters if one.startswith("signal.")}
+        signals = {parameter.split(".")[1] for parameter in parameters if parameter.startswith("signal.")}
         hint = given if input_key(name) else signal_hint(name, signals)
         raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter", hint)
     return parameters[name]

@@ -104,40 +104,40 @@ class Trial:
 
     def values(self) -> dict[str, list[Value]]:
         """Return the values of all variables that can be read, by their names."""
-        found: dict[str, list[Value]] = {}
-        for one in self.variables:
-            size = one.size
-            if one.type in ("Clock", "Binary") or "clocks" in one.attributes or size is None:
+        by_name: dict[str, list[Value]] = {}
+        for variable in self.variables:
+            size = variable.size
+            if variable.type in ("Clock", "Binary") or "clocks" in variable.attributes or size is None:
                 continue
             whole = "Integer" if self.second else "Int64"
-            kind = whole if one.type == "Enumeration" else one.type
-            get, arguments = getattr(self.fmu, f"get{kind}"), [[int(one.reference)]]
+            kind = whole if variable.type == "Enumeration" else variable.type
+            get, arguments = getattr(self.fmu, f"get{kind}"), [[int(variable.reference)]]
             try:
                 values = self.call(f"Get{kind}", "", get, *arguments, *([] if self.second else [size]))
             except CallError as error:
-                self.found(f"cannot be read as {size} {kind}: {error}", one)
+                self.found(f"cannot be read as {size} {kind}: {error}", variable)
                 continue
             texts = [
                 value.decode(errors="replace") if isinstance(value, bytes) else value for value in values
             ]
-            found[one.name] = [bool(value) for value in texts] if kind == "Boolean" else texts
-        return found
+            by_name[variable.name] = [bool(value) for value in texts] if kind == "Boolean" else texts
+        return by_name
 
     def compare_starts(self) -> None:
         """Compare the start values of the FMU with the start values in its description."""
         values = self.values()
-        for one in self.variables:
-            if one.exact and one.start and one.name in values:
-                found = values[one.name]
-                said = [one.value(text) for text in one.start]
-                said = said * len(found) if len(said) == 1 else said
-                if len(said) == len(found) and not _all_close(said, found):
-                    first = next(i for i in range(len(found)) if not _close(said[i], found[i]))
-                    place = f"[{first}]" if len(found) > 1 else ""
+        for variable in self.variables:
+            if variable.exact and variable.start and variable.name in values:
+                start_values = values[variable.name]
+                said = [variable.value(text) for text in variable.start]
+                said = said * len(start_values) if len(said) == 1 else said
+                if len(said) == len(start_values) and not _all_close(said, start_values):
+                    first = next(i for i in range(len(start_values)) if not _close(said[i], start_values[i]))
+                    entry = f"[{first}]" if len(start_values) > 1 else ""
                     self.found(
-                        f"start{place} = {_text(said[first])}, and the FMU itself starts with "
-                        f"{_text(found[first])}",
-                        one,
+                        f"start{entry} = {_text(said[first])}, and the FMU itself starts with "
+                        f"{_text(start_values[first])}",
+                        variable,
                         "start",
                     )
 
@@ -145,10 +145,12 @@ class Trial:
         """Take a step, and a second one that is repeated if the FMU can restore its state."""
         self.step(start, step)
         values = self.values()
-        for one in self.variables:
-            for value in values.get(one.name, []) if one.type in (*REALS, "Integer", "Enumeration") else ():
-                if side := one.beyond(float(value)):
-                    self.found(f"is {_text(value)} after a step of {step:.9g} s, {side}", one)
+        for variable in self.variables:
+            for value in (
+                values.get(variable.name, []) if variable.type in (*REALS, "Integer", "Enumeration") else ()
+            ):
+                if side := variable.beyond(float(value)):
+                    self.found(f"is {_text(value)} after a step of {step:.9g} s, {side}", variable)
         if not self.description.coSimulation.canGetAndSetFMUstate:
             return
         state = self.call("GetFMUState", "", self.fmu.getFMUState)
@@ -169,12 +171,12 @@ class Trial:
         self.call("SetFMUState", "", self.fmu.setFMUState, state)
         self.step(time, step)
         again = self.values()
-        for one in self.variables:
-            if one.name in first and not _all_close(first[one.name], again.get(one.name, [])):
+        for variable in self.variables:
+            if variable.name in first and not _all_close(first[variable.name], again.get(variable.name, [])):
                 self.found(
-                    f"is {_text(first[one.name][0])} after a step, and {_text(again[one.name][0])} after the "
-                    f"same step from the restored state ({how})",
-                    one,
+                    f"is {_text(first[variable.name][0])} after a step, and {_text(again[variable.name][0])} "
+                    f"after the same step from the restored state ({how})",
+                    variable,
                 )
                 return  # one finding is enough, because the others have the same cause
 
@@ -192,11 +194,11 @@ def _number(holder: Any, name: str, otherwise: float) -> float:
     return number if math.isfinite(number) else otherwise
 
 
-def _close(one: Value, other: Value) -> bool:
-    if isinstance(one, str) or isinstance(other, str):
-        return one == other
-    both = math.isnan(one) and math.isnan(other)
-    return both or math.isclose(one, other, rel_tol=CLOSE, abs_tol=TINY)
+def _close(value: Value, other: Value) -> bool:
+    if isinstance(value, str) or isinstance(other, str):
+        return value == other
+    both = math.isnan(value) and math.isnan(other)
+    return both or math.isclose(value, other, rel_tol=CLOSE, abs_tol=TINY)
 
 
 def _all_close(some: Sequence[Value], others: Sequence[Value]) -> bool:

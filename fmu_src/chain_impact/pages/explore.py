@@ -47,8 +47,8 @@ def explore(
             contains this kernel, except for a scene with a user's contact law.
         OSError: when the file cannot be written.
     """
-    known = [_source(scene)] if command is None else list(command)
-    text = page(scene_of(scene), known)
+    words = [_source(scene)] if command is None else list(command)
+    text = page(scene_of(scene), words)
     if path is None:
         return InlinePage(text)
     with written_whole(Path(path)) as fresh:

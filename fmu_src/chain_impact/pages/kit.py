@@ -115,14 +115,14 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
             "keys": _keys(inner),
             **({"entries": rule["entries"], "needed": rule["description"]} if rule.get("entries") else {}),
         }
-    item, *rest = get_args(kind) or (kind,)
-    found = _value(item, rule)
-    if rest:
-        length = "links" if rule["per_link"] else None if ... in rest else 1 + len(rest)
-        found = {
+    item, *others = get_args(kind) or (kind,)
+    value = _value(item, rule)
+    if others:
+        length = "links" if rule["per_link"] else None if ... in others else 1 + len(others)
+        value = {
             "kind": "list",
             "length": length,
-            "each": found,
+            "each": value,
             "orTrue": rule["or_true"],
             "orOne": rule["or_one"],
         }
@@ -130,8 +130,8 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(default, Derived):
         # such a value is a constant that only exists with stops, or a zero for each link
         given = default.value({"chain": WITH_STOPS}) if default.constant else None
-        return found | ({"ofStops": given} if isinstance(given, float) else {})
-    return found | ({"needed": rule["description"]} if default is MISSING else {"default": default})
+        return value | ({"ofStops": given} if isinstance(given, float) else {})
+    return value | ({"needed": rule["description"]} if default is MISSING else {"default": default})
 
 
 def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
@@ -167,17 +167,17 @@ def _output(kind: Kind) -> dict[str, Any]:
 def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
     """Return the data of a parameter or an input: its words, its range and its meaning."""
     items, rule = choices.get(kind.choices, ()), kind.derived
-    one = Variable.of(kind, {}, IN_TEMPLATES, items=tuple(items))
-    _, _, _, _, low, high, _, _ = variable_row(one, 0, 0)
+    variable = Variable.of(kind, {}, IN_TEMPLATES, items=tuple(items))
+    _, _, _, _, low, high, _, _ = variable_row(variable, 0, 0)
     owner = kind.name.rpartition(".")[0]
     return _named(kind) | {
         "unit": kind.unit,
         "path": kind.path or (),
-        "type": one.type,
+        "type": variable.type,
         "low": low,
         "high": high,
-        "allowed": f"one of {', '.join(item.name for item in items)}" if items else one.allowed,
-        "text": one.description,
+        "allowed": f"one of {', '.join(item.name for item in items)}" if items else variable.allowed,
+        "text": variable.description,
         "items": [[item.name, _sentence(item)] for item in items],
         "rule": rule
         and {

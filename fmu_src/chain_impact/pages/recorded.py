@@ -64,7 +64,7 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
     parts |= {"libraries": scripts, "program": modules}
     parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
     # one pass, because a text that is filled in may contain ``{{ name }}``
-    return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], template)
+    return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
 
 
 def styles() -> list[str]:
@@ -126,7 +126,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "x": _packed(points[:, :, 0]),
         "y": _packed(points[:, :, 1]),
         "energies": {name: _packed(energy) for name, energy in recording.energies.items()},
-        "touches": [found for one in touches if (found := _touch(one))],
+        "touches": [found for touch in touches if (found := _touch(touch))],
         "loads": [
             {"joint": joint, "x": _packed(force[:, 0]), "y": _packed(force[:, 1])}
             for joint, force in recording.loads.items()
@@ -134,7 +134,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "impacts": impacts(recording),
         "walls": free_sides(recording.walls),
         "moved": {name: _packed(moved) for name, moved in recording.moved_walls.items()},
-        "stops": [_range(joint, one) for joint, one in recording.stops.items()],
+        "stops": [_range(joint, limits) for joint, limits in recording.stops.items()],
         "radius": radius_of(recording),
         "touching": [*recording.touching.items()],
         "pointNames": [*recording.point_names.items()],
@@ -150,19 +150,19 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
     at = zip(recording.impacts, recording.end_speeds.tolist(), recording.at_stops.tolist(), strict=True)
     return [
         {
-            "point": int(one["point"]),
-            "what": recording.toucher(one),
-            "wall": recording.wall_names[one["wall"]],
-            "onset": float(one["onset"]),
-            "end": _known(one["end"]),
-            "speed": float(one["impact_speed"]),
+            "point": int(impact["point"]),
+            "what": recording.toucher(impact),
+            "wall": recording.wall_names[impact["wall"]],
+            "onset": float(impact["onset"]),
+            "end": _known(impact["end"]),
+            "speed": float(impact["impact_speed"]),
             "endSpeed": end_speed,
-            "rebound": _known(one["separation_speed"]),
-            "peak": _known(one["peak_force"]),
-            "depth": _known(one["max_penetration"]),
+            "rebound": _known(impact["separation_speed"]),
+            "peak": _known(impact["peak_force"]),
+            "depth": _known(impact["max_penetration"]),
             "atStop": at_stop,
         }
-        for one, end_speed, at_stop in at
+        for impact, end_speed, at_stop in at
     ]
 
 
@@ -175,10 +175,10 @@ def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
     return {name: {"normal": wall.normal, "offset": wall.offset} for name, wall in walls.items()}
 
 
-def _range(joint: int, one: JointRange) -> dict[str, Any]:
+def _range(joint: int, limits: JointRange) -> dict[str, Any]:
     """Return the range of a joint, in the form that the page draws."""
-    marks = [stop for stop in (one.low, one.high) if math.isfinite(stop)]
-    return {"joint": joint, "arc": one.arc, "marks": marks}
+    marks = [stop for stop in (limits.low, limits.high) if math.isfinite(stop)]
+    return {"joint": joint, "arc": limits.arc, "marks": marks}
 
 
 def _rail(recording: Recording) -> dict[str, Any] | None:
@@ -195,19 +195,19 @@ def _rail(recording: Recording) -> dict[str, Any] | None:
     )
 
 
-def _touch(one: Touch) -> dict[str, Any] | None:
+def _touch(touch: Touch) -> dict[str, Any] | None:
     """Return force and friction between a point and a wall, in the rows in which they touch.
 
     Returns None if they never touch.
     """
-    there = one.sticking if one.force is None else one.force
+    there = touch.sticking if touch.force is None else touch.force
     rows = np.flatnonzero(np.zeros(0) if there is None else there > 0.0)
     if not len(rows):
         return None
-    columns = {"force": one.force, "depth": one.penetration}
-    columns |= {"friction": one.friction, "sticking": one.sticking}
+    columns = {"force": touch.force, "depth": touch.penetration}
+    columns |= {"friction": touch.friction, "sticking": touch.sticking}
     packed = {name: _packed(column[rows]) for name, column in columns.items() if column is not None}
-    return {"point": one.point, "wall": one.wall, "rows": encoded(rows.astype("<u4").tobytes()), **packed}
+    return {"point": touch.point, "wall": touch.wall, "rows": encoded(rows.astype("<u4").tobytes()), **packed}
 
 
 def _packed(values: np.ndarray) -> dict[str, Any]:

@@ -23,17 +23,19 @@ def kit_of_signals(scene: Scene) -> dict[str, Any]:
         "required": REQUIRED,
         "other": OTHER,
         "knots": KNOTS,
-        "tables": {name: _table(scene, name) for name, one in scene.signals.items() if one.form == "table"},
+        "tables": {
+            name: _table(scene, name) for name, signal in scene.signals.items() if signal.form == "table"
+        },
     }
 
 
 def _table(scene: Scene, name: str) -> dict[str, Any]:
     """Return a table: the name of its file, and the polynomials of each input that the table drives."""
     signal, columns = scene.signals[name], {}
-    for one in driven_by(scene):
-        if one.signal == name:
-            times, powers, gain = table_of(signal, one.input, one.order, scene.simulation.stop_time)
-            columns[one.input] = {
+    for driven in driven_by(scene):
+        if driven.signal == name:
+            times, powers, gain = table_of(signal, driven.input, driven.order, scene.simulation.stop_time)
+            columns[driven.input] = {
                 "knots": len(times),
                 "times": _packed(times),
                 "powers": [_packed(column) for column in powers.T],

@@ -30,19 +30,19 @@ def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
 
     Corners of a box come first.
     """
-    found: dict[int, list[Disc]] = {}
+    discs_of: dict[int, list[Disc]] = {}
     for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
         discs: list[Disc] = []
         if (height := values.get(f"link[{link}].height")) is not None:
             places = (corner_of_box(n, values[f"link[{link}].length"], height) for n in range(1, CORNERS + 1))
             discs = [(x, y, values.get("contact.radius", 0.0)) for x, y in places]
         names = (f"link[{link}].point[{n}]" for n in count(len(discs) + 1))
-        for of in takewhile(lambda one: f"{one}.x" in values, names):
+        for of in takewhile(lambda site: f"{site}.x" in values, names):
             x, y, radius = (float(values[f"{of}.{key}"]) for key in ("x", "y", "radius"))
             discs.append((x, y, radius))
         if discs:
-            found[link] = discs
-    return found
+            discs_of[link] = discs
+    return discs_of
 
 
 def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[int, np.ndarray]:
@@ -52,14 +52,14 @@ def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[
         values: name of a parameter → value.
         touching: the points that can touch; other ends of links have no radius.
     """
-    found = {}
+    outlines = {}
     for link, sites in _discs(values).items():
         near, far = (
             values.get("contact.radius", 0.0) if end in touching else 0.0 for end in (link - 1, link)
         )
         ends = [(0.0, 0.0, near), (float(values[f"link[{link}].length"]), 0.0, far)]
-        found[link] = outline([*ends, *sites])
-    return found
+        outlines[link] = outline([*ends, *sites])
+    return outlines
 
 
 def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:

@@ -48,27 +48,27 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         )
     walls, names = (scene.half_planes, scene.wall_names) if scene else ({}, ())
     stops = ranges_of(scene) if scene else {}
-    known = {name: value for name, value in scene.values.items() if is_of_body(name)} if scene else {}
+    body_values = {name: value for name, value in scene.values.items() if is_of_body(name)} if scene else {}
     bare = Recording(
         path.stem,
         time,
         columns,
         walls=walls,
         wall_names=names,
-        parameters=known,
+        parameters=body_values,
         stops=stops,
         point_names=scene.point_names if scene else {},
     )
-    for one in bare.touches:
-        if one.at_wall and scene is None:
+    for touch in bare.touches:
+        if touch.at_wall and scene is None:
             raise NeedsSceneError(
-                f"{path}: it has contact[{one.point}].{one.wall}.force, but a CSV file has no positions "
+                f"{path}: it has contact[{touch.point}].{touch.wall}.force, but a CSV file has no positions "
                 "of walls: give its scene"
             )
-        if one.at_wall and one.wall not in walls:
+        if touch.at_wall and touch.wall not in walls:
             raise SceneError(
-                f"{path}: contact[{one.point}].{one.wall}.force: the scene has no wall {one.wall}; it has "
-                f"{', '.join(walls) or 'none'}"
+                f"{path}: contact[{touch.point}].{touch.wall}.force: the scene has no wall {touch.wall}; "
+                f"it has {', '.join(walls) or 'none'}"
             )
     listed = "impact.count" in columns and scene is not None
     impacts = impacts_shown({"time": time, **columns}, names) if listed else NO_IMPACTS
@@ -122,7 +122,7 @@ def _check_line(where: str, names: list[str], cells: list[str]) -> None:
         try:
             float(cell)
         except ValueError:
-            found = f"= {cell!r}" if cell else "is empty;"
-            raise ValueError(f"{where}: {name} {found} must be a number") from None
+            cell_text = f"= {cell!r}" if cell else "is empty;"
+            raise ValueError(f"{where}: {name} {cell_text} must be a number") from None
     if len(cells) != len(names):
         raise ValueError(f"{where} has {len(cells)} cells, must have {len(names)} as the head line")

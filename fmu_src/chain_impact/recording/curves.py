@@ -42,10 +42,10 @@ class Curves:
     @property
     def panels(self) -> list[list[str]]:
         """The names of the outputs, one list for each unit, in the order in which the units first occur."""
-        found: dict[str, list[str]] = {}
+        panels: dict[str, list[str]] = {}
         for name in self.values:
-            found.setdefault(self.units.get(name, ""), []).append(name)
-        return list(found.values())
+            panels.setdefault(self.units.get(name, ""), []).append(name)
+        return list(panels.values())
 
 
 def curves_of(
@@ -73,8 +73,8 @@ def curves_of(
         ValueError: when no impact has the number.
     """
     hint = of_series(recording.output_hint)
-    like = (matching(recording.name, one, recording.columns, "no output", hint) for one in names)
-    chosen = list(dict.fromkeys(name for found in like for name in found))
+    like = (matching(recording.name, pattern, recording.columns, "no output", hint) for pattern in names)
+    chosen = list(dict.fromkeys(name for matches in like for name in matches))
     onset, low, high = window(recording, around)
     time = recording.time
     if rerun and prepared:
@@ -118,6 +118,6 @@ def between(recording: Recording, low: float, high: float, *, close: bool) -> np
     if close:
         return np.linspace(low, high, CLOSE)
     impacts = recording.impacts[:FOLLOWED]
-    known = impacts[impacts["end"] > impacts["onset"]]
-    inside = np.linspace(known["onset"], known["end"], WITHIN).ravel()
+    ended = impacts[impacts["end"] > impacts["onset"]]
+    inside = np.linspace(ended["onset"], ended["end"], WITHIN).ravel()
     return np.asarray(inside[(inside >= low) & (inside <= high)])

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 
-def same(one: Any, other: Any) -> bool:
+def same(value: Any, other: Any) -> bool:
     """Return whether two objects have the same class and equal fields: ``__eq__`` of a dataclass."""
-    if type(other) is not type(one):
+    if type(other) is not type(value):
         return False
-    return all(equal(getattr(one, it.name), getattr(other, it.name)) for it in fields(one) if it.compare)
+    return all(equal(getattr(value, it.name), getattr(other, it.name)) for it in fields(value) if it.compare)
 
 
 def equal(first: Any, second: Any) -> bool:

@@ -78,8 +78,8 @@ def _names(walls: tuple[str, ...]) -> np.ndarray:
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     """Return the order of contacts by onset, and the contacts in this order with the names of their walls."""
     numbers = np.concatenate([_numbers(part) for part in parts])
-    found = np.ndarray(len(numbers), LOG_DTYPE, numbers)
-    order = np.lexsort((found["wall"], found["point"], found["onset"]))
+    ordered = np.ndarray(len(numbers), LOG_DTYPE, numbers)
+    order = np.lexsort((ordered["wall"], ordered["point"], ordered["onset"]))
     return order, named(np.ndarray(len(numbers), LOG_DTYPE, numbers[order]), walls)
 
 
@@ -117,9 +117,9 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     Raises:
         ValueError: when a column is missing.
     """
-    known = getattr(record, "impacts", None)
-    if isinstance(known, np.ndarray) and known.dtype == IMPACT_DTYPE:
-        return known
+    stored = getattr(record, "impacts", None)
+    if isinstance(stored, np.ndarray) and stored.dtype == IMPACT_DTYPE:
+        return stored
     time, counts = _column(record, "time"), _column(record, "impact.count").astype(np.int64)
     shown = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
     if len(time) == 0:

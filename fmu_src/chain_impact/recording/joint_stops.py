@@ -50,13 +50,13 @@ def ranges_of(scene: Scene) -> dict[int, JointRange]:
 
 def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
     """Return the ranges of the joints with stops, from the values of an FMU's parameters."""
-    found = {}
+    ranges = {}
     for joint in range(1, sum(name.endswith(".length") for name in values) + 1):
         low, high = (values.get(f"link[{joint}].{stop}") for stop in STOPS)
         if low is not None or high is not None:
             ends = (-math.inf if low is None else low, math.inf if high is None else high)
-            found[joint] = JointRange(*ends, values[f"link[{joint}].length"])
-    return found
+            ranges[joint] = JointRange(*ends, values[f"link[{joint}].length"])
+    return ranges
 
 
 def at_stop(scene: Scene, wall: int) -> bool:
@@ -71,12 +71,12 @@ def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterato
         points: positions of the points 0…N, shape (N+1, 2) [m].
         ranges: joint → range of the joint.
     """
-    for joint, one in ranges.items():
+    for joint, limits in ranges.items():
         centre = points[joint - 1]
         x, y = centre - points[joint - 2] if joint > 1 else (1.0, 0.0)
-        before, radius = math.atan2(y, x), ARC * one.length
-        yield centre + radius * _directions(np.linspace(*one.arc, CORNERS) + before)
-        for stop in (one.low, one.high):
+        before, radius = math.atan2(y, x), ARC * limits.length
+        yield centre + radius * _directions(np.linspace(*limits.arc, CORNERS) + before)
+        for stop in (limits.low, limits.high):
             if math.isfinite(stop):
                 ends = radius * np.array([[1.0 - 0.5 * TICK], [1.0 + 0.5 * TICK]])
                 yield centre + ends * _directions(np.array([stop + before]))

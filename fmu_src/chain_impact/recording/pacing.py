@@ -74,15 +74,15 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
 
 def fastest_sine(recording: Recording) -> float:
     """Return the largest frequency of the sines that move inputs during the run [Hz]; 0 without a sine."""
-    known, stop, fastest = recording.parameters, float(recording.time[-1]), 0.0
-    for name, value in known.items():
+    parameters, stop, fastest = recording.parameters, float(recording.time[-1]), 0.0
+    for name, value in parameters.items():
         if name.startswith("signal.") and name.endswith(".frequency"):
             signal = name.removesuffix("frequency")
-            begin = float(known.get(f"{signal}start", 0.0))
-            if begin >= stop or float(known.get(f"{signal}amplitude", 1.0)) == 0.0:
+            begin = float(parameters.get(f"{signal}start", 0.0))
+            if begin >= stop or float(parameters.get(f"{signal}amplitude", 1.0)) == 0.0:
                 continue
             # f + ḟ s grows or falls with the time s = max(0, t − start)
-            change = float(known.get(f"{name}_rate", 0.0)) * (stop - begin)
+            change = float(parameters.get(f"{name}_rate", 0.0)) * (stop - begin)
             fastest = max(fastest, abs(float(value)), abs(float(value) + change))
     return fastest
 

@@ -77,15 +77,17 @@ class Recording:
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
         """The columns, by owner, number and wall, and quantity."""
-        found: dict[tuple[str, int, str], dict[str, np.ndarray]] = {}
+        quantities: dict[tuple[str, int, str], dict[str, np.ndarray]] = {}
         for name, values in self.columns.items():
             if at := _NAME.fullmatch(name):
                 owner, number, wall, quantity = at.groups()
-                found.setdefault((owner, int(number or 0), wall or ""), {})[quantity] = values
-        return found
+                quantities.setdefault((owner, int(number or 0), wall or ""), {})[quantity] = values
+        return quantities
 
     def _of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
-        return {(n, wall): found for (one, n, wall), found in self._quantities.items() if one == owner}
+        return {
+            (n, wall): quantities for (kind, n, wall), quantities in self._quantities.items() if kind == owner
+        }
 
     @cached_property
     def link_count(self) -> int:
@@ -110,8 +112,8 @@ class Recording:
     def all_points(self) -> np.ndarray:
         """Positions of all points by their numbers, shape (T, N+1+P, 2) [m]."""
         points = self._of("point")
-        known = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
-        each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in known]
+        complete = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
+        each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in complete]
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
 
     def output_hint(self, name: str) -> str | None:
@@ -120,11 +122,11 @@ class Recording:
 
     def walls_at(self, time: float) -> dict[str, HalfPlane]:
         """Return the walls in their positions at a time [s]."""
-        found = dict(self.walls)
+        walls = dict(self.walls)
         for name, moved in self.moved_walls.items():
-            wall = found[name]
-            found[name] = replace(wall, offset=wall.offset + float(np.interp(time, self.time, moved)))
-        return found
+            wall = walls[name]
+            walls[name] = replace(wall, offset=wall.offset + float(np.interp(time, self.time, moved)))
+        return walls
 
     def sides_at(self, time: float) -> dict[str, HalfPlane]:
         """Return the walls in their positions at a time [s], and the stops of a slider."""
@@ -164,9 +166,9 @@ class Recording:
     def touching(self) -> dict[int, float]:
         """The points that can touch a wall, and their radii [m]; an unknown radius is 0."""
         radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
-        points = sorted({one.point for one in self.touches if one.at_wall})
-        known = dict(enumerate(radii, self.link_count + 1))
-        return {point: known.get(point, radius) for point in points}
+        points = sorted({touch.point for touch in self.touches if touch.at_wall})
+        radius_of = dict(enumerate(radii, self.link_count + 1))
+        return {point: radius_of.get(point, radius) for point in points}
 
     @property
     def energies(self) -> Mapping[str, np.ndarray]:
@@ -191,7 +193,7 @@ class Recording:
     @cached_property
     def touches(self) -> list[Touch]:
         """The contacts at walls and at stops of joints over time, and dry friction in joints."""
-        found = [
+        touches = [
             Touch(
                 *at,
                 *map(values.get, ("force", "penetration", "penetration_rate", "friction_force", "sticking")),
@@ -201,15 +203,15 @@ class Recording:
         ]
         for (joint, _), values in self._of("joint").items():
             if "stop_moment" in values:
-                found += Touch.of_stops(joint, values["stop_moment"])
+                touches += Touch.of_stops(joint, values["stop_moment"])
             if "sticking" in values:
                 moment = values.get("friction_moment")
-                found.append(Touch(joint, "", None, friction=moment, sticking=values["sticking"]))
+                touches.append(Touch(joint, "", None, friction=moment, sticking=values["sticking"]))
         slider = self._of("slider").get((0, ""), {})
         if "sticking" in slider:
             force = slider.get("friction_force")
-            found.append(Touch(0, "", None, friction=force, sticking=slider["sticking"]))
-        return found
+            touches.append(Touch(0, "", None, friction=force, sticking=slider["sticking"]))
+        return touches
 
     def __repr__(self) -> str:
         """Return the name, the duration and the number of impacts and outputs."""
@@ -261,7 +263,7 @@ class Recording:
 
     def at(self, rows: np.ndarray) -> Recording:
         """Return the recording with only some of the rows, and without derivatives; all impacts stay."""
-        parts = {one.name: getattr(self, one.name) for one in fields(Recording)}
+        parts = {field.name: getattr(self, field.name) for field in fields(Recording)}
         columns = {name: values[rows] for name, values in self.columns.items()}
         parts |= {"time": self.time[rows], "columns": columns, "sensitivities": None}
         return Recording(**parts)
@@ -289,8 +291,8 @@ class Recording:
         """
         if self.is_stop(impact["wall"]):
             return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]
-        place, wall = self.point_at(impact["point"], impact["onset"]), self.wall_of(impact)
-        return np.asarray(place - wall.clearance(*place) * np.array(wall.normal))
+        position, wall = self.point_at(impact["point"], impact["onset"]), self.wall_of(impact)
+        return np.asarray(position - wall.clearance(*position) * np.array(wall.normal))
 
     def wall_of(self, row: np.void) -> HalfPlane:
         """Return the free side of the wall or slider's stop of an impact or a phase of dry friction."""
@@ -324,8 +326,10 @@ class Recording:
         columns = {"time": self.time, **self.columns, **slopes}
         if output is not None:
             wanted = [output] if isinstance(output, str) else list(output)
-            found = (matching(self.name, one, columns, "no column", self.output_hint) for one in wanted)
-            columns = {name: columns[name] for name in ("time", *chain.from_iterable(found))}
+            matches = (
+                matching(self.name, pattern, columns, "no column", self.output_hint) for pattern in wanted
+            )
+            columns = {name: columns[name] for name in ("time", *chain.from_iterable(matches))}
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)

@@ -99,8 +99,8 @@ class Sensitivities:
             )
             for k, (name, value) in enumerate(self.parameters.items())
         ]
-        told = ["Changes of outputs at the end, to first order"] if outputs else []
-        return as_html([repr(self), *told, Table(head, rows), *self.limits])
+        title = ["Changes of outputs at the end, to first order"] if outputs else []
+        return as_html([repr(self), *title, Table(head, rows), *self.limits])
 
     def of_output(self, quantity: str, parameter: str) -> np.ndarray:
         """Return the derivative of an output with respect to a parameter, at all times, shape (T,)."""
@@ -180,8 +180,8 @@ class Sensitivities:
             changes = self.impact_changes("end") - self.impact_changes("onset")
         else:
             values, changes = rows[quantity], self.impact_changes(quantity)
-        known = np.isfinite(values) & (values > 0.0)
-        shares: np.ndarray = changes / np.where(known, values, np.nan)[:, np.newaxis]
+        valid = np.isfinite(values) & (values > 0.0)
+        shares: np.ndarray = changes / np.where(valid, values, np.nan)[:, np.newaxis]
         return shares
 
     @property

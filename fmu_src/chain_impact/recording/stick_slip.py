@@ -37,12 +37,12 @@ JOINT = -1
 
 def phases_of(changes: np.ndarray) -> np.ndarray:
     """Return the phases in a log of changes, in the order of their starts, see ``STICK_SLIP_DTYPE``."""
-    found: list[tuple[int, int, float, float, int]] = []
+    phases: list[tuple[int, int, float, float, int]] = []
     order = np.argsort(changes["time"], kind="stable")
-    for place in np.unique(changes[["point", "wall"]]):
-        of_place = changes[order][changes[order][["point", "wall"]] == place]
-        found.extend(_phases(of_place))
-    return np.sort(np.array(found, STICK_SLIP_DTYPE), order=["start", "point", "wall"])
+    for contact in np.unique(changes[["point", "wall"]]):
+        of_place = changes[order][changes[order][["point", "wall"]] == contact]
+        phases.extend(_phases(of_place))
+    return np.sort(np.array(phases, STICK_SLIP_DTYPE), order=["start", "point", "wall"])
 
 
 def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]:
@@ -118,12 +118,12 @@ class Touch:
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
     """Return the phases of dry friction in rows, with times accurate to a row, see ``STICK_SLIP_DTYPE``."""
     changes: list[tuple[float, int, int, int]] = []
-    for one in touches:
-        if one.sticking is None or one.friction is None or one.wall not in ("", *walls):
+    for touch in touches:
+        if touch.sticking is None or touch.friction is None or touch.wall not in ("", *walls):
             continue
-        wall = walls.index(one.wall) if one.wall else JOINT
-        sliding = np.where(one.friction == 0.0, NO_FRICTION, -np.sign(one.friction))
-        mode = np.where(one.sticking > 0.0, STICKS, sliding).astype(int)
+        wall = walls.index(touch.wall) if touch.wall else JOINT
+        sliding = np.where(touch.friction == 0.0, NO_FRICTION, -np.sign(touch.friction))
+        mode = np.where(touch.sticking > 0.0, STICKS, sliding).astype(int)
         starts = np.flatnonzero(np.append([True], np.diff(mode) != 0)[: len(mode)])
-        changes.extend((float(time[row]), one.point, wall, int(mode[row])) for row in starts)
+        changes.extend((float(time[row]), touch.point, wall, int(mode[row])) for row in starts)
     return phases_of(np.array(changes, CHANGE_DTYPE))

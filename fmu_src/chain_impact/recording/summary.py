@@ -39,8 +39,8 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
     balance = total + dissipated - supplied
     sign = "-" if supplied[-1] < 0.0 else "+"
     given = f" {sign} {abs(supplied[-1]):.6g} J supplied" if supplied.any() else ""
-    rest = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
-    yield f"energy   {total[0]:.6g} J at the start{given} = {rest}"
+    final = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
+    yield f"energy   {total[0]:.6g} J at the start{given} = {final}"
     off = abs(balance - balance[0]).max()
     yield f"balance  off by at most {off:.1e} J: an energy check, no bound on positions or times"
 
@@ -86,8 +86,8 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
     stopped = result.at_stops
     kinds = [units for units, there in ((UNITS, not stopped.all()), (STOP_UNITS, stopped.any())) if there]
     units = [" or ".join(dict.fromkeys(several)) for several in zip(*(kinds or [UNITS]), strict=True)]
-    told = (f"{name}, {unit}" for name, unit in zip(VALUES, units, strict=True))
-    heads = ("time, s", "point", "wall", *told)
+    value_heads = (f"{name}, {unit}" for name, unit in zip(VALUES, units, strict=True))
+    heads = ("time, s", "point", "wall", *value_heads)
     loads = ("joint force, N", "joint") if result.knows_joint_forces else ()
     if not loads and len(kinds) <= 1:
         return heads
@@ -146,7 +146,8 @@ def _friction_lines(result: Recording) -> Iterator[str]:
     yield f"friction {plural(sticking, 'phase')} of sticking, {len(phases) - sticking} of sliding"
     last = phases[np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
     places = [
-        f"{place_of(one, result.wall_names, result.point_names)} since {one['start']:.6f} s" for one in last
+        f"{place_of(phase, result.wall_names, result.point_names)} since {phase['start']:.6f} s"
+        for phase in last
     ]
     if places:
         more = [f"{len(places) - SHOWN} more"] if len(places) > SHOWN else []
@@ -188,7 +189,7 @@ def smallest_body(scene: Scene) -> tuple[float, str]:
     A free chain of one link that touches only at its centre of mass is a ball: the length of its link has no
     meaning, and without a radius the ball has no size.
     """
-    link, points = min(scene.chain.links, key=lambda one: one.length), scene.touching_points
+    link, points = min(scene.chain.links, key=lambda item: item.length), scene.touching_points
     ends = {0.0: 0, link.length: 1}
     centre = ends.get(link.center_of_mass) if link.center_of_mass_offset == 0.0 else None
     if scene.chain.base == "free" and len(scene.chain.links) == 1 and points == (centre,):

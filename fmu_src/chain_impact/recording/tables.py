@@ -96,7 +96,7 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
         owner, _, label = variable.kind.array.partition(".")
         dimensions, key = _DIMENSIONS.get(owner, ()), label or variable.name
         if key not in data:
-            values = np.full((len(time), *(sizes[one] for one in dimensions)), np.nan)
+            values = np.full((len(time), *(sizes[dimension] for dimension in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
         index = variable.index[: len(dimensions)]
         # the stops of joints stand between the contacts of points and the stops of a slider
@@ -122,7 +122,7 @@ def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[
     columns = {name: impacts[name].tolist() for name in impacts.dtype.names or () if name != "wall_name"}
     columns["wall"] = [walls[wall] for wall in columns["wall"]]
     return {
-        name: [None if isinstance(one, float) and math.isnan(one) else one for one in values]
+        name: [None if isinstance(value, float) and math.isnan(value) else value for value in values]
         for name, values in columns.items()
     }
 

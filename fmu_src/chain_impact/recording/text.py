@@ -74,12 +74,12 @@ def as_text(parts: Iterable[str | Table]) -> str:
 
 def as_html(parts: Iterable[str | Table]) -> str:
     """Return lines and tables for a notebook; the first line is a title."""
-    title, *rest = parts
-    found = [f"<b>{escape(str(title))}</b>"]
-    for is_table, group in groupby(rest, lambda part: isinstance(part, Table)):
+    title, *following = parts
+    blocks = [f"<b>{escape(str(title))}</b>"]
+    for is_table, group in groupby(following, lambda part: isinstance(part, Table)):
         for part in group if is_table else ["\n".join(map(str, group)).strip("\n")]:
-            found.append(html_table(*part) if isinstance(part, Table) else f"<pre>{escape(part)}</pre>")
-    return f"<div>{''.join(found)}</div>"
+            blocks.append(html_table(*part) if isinstance(part, Table) else f"<pre>{escape(part)}</pre>")
+    return f"<div>{''.join(blocks)}</div>"
 
 
 def html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -77,7 +77,7 @@ def seen(
         shown = np.concatenate([shown, *lines])
     if corners := closed_room(walls, reach + room * width * np.array([[-1.0], [1.0]])) if room else []:
         shown = np.concatenate([shown, corners])
-    view, found = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
+    view, visible = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
     for name, wall in () if corners else walls.items():
         # the corner of the rectangle that is nearest to the wall
         corner = np.where(np.array(wall.normal) > 0.0, *reach)
@@ -85,8 +85,8 @@ def seen(
         if -width <= gap <= near * width:
             met = corner - max(0.0, gap) * np.array(wall.normal)
             view = np.array([np.minimum(view[0], met), np.maximum(view[1], met)])
-            found[name] = wall
-    return view, found
+            visible[name] = wall
+    return view, visible
 
 
 def framed(

@@ -88,17 +88,17 @@ class Pictured(Recording):
         from chain_impact import pictures  # this import takes a second
 
         if curves:
-            found = self.curves([curves] if isinstance(curves, str) else curves, around)
+            curves_to_draw = self.curves([curves] if isinstance(curves, str) else curves, around)
             if ax is None:
-                fill = partial(pictures.fill_curves, recording=self, curves=found, title=title)
-                return pictures.drawn(fill, path, size, pictures.curves_size(found))
+                fill = partial(pictures.fill_curves, recording=self, curves=curves_to_draw, title=title)
+                return pictures.drawn(fill, path, size, pictures.curves_size(curves_to_draw))
             pictures.check_alone(path, size)
-            pictures.fill_curve_axes(np.ravel(ax).tolist(), self, found)
+            pictures.fill_curve_axes(np.ravel(ax).tolist(), self, curves_to_draw)
             return ax
         if around is not None:
             raise ValueError(f"around = {around!r}: only curves are drawn around an impact")
         self._all("kinetic")  # raises an error if the energy was left out
-        given = [name for name, one in (("kind", kind), ("panels", panels)) if one]
+        given = [name for name, value in (("kind", kind), ("panels", panels)) if value]
         if len(given) > 1:
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
         shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels

@@ -170,7 +170,7 @@ class Ranking:
         shown, unit = self.effects[:DRAWN], with_unit("", self.unit)
         added = [effect.value == 0.0 for effect in shown]
         more = len(self.effects) - len(shown)
-        told = [
+        parts = [
             self.where,
             f"{ADDED} + {PART:g} of its unit, as it is 0" if any(added) else "",
             f"{more} smaller effects are left out" if more else "",
@@ -181,7 +181,7 @@ class Ranking:
         pictures.fill_bars(
             page,
             title=f"{self.source}: effect of + {percent} on {self.quantity} = {digits(self.value)}{unit}",
-            conditions="; ".join(filter(None, told)),
+            conditions="; ".join(filter(None, parts)),
             names=[
                 effect.parameter + (f" {ADDED}" if zero else "")
                 for effect, zero in zip(shown, added, strict=True)
@@ -196,13 +196,13 @@ class Ranking:
 
 
 def ranking_of(
-    recording: Recording, found: Sensitivities, quantity: str, parameters: str | Sequence[str] = "*"
+    recording: Recording, sensitivities: Sensitivities, quantity: str, parameters: str | Sequence[str] = "*"
 ) -> Ranking:
     """Rank the parameters of a recording with derivatives.
 
     Args:
         recording: the recording, with impacts and outputs.
-        found: the derivatives of the recording.
+        sensitivities: the derivatives of the recording.
         quantity: see ``Result.ranking``.
         parameters: see ``Result.ranking``.
 
@@ -210,32 +210,43 @@ def ranking_of(
         SceneError: when the quantity does not exist, or the run does not have the quantity.
         UnknownNameError: when the recording has no derivatives for one of the parameters.
     """
-    value, unit, where, slopes, size = _quantity(recording, found, quantity)
-    names, units = list(found.parameters), found.units
-    changes = slopes * np.array([found.step(name) for name in names])
+    value, unit, where, slopes, size = _quantity(recording, sensitivities, quantity)
+    names, units = list(sensitivities.parameters), sensitivities.units
+    changes = slopes * np.array([sensitivities.step(name) for name in names])
     asked = [parameters] if isinstance(parameters, str) else parameters
     what = "not among simulate(sensitivities=[…])"
-    like = {name for one in asked for name in matching(recording.name, one, names, what, lambda _: None)}
+    like = {
+        name for pattern in asked for name in matching(recording.name, pattern, names, what, lambda _: None)
+    }
     left_out = tuple(name for name in EXPONENTS if name in like and name not in asked)
     chosen = np.array([name in like and name not in left_out for name in names])
-    known = np.isfinite(changes) & chosen
-    nothing = known & (np.abs(changes) <= NOTHING * size)
-    order = [k for k in np.argsort(-np.abs(np.where(known, changes, 0.0)), kind="stable") if known[k]]
+    finite = np.isfinite(changes) & chosen
+    nothing = finite & (np.abs(changes) <= NOTHING * size)
+    order = [k for k in np.argsort(-np.abs(np.where(finite, changes, 0.0)), kind="stable") if finite[k]]
     effects = tuple(
         Effect(
             names[k],
-            found.parameters[names[k]],
+            sensitivities.parameters[names[k]],
             units[names[k]].removeprefix("1"),
-            found.step_text(names[k]),
+            sensitivities.step_text(names[k]),
             float(changes[k]),
             float(slopes[k]),
         )
         for k in order
         if not nothing[k]
     )
-    without, unknown = (tuple(np.array(names)[rows].tolist()) for rows in (nothing, chosen & ~known))
+    without, unknown = (tuple(np.array(names)[rows].tolist()) for rows in (nothing, chosen & ~finite))
     return Ranking(
-        recording.name, quantity, value, unit, where, effects, without, unknown, tuple(found.limits), left_out
+        recording.name,
+        quantity,
+        value,
+        unit,
+        where,
+        effects,
+        without,
+        unknown,
+        tuple(sensitivities.limits),
+        left_out,
     )
 
 
@@ -243,45 +254,47 @@ _Found = tuple[float, str, str, np.ndarray, float]
 """Value, unit, name in words, derivatives of shape (P,), and the size with which round-off is compared."""
 
 
-def _quantity(recording: Recording, found: Sensitivities, name: str) -> _Found:
+def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
     if name in LARGEST:
         field, at_stops = LARGEST[name]
-        return _largest(recording, found, name, field, at_stops=at_stops)
+        return _largest(recording, sensitivities, name, field, at_stops=at_stops)
     if name == JOINT_FORCE:
-        return _joint_force(recording, found)
+        return _joint_force(recording, sensitivities)
     if at := re.fullmatch(r"impact\[(\d+)\]\.(\w+)", name):
-        return _of_impact(recording, found, int(at[1]), OF_FMU.get(at[2], at[2]))
-    if name not in found.columns:
-        known = (*LARGEST, JOINT_FORCE, *found.columns)
-        near = nearest(name, known)
+        return _of_impact(recording, sensitivities, int(at[1]), OF_FMU.get(at[2], at[2]))
+    if name not in sensitivities.columns:
+        quantities = (*LARGEST, JOINT_FORCE, *sensitivities.columns)
+        near = nearest(name, quantities)
         hint = (
             f"the nearest is {near}" if near else f"must be an output, {', '.join((*LARGEST, JOINT_FORCE))}"
         )
         raise SceneError(
             f"{recording.name}: {name} is no quantity that can be ranked; {hint}, or impact[n].…"
         )
-    return _of_output(recording, found, name)
+    return _of_output(recording, sensitivities, name)
 
 
-def _largest(recording: Recording, found: Sensitivities, name: str, field: str, *, at_stops: bool) -> _Found:
+def _largest(
+    recording: Recording, sensitivities: Sensitivities, name: str, field: str, *, at_stops: bool
+) -> _Found:
     """Return the largest value among all impacts at walls, or at stops of joints."""
     values = np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
     if not np.nanmax(values, initial=0.0) > 0.0:
-        place = "a stop of a joint" if at_stops else "a wall"
+        surface = "a stop of a joint" if at_stops else "a wall"
         raise SceneError(
-            f"{recording.name}: {name} is 0: nothing presses against {place}, or by impulses only"
+            f"{recording.name}: {name} is 0: nothing presses against {surface}, or by impulses only"
         )
-    return _of_impact(recording, found, int(np.nanargmax(values)) + 1, field)
+    return _of_impact(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
 
 
-def _of_impact(recording: Recording, found: Sensitivities, number: int, field: str) -> _Found:
+def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> _Found:
     """Return a quantity of one impact, counted from 1."""
-    impacts, slopes = recording.impacts, found.impact_slopes
+    impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
         raise SceneError(f"{recording.name}: there is no impact {number}; there are {len(impacts)}")
     if field not in slopes and field != DURATION:
-        known = ", ".join((*slopes, DURATION))
-        raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {known}")
+        fields = ", ".join((*slopes, DURATION))
+        raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
     impact = impacts[number - 1]
     if field == DURATION:
         value, slope = impact["end"] - impact["onset"], slopes["end"] - slopes["onset"]
@@ -293,22 +306,28 @@ def _of_impact(recording: Recording, found: Sensitivities, number: int, field: s
     return float(value), units.get(field, "s"), where, slope[number - 1], abs(float(value))
 
 
-def _joint_force(recording: Recording, found: Sensitivities) -> _Found:
+def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:
     """Return the largest force in any joint."""
-    names = [name for name in found.columns if re.fullmatch(r"joint\[\d+\]\.peak_force", name)]
+    names = [name for name in sensitivities.columns if re.fullmatch(r"joint\[\d+\]\.peak_force", name)]
     if not names:
         raise SceneError(
             f"{recording.name}: joint_force needs the forces in joints: outputs.loads must be true, and "
             "output=…, if it is given, must have joint[*].peak_force"
         )
-    name = max(names, key=lambda one: recording.columns[one][-1])
-    value, unit, _, slope, size = _of_output(recording, found, name)
+    name = max(names, key=lambda column: recording.columns[column][-1])
+    value, unit, _, slope, size = _of_output(recording, sensitivities, name)
     return value, unit, f"{name.split('.')[0]}, the largest of the run", slope, size
 
 
-def _of_output(recording: Recording, found: Sensitivities, name: str) -> _Found:
+def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
     """Return an output at the end of the run."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))
     where = f"at the end, t = {recording.time[-1]:g} s"
-    return float(values[-1]), found.units[name], where, found.slopes[-1, found.columns[name]], size
+    return (
+        float(values[-1]),
+        sensitivities.units[name],
+        where,
+        sensitivities.slopes[-1, sensitivities.columns[name]],
+        size,
+    )

@@ -105,11 +105,11 @@ class Result(Pictured):
             UnknownNameError: a KeyError, when no output has the name.
         """
         if isinstance(name, list):
-            found: dict[str, np.ndarray] = {}
-            for one in name:
-                values = self[one]
-                found |= values if isinstance(values, dict) else {one: values}
-            return found
+            columns: dict[str, np.ndarray] = {}
+            for item in name:
+                values = self[item]
+                columns |= values if isinstance(values, dict) else {item: values}
+            return columns
         if name == "time":
             return self.time
         if name in self.motion:
@@ -118,7 +118,7 @@ class Result(Pictured):
             return self.stepwise[name]
         hint = of_series(self.output_hint)
         like = matching(self.scene.name, name, self.names, "no output of this result", hint)
-        return {one: self[one] for one in like}
+        return {item: self[item] for item in like}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -142,8 +142,8 @@ class Result(Pictured):
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
         """The outputs that change continuously: name → values, shape (T,)."""
-        known = self.outputs.dtype.names or ()
-        return self.prepared.series(self.outputs) if self._has_all else {n: self.outputs[n] for n in known}
+        recorded = self.outputs.dtype.names or ()
+        return self.prepared.series(self.outputs) if self._has_all else {n: self.outputs[n] for n in recorded}
 
     @property
     def _has_all(self) -> bool:
@@ -335,8 +335,8 @@ class Result(Pictured):
 
     def _facts(self) -> list[str]:
         """Return lines on the energy, on probable mistakes in the scene, and on the solver."""
-        found = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
-        return [*summary.energy_lines(self.energies), *found, *summary.solver_lines(self.statistics)]
+        facts = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
+        return [*summary.energy_lines(self.energies), *facts, *summary.solver_lines(self.statistics)]
 
     def _all(self, field: str) -> np.ndarray:
         """Return a field of ``output_dtype`` (kernel/record/instance.py), from all outputs or a choice."""

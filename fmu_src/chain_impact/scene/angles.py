@@ -22,8 +22,8 @@ def degrees_pattern(unit: str) -> str | None:
 def in_radians(value: Any, unit: str) -> Any:
     """Return a value in its unit; an angle as text, ``"90 deg"``, is converted to radians."""
     pattern = degrees_pattern(unit) if isinstance(value, str) else None
-    found = re.fullmatch(pattern, value) if pattern else None
-    return math.radians(float(found[1])) if found else value
+    match = re.fullmatch(pattern, value) if pattern else None
+    return math.radians(float(match[1])) if match else value
 
 
 def or_degrees(unit: str) -> str:

@@ -36,27 +36,27 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
 
 def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return one half of the hull, from the first of the sorted corners up to the last, which is left out."""
-    found: list[tuple[float, float]] = []
+    hull: list[tuple[float, float]] = []
     for x, y in corners:
-        while len(found) > 1:
-            (ax, ay), (bx, by) = found[-2:]
+        while len(hull) > 1:
+            (ax, ay), (bx, by) = hull[-2:]
             if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
                 break
-            found.pop()
-        found.append((x, y))
-    return found[:-1]
+            hull.pop()
+        hull.append((x, y))
+    return hull[:-1]
 
 
 def outlines_of(scene: Contents) -> dict[int, np.ndarray]:
     """Return the outline of each link that has points: number of the link → corners in the link's axes."""
     radius, points = scene.contact.radius, scene.contact.points
-    found = {}
+    outlines = {}
     for n, link in enumerate(scene.chain.links, 1):
         near, far = (radius if end in points else 0.0 for end in (n - 1, n))
         ends = [(0.0, 0.0, near), (link.length, 0.0, far)]
         if link.points:
-            found[n] = outline([*ends, *((site.x, site.y, site.radius or 0.0) for site in link.points)])
-    return found
+            outlines[n] = outline([*ends, *((site.x, site.y, site.radius or 0.0) for site in link.points)])
+    return outlines
 
 
 def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -97,8 +97,8 @@ class Rail:
         """The half-planes in which stops keep the base, by the names of the stops among the walls."""
         (x, y), start = self.direction, float(self.origin @ self.direction)
         planes = (HalfPlane((x, y), start + self.low), HalfPlane((-x, -y), -start - self.high))
-        found = zip(SLIDER_STOPS, planes, strict=True)
-        return {name: plane for name, plane in found if math.isfinite(plane.offset)}
+        stops = zip(SLIDER_STOPS, planes, strict=True)
+        return {name: plane for name, plane in stops if math.isfinite(plane.offset)}
 
     def lines(self, bases: np.ndarray, size: float) -> list[np.ndarray]:
         """Return the visible part of the line, and the marks of the stops, each of shape (2, 2) [m].
@@ -110,13 +110,13 @@ class Rail:
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         reached = (bases - self.origin) @ along
         ends = [(self.low, reached.min() - AHEAD * size), (self.high, reached.max() + AHEAD * size)]
-        places = [self.origin + (stop if math.isfinite(stop) else free) * along for stop, free in ends]
+        positions = [self.origin + (stop if math.isfinite(stop) else free) * along for stop, free in ends]
         ticks = [
-            place + TICK * size * np.array([-across, across])
-            for place, (stop, _) in zip(places, ends, strict=True)
+            end + TICK * size * np.array([-across, across])
+            for end, (stop, _) in zip(positions, ends, strict=True)
             if math.isfinite(stop)
         ]
-        return [np.array(places), *ticks]
+        return [np.array(positions), *ticks]
 
     def carriage(self, base: np.ndarray, size: float) -> np.ndarray:
         """Return the corners of the carriage for a position of the base, shape (4, 2) [m]."""

@@ -82,8 +82,8 @@ def check_together(scene: Contents) -> None:
     for i, wall in enumerate(scene.walls):
         others = *WALLS, *(other.name for other in scene.walls[:i])
         if wall.name in others:
-            told = f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}"
-            raise SceneError(told, ("walls", i, "name"))
+            text = f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}"
+            raise SceneError(text, ("walls", i, "name"))
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius:.15g} [m], which is {axis}_min + 2 contact.radius"
@@ -135,8 +135,8 @@ def check_reach(scene: Contents) -> None:
     if out_of_reach and len(scene.walls) > pairs:
         i = [wall.name for wall in scene.walls].index(out_of_reach[0])
         reason = "no point can reach it: all points that may touch slide parallel to it"
-        told = f"walls[{i + 1}].name = {out_of_reach[0]!r} must be left out: {reason}"
-        raise SceneError(told, ("walls", i, "name"))
+        text = f"walls[{i + 1}].name = {out_of_reach[0]!r} must be left out: {reason}"
+        raise SceneError(text, ("walls", i, "name"))
 
 
 def check_motion(scene: Contents) -> None:
@@ -252,17 +252,17 @@ def check_start(scene: Contents) -> None:
             depth = radius - wall.clearance(x, y)
             if depth > OVERLAP:
                 where = scene.point_label(point)
-                place = f"{where} at {_position(x, y)} is {depth:.6g} m deep in"
+                subject = f"{where} at {_position(x, y)} is {depth:.6g} m deep in"
                 beyond = name not in WALLS and all(
                     wall.clearance(*at) < 0.0 for *at, _ in candidates.values()
                 )
                 asked = "; no point is: is its normal reversed?" if beyond and not angle_hints(scene) else ""
-                raise SceneError(f"initial: {place} the wall {name}; must be outside{asked}")
+                raise SceneError(f"initial: {subject} the wall {name}; must be outside{asked}")
 
 
 def _position(x: float, y: float) -> str:
     """Return a position as text; a coordinate that is round-off is 0."""
-    x, y = (0.0 if abs(one) <= OVERLAP else one for one in (x, y))
+    x, y = (0.0 if abs(coordinate) <= OVERLAP else coordinate for coordinate in (x, y))
     return f"({x:.6g}, {y:.6g}) m"
 
 
@@ -292,39 +292,39 @@ def _turns_hint(joint: float, low: float, high: float) -> str:
 def angle_hints(scene: Contents) -> list[str]:
     """Return sentences on angles of more than a turn, which may be in degrees by mistake."""
     links, angles = enumerate(scene.chain.links, 1), enumerate(scene.initial.angles, 1)
-    found = {f"initial.angle[{i}]": angle for i, angle in angles}
-    found |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
-    found |= {f"link[{i}].{key}": getattr(scene.chain.links[i - 1], key) for i, key in scene.chain.stops}
-    found |= {f"wall.{wall.name}.angle": wall.angle or 0.0 for wall in scene.walls}
-    return [hint for name, angle in found.items() if (hint := radians_hint(name, angle, "rad"))]
+    suspicious = {f"initial.angle[{i}]": angle for i, angle in angles}
+    suspicious |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
+    suspicious |= {f"link[{i}].{key}": getattr(scene.chain.links[i - 1], key) for i, key in scene.chain.stops}
+    suspicious |= {f"wall.{wall.name}.angle": wall.angle or 0.0 for wall in scene.walls}
+    return [hint for name, angle in suspicious.items() if (hint := radians_hint(name, angle, "rad"))]
 
 
 def hints(scene: Contents) -> list[str]:
     """Return sentences on values that are allowed but are probably mistakes."""
-    found = angle_hints(scene)
+    texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
         if link.center_of_mass > link.length:
             where = f"link[{i}].center_of_mass = {link.center_of_mass:g} m"
-            found.append(f"{where} lies beyond the end of the link, which is {link.length:g} m long")
+            texts.append(f"{where} lies beyond the end of the link, which is {link.length:g} m long")
     stop, step = scene.simulation.stop_time, scene.simulation.step_size
     if step > stop:
         longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
-        found.append(f"{longer}: there are two rows only, the start and the end")
-    return [*found, *size_hints(scene), *base_hints(scene)]
+        texts.append(f"{longer}: there are two rows only, the start and the end")
+    return [*texts, *size_hints(scene), *base_hints(scene)]
 
 
 def size_hints(scene: Contents) -> list[str]:
     """Return questions about the unit of lengths that are probably in millimetres."""
     links, pull = scene.chain.links, math.hypot(*scene.gravity)
-    found = [
+    texts = [
         f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
         for i, link in enumerate(links, 1)
         if link.length > LONG and link.mass < LIGHT * link.length
     ][:1]
     if IN_MM[0] < pull < IN_MM[1]:
         strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
-        found.append(f"{strong}: is it in mm/s²?")
-    return found
+        texts.append(f"{strong}: is it in mm/s²?")
+    return texts
 
 
 def base_hints(scene: Contents) -> list[str]:
@@ -352,7 +352,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
     if not scene.has_joint_angles:
         return []
     names, given = [f"initial.angle[{i}]" for i in range(1, len(scene.chain.links) + 1)], {*changes}
-    alone = [one for one, behind in pairwise(names) if one in given and behind not in given]
+    alone = [name for name, behind in pairwise(names) if name in given and behind not in given]
     stay = "is set, and the absolute angles of the links behind it stay"
     return [f"{alone[0]} {stay}; initial.joint_angles turns these, too"] if alone else []
 

@@ -168,15 +168,15 @@ class Contents:
     def start(self) -> dict[int, tuple[float, float, float]]:
         """The position x, y [m] and radius [m] of each point at the start, by its number."""
         x, y = self.base_at_start
-        found, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
+        points, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
         sites = []
         for number, (link, angle) in enumerate(zip(self.chain.links, self.initial.angles, strict=True), 1):
             c, s = math.cos(angle), math.sin(angle)
             for site in link.points:
                 sites.append((x + site.x * c - site.y * s, y + site.x * s + site.y * c, site.radius or 0.0))
             x, y = x + link.length * c, y + link.length * s
-            found[number] = x, y, radius
-        return found | dict(enumerate(sites, len(found)))
+            points[number] = x, y, radius
+        return points | dict(enumerate(sites, len(points)))
 
     @property
     def base_at_start(self) -> tuple[float, float]:

@@ -17,14 +17,14 @@ from chain_impact.scene.limits import Derived
 from chain_impact.scene.names import DataPath
 
 
-def of_every_link(found: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
+def of_every_link(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
     """Yield the paths, in the scene, of the values that were derived in the data of a file.
 
     In the data an entry can stand for several links; in the scene each link has its own entry.
     """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]
-    for path in found:
+    for path in paths:
         match path:
             case "chain", "links", int(entry), str(key):
                 yield from (("chain", "links", i, key) for i in links[entry])
@@ -46,7 +46,9 @@ def above(paths: Iterable[Any]) -> set[DataPath]:
     Names among the ``paths`` are ignored.
     """
     proper = [
-        path for path in paths if isinstance(path, tuple) and all(isinstance(one, str | int) for one in path)
+        path
+        for path in paths
+        if isinstance(path, tuple) and all(isinstance(step, str | int) for step in path)
     ]
     return {path[:k] for path in proper for k in range(1, len(path))}
 

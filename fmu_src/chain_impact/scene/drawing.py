@@ -17,19 +17,19 @@ LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 def svg(scene: Contents) -> str:
     """Return the drawing as SVG, in the colours of the page that shows it."""
-    places = np.array([place[:2] for place in scene.start.values()])
-    points = places[: len(scene.chain.links) + 1]
-    size = max(np.ptp(places, axis=0).max(), scene.contact.radius, 1e-6)
+    positions = np.array([point[:2] for point in scene.start.values()])
+    points = positions[: len(scene.chain.links) + 1]
+    size = max(np.ptp(positions, axis=0).max(), scene.contact.radius, 1e-6)
     rail = rail_of(scene)
     lines = rail.lines(points[:1], size) if rail else []
     bodies = [placed(corners, points[n - 1], points[n]) for n, corners in outlines_of(scene).items()]
     bodies += [rail.carriage(points[0], size)] if rail else []
     nearest = [
-        (wall, places - np.outer(places @ wall.normal - wall.offset, wall.normal))
+        (wall, positions - np.outer(positions @ wall.normal - wall.offset, wall.normal))
         for wall in scene.walls_at_start.values()
     ]
-    near = [(wall, feet) for wall, feet in nearest if np.hypot(*(places - feet).T).min() <= NEAR * size]
-    shown = np.concatenate([places, *bodies, *(feet for _, feet in near)])
+    near = [(wall, feet) for wall, feet in nearest if np.hypot(*(positions - feet).T).min() <= NEAR * size]
+    shown = np.concatenate([positions, *bodies, *(feet for _, feet in near)])
     low, high = shown.min(axis=0) - MARGIN * size, shown.max(axis=0) + MARGIN * size
     width, height = high - low
     reach, scale = width + height, LONGER_SIDE / max(width, height)
@@ -42,10 +42,10 @@ def svg(scene: Contents) -> str:
         parts.append(f'<polygon points="{_listed(corners)}" fill="currentColor" fill-opacity="0.2"/>')
     look = f'fill="none" stroke="currentColor" stroke-width="{line}"'
     thin = f'stroke="currentColor" stroke-width="{THIN * max(width, height):.6g}"'
-    parts += [f'<polyline points="{_listed(one)}" fill="none" {thin}/>' for one in lines]
-    parts += [f'<polygon points="{_listed(one)}" fill-opacity="0.2" {thin}/>' for one in bodies]
+    parts += [f'<polyline points="{_listed(polyline)}" fill="none" {thin}/>' for polyline in lines]
+    parts += [f'<polygon points="{_listed(body)}" fill-opacity="0.2" {thin}/>' for body in bodies]
     parts.append(f'<polyline points="{_listed(points)}" {look}/>')
-    parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in places]
+    parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in positions]
     view = f"{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{scale * width:.0f}" '

@@ -103,22 +103,22 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
     return True
 
 
-def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, Any]:
+def extended(rule: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the metadata `rule` of a key, completed by the values of other keys.
 
     The name of a user's law becomes a choice, and a unit may depend on another key.
 
     Args:
         rule: the metadata.
-        known: key → value or table, as far as they have been read.
+        tables: key → value or table, as far as they have been read.
     """
     if unit_by := rule.get("unit_by"):
-        return {**rule, "unit": unit_by(known)}
+        return {**rule, "unit": unit_by(tables)}
     extended_by = rule.get("extended_by")
     if not extended_by:
         return rule
     table, _, key = extended_by.rpartition(".")
-    file = getattr(known[table], key) if table else known.get(key)
+    file = getattr(tables[table], key) if table else tables.get(key)
     return {**rule, "choices": (*rule["choices"], Path(file).stem)} if file else rule
 
 

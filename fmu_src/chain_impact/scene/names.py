@@ -42,14 +42,14 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
     match path:
         case "gravity", int(j):
             name = f"gravity.{AXES[j]}"
-        case "chain", "links", int() | "{link}" as i, "points", int() | "{entry}" as j, *rest:
-            name = _dotted(("link", i, "point", j, *rest))
-        case "chain", ("links" | "slider") as part, *rest if rest:
-            name = _dotted((part.removesuffix("s"), *rest))
+        case "chain", "links", int() | "{link}" as i, "points", int() | "{entry}" as j, *following:
+            name = _dotted(("link", i, "point", j, *following))
+        case "chain", ("links" | "slider") as part, *following if following:
+            name = _dotted((part.removesuffix("s"), *following))
         case "walls", int() | "{at}" as w, "point", int(j) if wall := _wall(w, walls):
             name = f"wall.{wall}.{AXES[j]}"
-        case "walls", int() | "{at}" as w, key, *rest if key != "name" and (wall := _wall(w, walls)):
-            name = _dotted(("wall", wall, key, *rest))
+        case "walls", int() | "{at}" as w, key, *following if key != "name" and (wall := _wall(w, walls)):
+            name = _dotted(("wall", wall, key, *following))
         case "contact", "wall", str(wall), str(key):
             name = f"wall.{wall}.{key}"
         case "stops", str(key) if key != "model":
@@ -146,7 +146,9 @@ def _fits(step: str, form: str) -> bool:
 
 def input_key(name: str) -> str | None:
     """Return the key of `[inputs]` that gives the scene an input; None if no input has this name."""
-    return next((key for key, names in INPUTS_OF.items() if any(is_like(name, one) for one in names)), None)
+    return next(
+        (key for key, names in INPUTS_OF.items() if any(is_like(name, pattern) for pattern in names)), None
+    )
 
 
 def input_asked(name: str) -> str | None:
@@ -190,8 +192,8 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
     """Return a hint if a name, which is no parameter, is one of a signal that the scene does not have."""
-    table, _, rest = name.partition(".")
-    signal = rest.partition(".")[0]
+    table, _, key = name.partition(".")
+    signal = key.partition(".")[0]
     if table not in ("signal", "signals") or not signal or signal in signals:
         return None
     return f"a signal is made in the scene file, in a table [signals.{signal}]: docs/drive.md tells how"

@@ -40,14 +40,14 @@ _LISTS = {"position": 2, "velocity": 2, "angles": LINKS, "angular_velocities": L
 @functools.cache
 def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
     """Return the path and the metadata of each number, by path and by name."""
-    found: dict[DataPath, Mapping[str, Any]] = {}
+    rule_of: dict[DataPath, Mapping[str, Any]] = {}
     for path, (table, names) in _KEYS.items():
         rules = {entry.name: entry.metadata for entry in keys(table)}
-        found |= {(*path, name): rules[name] for name in names}
+        rule_of |= {(*path, name): rules[name] for name in names}
     lists = {entry.name: entry.metadata for entry in keys(Initial)}
-    found |= {("initial", name, k): lists[name] for name, count in _LISTS.items() for k in range(count)}
-    named = {name_of(path): (path, rule) for path, rule in found.items()}
-    return named | {path: (path, rule) for path, rule in found.items()}
+    rule_of |= {("initial", name, k): lists[name] for name, count in _LISTS.items() for k in range(count)}
+    named = {name_of(path): (path, rule) for path, rule in rule_of.items()}
+    return named | {path: (path, rule) for path, rule in rule_of.items()}
 
 
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:
@@ -56,13 +56,13 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath,
     Returns None if ``with_values`` must read the whole scene: for other values, if a fault or a hint is
     possible, and for a scene with a user's law file, which must be read again.
     """
-    start, found = scene.initial, None if scene.contact.law_file else scene
+    start, changed = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():
-        found = found and _with_number(found, *_numbers().get(name, ((), {})), given)
-    if found is None or found.simulation.step_size > found.simulation.stop_time:
+        changed = changed and _with_number(changed, *_numbers().get(name, ((), {})), given)
+    if changed is None or changed.simulation.step_size > changed.simulation.stop_time:
         return None
-    moved = (found.initial.position, found.initial.angles) != (start.position, start.angles)
-    return found if not moved or _starts(found) else None
+    moved = (changed.initial.position, changed.initial.angles) != (start.position, start.angles)
+    return changed if not moved or _starts(changed) else None
 
 
 def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given: Any) -> AnyScene | None:

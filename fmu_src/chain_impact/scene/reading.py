@@ -47,7 +47,7 @@ def as_typed(names: Iterable[Any]) -> Iterator[None]:
         yield
     except SceneError as error:
         text = str(error)
-        for name in (one for one in names if isinstance(one, str)):
+        for name in (candidate for candidate in names if isinstance(candidate, str)):
             literal = name.replace("\\", "\\\\")
             for other in other_names(name):
                 text = re.sub(rf"(?<![\w.]){re.escape(other)}(?!\w)", literal, text)
@@ -100,25 +100,25 @@ def matching(
     Raises:
         UnknownNameError: when no name matches.
     """
-    known = isinstance(name, str)
-    found = matches(name, names) if known else []
-    if not found:
-        raise UnknownNameError(source, name, names, what, hint(name) if known else None)
-    return found
+    is_text = isinstance(name, str)
+    matched = matches(name, names) if is_text else []
+    if not matched:
+        raise UnknownNameError(source, name, names, what, hint(name) if is_text else None)
+    return matched
 
 
 def matches(name: str, names: Iterable[str]) -> list[str]:
     """Return the names that equal ``name``, or match it if it has a ``*``; see ``matching``."""
-    for one in (name, fmu_name(name)):
-        if one in names:
-            return [one]
+    for spelling in (name, fmu_name(name)):
+        if spelling in names:
+            return [spelling]
     if "*" not in name:
         return []
     first, *parts, last = map(re.escape, name.split("*"))
     # Each part matches at the first position where it occurs, so that the time does not grow with the number
     # of possible matches.
     like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
-    return [one for one in names if like.fullmatch(one)]
+    return [spelling for spelling in names if like.fullmatch(spelling)]
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
@@ -134,8 +134,8 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 def entry_type(kind: Any) -> Any:
     """Return the type of the entries of a list, or of tables by name; for other types, the type itself."""
-    item, *rest = get_args(kind) or (kind,)
-    return rest[0] if get_origin(kind) is Mapping else item
+    item, *others = get_args(kind) or (kind,)
+    return others[0] if get_origin(kind) is Mapping else item
 
 
 class Reader:
@@ -153,7 +153,7 @@ class Reader:
         """Return the dataclass for the data, or raise a SceneError."""
         return self._table(self.root, data, (), {})
 
-    def _table(self, table: Any, data: Any, path: DataPath, known: Mapping[str, Any]) -> Any:
+    def _table(self, table: Any, data: Any, path: DataPath, tables: Mapping[str, Any]) -> Any:
         """Return `data` as a dataclass `table`; `known` are the values that were read before."""
         if not isinstance(data, Mapping):
             raise self._refusal(path, data, "a table")
@@ -162,7 +162,7 @@ class Reader:
             if name not in entries:
                 raise SceneError(self._unknown(table, path, name), (*path, name))
         values: dict[str, Any] = {}
-        scope = dict(known)
+        scope = dict(tables)
         for entry in entries.values():
             where = (*path, entry.name)
             rule = extended(entry.metadata, scope)
@@ -182,17 +182,17 @@ class Reader:
         return table(**values)
 
     def _value(
-        self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, known: Mapping[str, Any]
+        self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
     ) -> Any:
         """Return `value` as the type `kind` if it keeps the `rule`; else raise a SceneError."""
         kind = without_none(kind)
         if is_dataclass(kind):
-            return self._table(kind, value, path, known)
+            return self._table(kind, value, path, tables)
         origin = _origin(kind)
         if origin is tuple:
-            return self._list(kind, rule, value, path, known)
+            return self._list(kind, rule, value, path, tables)
         if origin is Mapping:
-            return self._tables(kind, value, path, known)
+            return self._tables(kind, value, path, tables)
         result = _convert(kind, in_radians(value, rule["unit"]))
         if result is None or not keeps(result, rule):
             needed = allowed(kind, rule) + or_degrees(rule["unit"])
@@ -201,14 +201,16 @@ class Reader:
         return result
 
     def _list(
-        self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, known: Mapping[str, Any]
+        self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
     ) -> Any:
-        item, *rest = get_args(kind)
+        item, *others = get_args(kind)
         if rule["or_true"] and isinstance(value, bool):
             return ("*",) if value else ()
         if rule["or_one"] and isinstance(value, str):
             value = [value]
-        length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
+        length = (
+            len(tables["chain"].links) if rule["per_link"] else None if ... in others else 1 + len(others)
+        )
         if isinstance(value, Mapping) and is_dataclass(item):
             raise SceneError(self._one_table(item, value, path), path)
         if isinstance(value, list | tuple) and length not in (None, len(value)):
@@ -223,13 +225,15 @@ class Reader:
         if not least <= len(value) <= most:
             needed = f"has {len(value)} entries, must have {least} to {most}"
             raise SceneError(f"{self.label(path)} {needed}", path)
-        return tuple(self._value(item, rule, one, (*path, i), known) for i, one in enumerate(value))
+        return tuple(self._value(item, rule, entry, (*path, i), tables) for i, entry in enumerate(value))
 
-    def _tables(self, kind: Any, value: Any, path: DataPath, known: Mapping[str, Any]) -> dict[str, Any]:
+    def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Return the tables of one kind as a dict, by name."""
         if not isinstance(value, Mapping):
             raise self._refusal(path, value, "a table of tables")
-        return {name: self._table(entry_type(kind), one, (*path, name), known) for name, one in value.items()}
+        return {
+            name: self._table(entry_type(kind), entry, (*path, name), tables) for name, entry in value.items()
+        }
 
     def _refusal(self, path: DataPath, value: Any, needed: str) -> SceneError:
         where = self.label(path) if path else "scene"
@@ -292,8 +296,8 @@ def _convert(kind: Any, value: Any) -> Any:
 
 def decimal_comma(value: Any) -> str:
     """Return a hint how to write a number whose text has a decimal comma; "" for other values."""
-    found = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
-    return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
+    match = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
+    return f"; a number has a decimal point: {match[1]}.{match[2]}" if match else ""
 
 
 def nearest_choice(value: Any, choices: Iterable[str] | None) -> str:

@@ -11,7 +11,7 @@ from chain_impact.scene.limits import Derived
 def _product(text: str, *factors: str, divisor: int) -> Derived:
     """Return the rule that multiplies values of the same table and divides the product by a number."""
     return Derived(
-        text, lambda known: math.prod(known[key] for key in factors) / divisor, (factors,), divisor
+        text, lambda tables: math.prod(tables[key] for key in factors) / divisor, (factors,), divisor
     )
 
 
@@ -41,14 +41,14 @@ def of_contact(key: str) -> Derived:
     """Return the rule that a scene with stops takes the value of a key of the table ``contact``."""
     return Derived(
         "as in [contact]",
-        lambda known: getattr(known["contact"], key) if known["chain"].stops else None,
+        lambda tables: getattr(tables["contact"], key) if tables["chain"].stops else None,
         ((f"contact.{key}",),),
     )
 
 
 def with_stops(value: float) -> Derived:
     """Return the rule that a scene with stops has this value."""
-    return Derived(f"{value:g}", lambda known: value if known["chain"].stops else None, constant=True)
+    return Derived(f"{value:g}", lambda tables: value if tables["chain"].stops else None, constant=True)
 
 
 # ``completion.py`` fills in this value after the whole file is read, because contact.radius comes later in

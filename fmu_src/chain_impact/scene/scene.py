@@ -44,8 +44,8 @@ class Scene(Contents):
     def derived(self) -> dict[str, str]:
         """The derived values: name of a value that is not given → its rule, such as "length / 2"."""
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
-        found = ((path, self._rule(path, rules)) for path in self.derived_paths)
-        return {name_of(path, walls): rule.text for path, rule in found if not rule.constant}
+        rules_of_paths = ((path, self._rule(path, rules)) for path in self.derived_paths)
+        return {name_of(path, walls): rule.text for path, rule in rules_of_paths if not rule.constant}
 
     def _rule(self, path: DataPath, rules: Mapping[str, Any]) -> Derived:
         return rule_at(rule_of(path, rules), path, self.chain.links)
@@ -199,7 +199,7 @@ def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
             del data[table]
     if isinstance(contact, Mapping) and isinstance(contact.get("wall"), Mapping):
         walls = {name: table for name, table in contact["wall"].items() if _holds(table)}
-        data["contact"] = {key: one for key, one in contact.items() if key != "wall"}
+        data["contact"] = {key: value for key, value in contact.items() if key != "wall"}
         data["contact"] |= {"wall": walls} if walls else {}
     return data
 
@@ -207,7 +207,7 @@ def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
 def _without_no_points(link: Any) -> Any:
     """Return the data of a link without an empty list of points."""
     empty = isinstance(link, Mapping) and isinstance(link.get("points"), list) and not link["points"]
-    return {key: one for key, one in link.items() if key != "points"} if empty else link
+    return {key: value for key, value in link.items() if key != "points"} if empty else link
 
 
 def _holds(table: Any) -> bool:
@@ -234,8 +234,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[DataPat
         return quick
     with as_typed(changes):
         changed = _with_any(scene, [_path_and_value(scene, *change) for change in changes.items()])
-    known = checks.hints(scene)
-    checks.warn(scene.name, [hint for hint in checks.hints(changed) if hint not in known])
+    hints_before = checks.hints(scene)
+    checks.warn(scene.name, [hint for hint in checks.hints(changed) if hint not in hints_before])
     return changed
 
 
@@ -254,9 +254,9 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
             functools.reduce(operator.getitem, parents, data)[last] = value
         except (LookupError, TypeError, ValueError):
             raise SceneError(f"{scene.name}: {shown(path)} is no path to a value of the scene") from None
-    found = _validated(_without_empty(shapes.without_corners(data)), scene.name, in_file=False)
+    changed = _validated(_without_empty(shapes.without_corners(data)), scene.name, in_file=False)
     kept = scene.has_joint_angles and completion.ANGLES not in paths
-    return replace(found, has_joint_angles=kept or found.has_joint_angles)
+    return replace(changed, has_joint_angles=kept or changed.has_joint_angles)
 
 
 JOINT_ANGLES = ("initial", "joint_angles")
@@ -302,11 +302,11 @@ def _leaves(
             apart = value.corners if entry.name == "points" and isinstance(value, Link) else 0
             yield from _leaves(inner, (*path, entry.name), unit, apart)
     elif isinstance(value, Mapping):
-        for name, one in value.items():
-            yield from _leaves(one, (*path, name))
+        for name, child in value.items():
+            yield from _leaves(child, (*path, name))
     elif isinstance(value, tuple) and value[apart:] and (unit or is_dataclass(value[0])):
-        for i, one in enumerate(value[apart:], apart):
-            yield from _leaves(one, (*path, i))
+        for i, child in enumerate(value[apart:], apart):
+            yield from _leaves(child, (*path, i))
     else:
         yield path, value[apart:] if apart else value
 

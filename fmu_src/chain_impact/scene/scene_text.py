@@ -34,7 +34,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     stiffness = f"K = {contact.stiffness:g} {of_power('N/m', contact.exponent)}"
     mu = _friction(contact.friction or None, contact.static_friction or None)
     yield "contact", f"{', '.join([law, stiffness, *mu])}; points {_listed(contact.points)}"
-    materials = [line for name, one in contact.wall.items() if (line := _material(name, one))]
+    materials = [line for name, material in contact.wall.items() if (line := _material(name, material))]
     if materials:
         yield "", "; ".join(materials)
     if scene.chain.stops:
@@ -45,7 +45,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
         ranges = ranges if len(ranges) <= LISTED else [*ranges[: LISTED - 2], "…", ranges[-1]]
         yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"
     if scene.signals:
-        driven = (f"{', '.join(one.input)} by a {one.form}" for one in scene.signals.values())
+        driven = (f"{', '.join(signal.input)} by a {signal.form}" for signal in scene.signals.values())
         yield "signals", "; ".join(driven)
     yield "start", f"base at {_listed(start.position)} m, angles {_listed(start.angles)} rad"
     solver = f"method {scene.solver.method}, tolerance {scene.solver.tolerance:g}"

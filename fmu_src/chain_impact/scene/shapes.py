@@ -56,15 +56,15 @@ def without_corners(data: Any) -> Any:
     links = chain.get("links") if isinstance(chain, Mapping) else None
     for link in links if isinstance(links, list) else ():
         if isinstance(link, dict) and isinstance(points := link.get("points"), list):
-            link["points"] = [one for one in points if one is not _APART]
+            link["points"] = [point for point in points if point is not _APART]
     return data
 
 
 def among_all_points(path: DataPath, data: Any) -> DataPath:
     """Return the path in the scene of what is at a path of its plain data, where boxes have no corners."""
     match path:
-        case "chain", "links", int(i), "points", int(j), *rest if "shape" in data["chain"]["links"][i]:
-            return ("chain", "links", i, "points", j + CORNERS, *rest)
+        case "chain", "links", int(i), "points", int(j), *following if "shape" in data["chain"]["links"][i]:
+            return ("chain", "links", i, "points", j + CORNERS, *following)
     return path
 
 

@@ -41,9 +41,9 @@ def unit_of(name: str) -> str:
     return _UNITS[template] if template else "1"
 
 
-def _unit_of_values(known: Mapping[str, Any]) -> str:
+def _unit_of_values(tables: Mapping[str, Any]) -> str:
     """Return the unit of a signal's values: the unit of the first input that the signal drives."""
-    return unit_of(known["input"][0]) if known["input"] else "1"
+    return unit_of(tables["input"][0]) if tables["input"] else "1"
 
 
 def _value(description: str) -> Any:

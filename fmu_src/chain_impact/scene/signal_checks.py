@@ -23,17 +23,17 @@ def check_signals(scene: Contents) -> None:
     for name, signal in scene.signals.items():
         _check_inputs(scene, name, signal)
         _check_numbers(name, signal)
-        for one in signal.input:
-            for driven in driven_alone(one):
+        for input_name in signal.input:
+            for driven in driven_alone(input_name):
                 if driven in owners:
                     other = owners[driven]
                     by = f"signal.{other} drives {driven}" if other != name else "it is listed twice"
                     raise SceneError(
-                        f"signal.{name}.input = {one!r} must be driven by one signal only: {by}",
+                        f"signal.{name}.input = {input_name!r} must be driven by one signal only: {by}",
                         ("signals", name, "input"),
                     )
-            owners |= dict.fromkeys(driven_alone(one), name)
-            _check_motion(name, signal, one)
+            owners |= dict.fromkeys(driven_alone(input_name), name)
+            _check_motion(name, signal, input_name)
 
 
 def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
@@ -41,12 +41,12 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
     there, what = list(inputs_of(scene)), f"signal.{name}.input"
     if not signal.input:
         raise SceneError(f"{what} = [] must name at least one input", ("signals", name, "input"))
-    for one in signal.input:
-        if one in there:
+    for input_name in signal.input:
+        if input_name in there:
             continue
-        what_else = f"= {one!r} is no input of the scene; {how_asked(scene, one)}"
+        what_else = f"= {input_name!r} is no input of the scene; {how_asked(scene, input_name)}"
         raise SceneError(f"{what} {what_else}", ("signals", name, "input"))
-    units = {unit_of(one): one for one in signal.input}
+    units = {unit_of(input_name): input_name for input_name in signal.input}
     if len(units) > 1 and signal.form != "table":
         first, second = list(units.items())[:2]
         each = f"{first[1]} is in {unit_text(first[0])}, {second[1]} in {unit_text(second[0])}"
@@ -83,10 +83,10 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
             f"signal.{name}.period = {period:g} must be >= {lasts:g} [s], the duration of its table",
             ("signals", name, "period"),
         )
-    for one, values in samples.columns:
-        if is_closed(signal) and values[-1] != values[0] and joined_by(signal, one) != "hold":
+    for column, values in samples.columns:
+        if is_closed(signal) and values[-1] != values[0] and joined_by(signal, column) != "hold":
             raise SceneError(
-                f"signal.{name}: {one} = {values[-1]:g} in the last row must be {values[0]:g}, as in the "
+                f"signal.{name}: {column} = {values[-1]:g} in the last row must be {values[0]:g}, as in the "
                 "first row, one period earlier; or leave out the last row",
                 ("signals", name, "file"),
             )

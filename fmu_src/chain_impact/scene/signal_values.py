@@ -116,9 +116,9 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
     powers = _interpolated(signal, driven, at, values, stop)
     if not period:
         # the first value also acts before the table, and the last value acts from its own time on
-        held = np.zeros((2, powers.shape[1]))
-        held[:, 0] = values[[0, -1]]
-        at, powers = np.append(at[0], at), np.concatenate([held[:1], powers, held[1:]])
+        constants = np.zeros((2, powers.shape[1]))
+        constants[:, 0] = values[[0, -1]]
+        at, powers = np.append(at[0], at), np.concatenate([constants[:1], powers, constants[1:]])
     ends, gain = np.append(at[1:], at[-1]), 0.0
     if period:
         at, ends = at[:-1], at[1:]

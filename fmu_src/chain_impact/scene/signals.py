@@ -66,12 +66,12 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
     """Return the inputs that signals drive; a target velocity comes after its target."""
     if not scene.signals:
         return ()
-    found = [
-        Driven(name, one, family(one), knots_of(signal), signal.form == "steps")
+    driven = [
+        Driven(name, input_name, family(input_name), knots_of(signal), signal.form == "steps")
         for name, signal in scene.signals.items()
-        for one in signal.input
+        for input_name in signal.input
     ]
-    return tuple(sorted(found, key=lambda one: one.input.endswith("target_velocity")))
+    return tuple(sorted(driven, key=lambda each: each.input.endswith("target_velocity")))
 
 
 def family(name: str) -> tuple[str, ...]:
@@ -100,13 +100,13 @@ def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
     """
     if not scene.signals:
         return scene
-    found = {name: _completed(name, signal) for name, signal in scene.signals.items()}
+    completed = {name: _completed(name, signal) for name, signal in scene.signals.items()}
     stop = scene.simulation.stop_time
-    found = {
+    completed = {
         name: _with_samples(name, signal, folder, stop) if signal.form == "table" else signal
-        for name, signal in found.items()
+        for name, signal in completed.items()
     }
-    return replace(scene, signals=found)
+    return replace(scene, signals=completed)
 
 
 def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any:
@@ -123,20 +123,22 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
     """
     _, columns = samples_of(read_table(file), scene.simulation.stop_time)
     numbered = (f"inputs_{k}" for k in count(2))
-    name = next(one for one in chain(("inputs",), numbered) if one not in scene.signals)
+    name = next(free for free in chain(("inputs",), numbered) if free not in scene.signals)
     owners = {
-        driven: signal
-        for signal, found in scene.signals.items()
-        for one in found.input
-        for driven in driven_alone(one)
+        driven: owner
+        for owner, signal in scene.signals.items()
+        for column in signal.input
+        for driven in driven_alone(column)
     }
-    for one in columns:
-        for driven in driven_alone(one):
+    for column in columns:
+        for driven in driven_alone(column):
             if driven in owners:
                 by = f"signal.{owners[driven]} of {scene.name} drives {driven}"
-                raise SceneError(f"{file}: column {one} must be left out: {by}")
-        if one not in inputs_of(scene):
-            raise SceneError(f"{file}: column {one} is no input of {scene.name}; {how_asked(scene, one)}")
+                raise SceneError(f"{file}: column {column} must be left out: {by}")
+        if column not in inputs_of(scene):
+            raise SceneError(
+                f"{file}: column {column} is no input of {scene.name}; {how_asked(scene, column)}"
+            )
     table = {"input": list(columns), "form": "table", "file": str(file.absolute())}
     table |= {"interpolation": interpolation} if interpolation else {}
     return scene.with_values({("signals", name): table})
@@ -152,15 +154,15 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
         raise SceneError(f"{where} cannot be read ({error.strerror})", ("signals", name, "file")) from None
     except SceneError as error:
         raise SceneError(f"signal.{name}: {error}", ("signals", name, "file")) from None
-    for one in signal.input:
-        if one not in columns:
-            near = nearest(one, columns)
+    for input_name in signal.input:
+        if input_name not in columns:
+            near = nearest(input_name, columns)
             hint = f"; the nearest is {near}" if near else f"; it has {', '.join(columns)}"
-            raise SceneError(f"{where} has no column {one}{hint}", ("signals", name, "file"))
+            raise SceneError(f"{where} has no column {input_name}{hint}", ("signals", name, "file"))
     return replace(
         signal,
         file=str(path),
-        samples=Samples(times, tuple((one, columns[one]) for one in signal.input)),
+        samples=Samples(times, tuple((input_name, columns[input_name]) for input_name in signal.input)),
     )
 
 

@@ -76,15 +76,15 @@ class Table:
         if value is None:
             return math.nan
         try:
-            found = float(value)
+            number = float(value)
         except (TypeError, ValueError):
-            found = math.inf
-        if not math.isfinite(found):
+            number = math.inf
+        if not math.isfinite(number):
             raise SceneError(
                 f"{self.where(row, name)} = {shown(value)} must be a finite number{otherwise}"
                 f"{decimal_comma(value)}"
             )
-        return found
+        return number
 
 
 def read_table(source: Source) -> Table:
@@ -97,12 +97,12 @@ def read_table(source: Source) -> Table:
     """
     if not isinstance(source, str | Path):
         if hasattr(source, "iter_columns"):  # the source is a table of polars
-            source = {one.name: one.to_list() for one in source.iter_columns()}
+            source = {series.name: series.to_list() for series in source.iter_columns()}
         columns = {str(name): list(cells) for name, cells in source.items()}
         lengths = {name: len(cells) for name, cells in columns.items()}
         if len(set(lengths.values())) > 1:
-            told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise SceneError(f"data: columns must have equally many rows, not {told}")
+            counts = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            raise SceneError(f"data: columns must have equally many rows, not {counts}")
         rows = [list(row) for row in zip(*columns.values(), strict=True)]
         return _checked("data", tuple(columns), rows, [f"row {k}" for k in range(len(rows))])
     path = Path(source)

@@ -28,8 +28,8 @@ def text_of(path: Path) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        found = f"line {line} has the byte 0x{content[error.start]:02x}, which is no UTF-8"
-        raise ValueError(f"{found}; must be text in UTF-8") from None
+        fault = f"line {line} has the byte 0x{content[error.start]:02x}, which is no UTF-8"
+        raise ValueError(f"{fault}; must be text in UTF-8") from None
 
 
 def comma_in(text: str, fault: str) -> str:
@@ -39,8 +39,8 @@ def comma_in(text: str, fault: str) -> str:
     """
     line = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()
-    found = COMMA.search(lines[int(line[1]) - 1]) if line and int(line[1]) <= len(lines) else None
-    return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
+    match = COMMA.search(lines[int(line[1]) - 1]) if line and int(line[1]) <= len(lines) else None
+    return f"; a number has a decimal point: {match[1]}.{match[2]}" if match else ""
 
 
 def likely_time(names: Iterable[str]) -> str:

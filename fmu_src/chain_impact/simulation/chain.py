@@ -237,8 +237,8 @@ class Chain:
             SceneError: when ``state`` does not belong to a chain of this scene, or is damaged.
         """
         if not isinstance(state, bytes | bytearray | memoryview):
-            found = f"restore({shown(state)})"
-            raise SceneError(f"{self.scene.name}: {found} must be given the bytes that save() returned")
+            subject = f"restore({shown(state)})"
+            raise SceneError(f"{self.scene.name}: {subject} must be given the bytes that save() returned")
         state = bytes(state)
         magic, checksum, digest, stepped, *counts = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
         changes_at = STATE.size + counts[0] * LOG_DTYPE.itemsize
@@ -295,12 +295,12 @@ class Chain:
 
     def _select(self, key: str | tuple[str, ...]) -> _Selection:
         names = (key,) if isinstance(key, str) else key
-        found = [
-            one
+        selected = [
+            match
             for name in names
-            for one in matching(self.scene.name, name, self._accesses, "no variable", self._hint)
+            for match in matching(self.scene.name, name, self._accesses, "no variable", self._hint)
         ]
-        accesses = [self._accesses[name] for name in found]
+        accesses = [self._accesses[name] for name in selected]
         selection = _Selection(
             words=np.array([access.word for access in accesses], int),
             whole=np.flatnonzero([access.whole for access in accesses]),

@@ -109,8 +109,8 @@ class DifferentiatedInstance(Instance):
             first_word(layout, BEHIND) + tangents * (tangent.itemsize // WORD) + first_word(tangent, "output")
         )
         index = np.array(words, int) - first_word(layout, "output")
-        found: np.ndarray = 1 + first + directions + index[:, np.newaxis] * (1 + DIRECTIONS)
-        return found.ravel()
+        indices: np.ndarray = 1 + first + directions + index[:, np.newaxis] * (1 + DIRECTIONS)
+        return indices.ravel()
 
     def rows(self, count: int, words: np.ndarray) -> WordRows:
         """Return a buffer with ``count`` rows, for W outputs and their derivatives."""
@@ -153,10 +153,10 @@ class DifferentiatedInstance(Instance):
         log: np.ndarray = self._tangents["finished"]
         return log
 
-    def _keep_slopes(self, rows: np.ndarray, slots: Any, known: np.ndarray) -> None:
+    def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
         """Store the derivatives of the impacts at some slots of the log.
 
-        NaN where they are not ``known``.
+        NaN where they are not ``valid``.
         """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
@@ -167,7 +167,7 @@ class DifferentiatedInstance(Instance):
             until = (
                 rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
             )
-            kept[name][~known | (until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
+            kept[name][~valid | (until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
@@ -279,12 +279,12 @@ class DifferentiatedRun:
         impacts.append(instance.open_contacts())
         return self._told(rows.numbers[asked], impacts)
 
-    def _told(self, found: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
+    def _told(self, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         width, count = len(self._words), len(self._paths)
         order, rows = in_order([np.zeros(0, LOG_DTYPE), *impacts], self._instance.prepared.scene.wall_names)
         return Differentiated(
-            values=found[:, :width],
-            slopes=found[:, width:].reshape(len(found), width, count),
+            values=slopes[:, :width],
+            slopes=slopes[:, width:].reshape(len(slopes), width, count),
             impacts=rows,
             impact_slopes=self._instance.slopes_of_impacts(order),
             status=self._instance.status,

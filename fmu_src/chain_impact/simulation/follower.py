@@ -109,15 +109,15 @@ class Follower:
         Raises:
             NotSmoothError: when a function cannot be approximated.
         """
-        found: list[Piece] = []
+        pieces: list[Piece] = []
         dropped = 0
         for piece in self._parted(start, end):
             dropped = dropped + 1 if piece is None else 0
             if dropped > NOISE:
-                raise self._not_smooth(found[-1].end if found else start)
+                raise self._not_smooth(pieces[-1].end if pieces else start)
             if piece is not None:
-                self._join(found, piece)
-        return found
+                self._join(pieces, piece)
+        return pieces
 
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
         """Return pieces of all signals; ``columns`` are the functions' columns, the other signals are held.
@@ -125,12 +125,12 @@ class Follower:
         Raises:
             NotSmoothError: when a function cannot be approximated.
         """
-        found, powers = [], []
+        fits, powers = [], []
         for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
             self._calls_left += CALLS_PER_PIECE
             pieces = self.pieces(start, end)
             starts = np.array([start, *(piece.start for piece in pieces[1:])])
-            found.append((starts, [(piece.start, piece.end) for piece in pieces]))
+            fits.append((starts, [(piece.start, piece.end) for piece in pieces]))
             for piece in pieces:
                 row = np.zeros((DEGREE + 1, held.powers.shape[2]))
                 row[0] = held.powers[k, 0]
@@ -140,8 +140,8 @@ class Follower:
                     row[1] = held.powers[k, 1] * half * held.scale[k]
                 row[:, columns] = piece.powers
                 powers.append(row)
-        start = np.concatenate([starts for starts, _ in found])
-        fitted = np.array([ends for _, pairs in found for ends in pairs])
+        start = np.concatenate([starts for starts, _ in fits])
+        fitted = np.array([ends for _, pairs in fits for ends in pairs])
         same = held.same * JOINED if held.powers.shape[1] > 1 else np.zeros(held.powers.shape[2])
         same[columns] = JOINED * self._accuracy * self._scale
         return Pieces(
@@ -153,21 +153,23 @@ class Follower:
             same=same,
         )
 
-    def _join(self, found: list[Piece], piece: Piece) -> None:
+    def _join(self, pieces: list[Piece], piece: Piece) -> None:
         """Append a piece, or join the piece with the last one if one polynomial fits both."""
-        meets = bool(found) and found[-1].end == piece.start
+        meets = bool(pieces) and pieces[-1].end == piece.start
         both = (
-            self._fitted(found[-1].start, piece.end) if meets and not self._alike(found[-1], piece) else None
+            self._fitted(pieces[-1].start, piece.end)
+            if meets and not self._alike(pieces[-1], piece)
+            else None
         )
         if both is None:
-            found.append(piece)
+            pieces.append(piece)
         else:
-            found[-1] = both
-        self._last = found[-1]
+            pieces[-1] = both
+        self._last = pieces[-1]
 
-    def _alike(self, one: Piece, other: Piece) -> bool:
+    def _alike(self, first: Piece, second: Piece) -> bool:
         """Return whether two pieces are halves, or as long as halves, of an interval that no piece fits."""
-        halves = one.end - one.start, other.end - other.start, 0.5 * self._failed
+        halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
@@ -300,7 +302,9 @@ class Follower:
         order = np.where(counts, np.arange(DEGREE + 1), 0).max(axis=1, keepdims=True)
         series = np.where(np.arange(DEGREE + 1) <= order, 1.0, 0.0)[..., np.newaxis] * series[:, : DEGREE + 1]
         powers = _POWERS @ series
-        pieces = [Piece(*one) for one in zip(ends[:-1].tolist(), ends[1:].tolist(), powers, strict=True)]
+        pieces = [
+            Piece(*fields) for fields in zip(ends[:-1].tolist(), ends[1:].tolist(), powers, strict=True)
+        ]
         x = (times[:, POINTS:] - middle) / half
         missed = x[..., np.newaxis] ** np.arange(DEGREE + 1) @ powers - called[:, POINTS:]
         rough |= (np.abs(missed) > 2.0 * allowed[:, np.newaxis]).any(axis=1)

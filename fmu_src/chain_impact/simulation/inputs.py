@@ -94,17 +94,17 @@ class Drive:
         powers, given, changed = self.pieces.powers[at], record["given"], False
         course, motion = given["course"], record["motion"]
         motion["follows"], motion["jumps"] = 1, self.slips[at]
-        for m, (part, name, *rest) in enumerate(self.paths):
-            index = rest[0] if rest else 0  # there is one slider
+        for m, (part, name, *indices) in enumerate(self.paths):
+            index = indices[0] if indices else 0  # there is one slider
             if name == COURSE:
                 motion["follows"] = 0
                 given_powers = motion[name][: len(powers), index]
                 changed = changed or (given_powers != powers[:, m]).any()
                 given_powers[:] = powers[:, m]
                 continue
-            held, key = (record[part][name], index) if rest else (record[part], name)
-            changed |= held[key] != powers[0, m]
-            held[key] = powers[0, m]
+            values, key = (record[part][name], index) if indices else (record[part], name)
+            changed |= values[key] != powers[0, m]
+            values[key] = powers[0, m]
             if part != MOTION:
                 course[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
@@ -178,7 +178,9 @@ def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.
     columns = np.append(np.flatnonzero(functions), moving)
     if len(columns):
         values_of: dict[str, Callable[[Any], Any]] = {
-            name: partial(_each, called, name) for name, one in zip(signals, functions, strict=True) if one
+            name: partial(_each, called, name)
+            for name, function in zip(signals, functions, strict=True)
+            if function
         }
         values_of |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
         forces = columns < len(signals)
@@ -219,19 +221,19 @@ def _hint(prepared: PreparedScene, name: Any) -> str:
         return f"signal.{prepared.driven[name]} drives it"
     other = not isinstance(name, str) or name.startswith(("joint", "tip"))
     how = None if other else input_asked(name)
-    return f"{how} makes it" if how else inputs_text(one.name for one in prepared.inputs)
+    return f"{how} makes it" if how else inputs_text(variable.name for variable in prepared.inputs)
 
 
 def channels_of(prepared: PreparedScene) -> list[Channel]:
     """Return the channels of the moving base and walls in their order, with the names of their inputs."""
     names = {variable.record_path: variable.name for variable in prepared.inputs}
-    scene, found = prepared.scene, []
+    scene, channels = prepared.scene, []
     for j in range(prepared.sizes.channels):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
         base = scene.inputs.base_motion and j < len(AXES)
         start = scene.initial.position[j] if base else 0.0
-        found.append(Channel(position, velocity, acceleration, start))
-    return found
+        channels.append(Channel(position, velocity, acceleration, start))
+    return channels
 
 
 def _each(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:

@@ -119,8 +119,8 @@ def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
     whole = np.dtype({"names": ["first"], "formats": [layout], "offsets": [0], "itemsize": size})
     if not layout.itemsize:
         return np.zeros(len(numbers), layout)
-    found: np.ndarray = np.ndarray(len(numbers), whole, numbers)["first"]
-    return found
+    view: np.ndarray = np.ndarray(len(numbers), whole, numbers)["first"]
+    return view
 
 
 class Instance:
@@ -295,8 +295,8 @@ class Instance:
         at, columns = self._log_at, len(LOG_DTYPE.names or ())
         # the log has the columns of the table in the same order; its last row is followed by its first
         table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
-        found = table.T.take(numbers, 0, mode="wrap")
-        rows = np.ndarray(len(found), LOG_DTYPE, found)
+        impacts = table.T.take(numbers, 0, mode="wrap")
+        rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
         if not self.record["quadrature"]["wanted"]:
             rows["impulse"] = np.nan
         if not self.record["loads"]:
@@ -355,12 +355,12 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
     """
     links, law = sizes or kernel_size(scene), scene.contact.law_file
     # a loaded kernel is used again only with the same folder of kernels
-    known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
-    if not law and known in _loaded:
-        return _loaded[known]
+    key = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
+    if not law and key in _loaded:
+        return _loaded[key]
     kernel = load_kernel(kernel_library(links, law_file=law, derivatives=derivatives))
     if not law:
-        _loaded[known] = kernel
+        _loaded[key] = kernel
     return kernel
 
 

@@ -124,9 +124,9 @@ def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) ->
     """Return the integral of a function from time 0 on, as a function of time."""
     inside = breaks[(breaks > 0.0) & (breaks < stop)]
     grid = np.concatenate([[0.0], inside, [stop]])
-    held = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
+    placeholder = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
     follower = Follower(lambda times: value(times)[:, np.newaxis], stop, ACCURACY, FINELY_RESOLVED)
-    pieces = follower.with_held(held, np.array([0]))
+    pieces = follower.with_held(placeholder, np.array([0]))
     powers = pieces.powers[:, :, 0] / np.arange(1.0, pieces.powers.shape[1] + 1.0)
 
     def from_middle(times: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -163,16 +163,16 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
 
     ``columns`` are the columns of the motions.
     """
-    found = np.zeros((len(pieces.start), len(columns)), bool)
+    jumping = np.zeros((len(pieces.start), len(columns)), bool)
     if not len(columns) or not math.isfinite(pieces.end[-1]):
-        return found
+        return jumping
     ends = derivatives(pieces, order)[:, :, columns]
     # |s⁽ᵏ⁾| ≤ Σ p!/(p − k)! |c_p| scaleᵏ, for |x| ≤ 1
     orders = np.array([math.perm(p, order) for p in range(pieces.powers.shape[1])])
     bounds = np.einsum("p,npm,n->nm", orders, np.abs(pieces.powers), pieces.scale**order)
     largest = bounds[:, columns].max(axis=0, initial=0.0)
-    found[1:] = np.abs(ends[0, 1:] - ends[1, :-1]) > JUMPS[order] * largest
-    return found
+    jumping[1:] = np.abs(ends[0, 1:] - ends[1, :-1]) > JUMPS[order] * largest
+    return jumping
 
 
 def refuse_jumps(
@@ -225,7 +225,7 @@ def contradictions(
     called: Callable[[str, float], float],
 ) -> list[str]:
     """Return a sentence for each given velocity or acceleration that contradicts the motion."""
-    found = []
+    texts = []
     for channel, column in zip(channels, columns, strict=True):
         names = [name for name in channel.names if name in signals]
         for name in names[1:]:
@@ -236,8 +236,8 @@ def contradictions(
             k = int(np.abs(given - followed).argmax())
             if abs(given[k] - followed[k]) > CONTRADICTS * max(np.abs(given).max(), np.abs(followed).max()):
                 at = f"at t = {pieces.start[k]:.9g} s"
-                found.append(
+                texts.append(
                     f"{name} = {given[k]:.9g} contradicts {names[0]} {at}, of which the derivative is "
                     f"{followed[k]:.9g}, and is not used"
                 )
-    return found
+    return texts

@@ -131,7 +131,7 @@ def simulate(
     of_state = indices.of_state and not differentiated
     rows = WordRows(len(driven.times), np.concatenate([words, slopes]), of_state=of_state)
     done, impacts = instance.run(driven, rows, progress or silent)
-    order, found = in_order([*impacts, instance.open_contacts()], scene.wall_names)
+    order, sorted_impacts = in_order([*impacts, instance.open_contacts()], scene.wall_names)
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
     numbers = rows.numbers[asked]
     sensitive = None
@@ -141,7 +141,7 @@ def simulate(
             varied=varied,
             chosen=None if output is None else tuple(indices.motion),
             slopes=numbers[:, len(words) :].reshape(len(numbers), width, len(varied)),
-            impacts=found,
+            impacts=sorted_impacts,
             impact_slopes=differentiated.slopes_of_impacts(order),
             limits=differentiated.limits,
         )
@@ -149,7 +149,7 @@ def simulate(
         prepared=prepared,
         time=driven.times[asked],
         outputs=structured(numbers, indices.row),
-        impacts=found,
+        impacts=sorted_impacts,
         statistics=instance.statistics,
         sensitivities=sensitive,
         stepwise=_Stepwise(numbers[:, width:], words[width:], indices.stepwise),
@@ -157,8 +157,8 @@ def simulate(
         rerun=Rerun(prepared, driven),
     )
     # few runs have a penetration so deep that a warning is possible
-    if found["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
-        warn(scene.name, hints(scene, found))
+    if sorted_impacts["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
+        warn(scene.name, hints(scene, sorted_impacts))
     if instance.record["moved"]["contradiction"]:
         warn(scene.name, instance.contradictions)
     if instance.status != OK:
@@ -229,8 +229,8 @@ class _Stepwise(Mapping[str, np.ndarray]):
 
     def __getitem__(self, name: str) -> np.ndarray:
         word, is_real = self._indices[name]
-        found: np.ndarray = self._numbers[:, np.searchsorted(self._words, word)]
-        return found if is_real else found.copy().view(np.int64)
+        columns: np.ndarray = self._numbers[:, np.searchsorted(self._words, word)]
+        return columns if is_real else columns.copy().view(np.int64)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._indices)

@@ -46,8 +46,8 @@ def differences(run: Recording, tighter: Recording) -> Differences:
     """
     rows = min(len(run.time), len(tighter.time))
     end, together = float(run.time[rows - 1]), run.time[:rows] == tighter.time[:rows]
-    pairs = [[(one["point"], one["wall"]) for one in each.impacts] for each in (run, tighter)]
-    same = next((k for k, (one, other) in enumerate(zip(*pairs, strict=False)) if one != other), None)
+    pairs = [[(row["point"], row["wall"]) for row in each.impacts] for each in (run, tighter)]
+    same = next((k for k, (first, second) in enumerate(zip(*pairs, strict=False)) if first != second), None)
     same = min(map(len, pairs)) if same is None else same
     onsets = [each.impacts["onset"] for each in (run, tighter)]
     later = [float(each[same]) for each in onsets if len(each) > same]

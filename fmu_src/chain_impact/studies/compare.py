@@ -162,40 +162,40 @@ def compare(
     scene, show = scene_of(scene), progress or silent
     laws = chosen_laws(scene, laws)
     at_home = [law for law in laws if keeps_exponents(law, scene)]
-    found: dict[str, LawRun] = {}
+    law_runs: dict[str, LawRun] = {}
 
     def run(law: str, impact: np.void | None) -> None:
-        done = len(found)
-        found[law] = _run(scene, law, impact, lambda part: show((done + part) / len(laws)))
+        done = len(law_runs)
+        law_runs[law] = _run(scene, law, impact, lambda part: show((done + part) / len(laws)))
 
     for law in at_home:
         run(law, None)
     preferred = dict.fromkeys([EXACT, scene.contact.model, *at_home])
-    firsts = {law: first_of(found[law].result) for law in preferred if law in found}
+    firsts = {law: first_of(law_runs[law].result) for law in preferred if law in law_runs}
     reference = next((law for law, first in firsts.items() if first is not None), None)
     if reference is None:
-        reason = next((run.note for run in found.values() if run.note), "") or _why_none(scene)
+        reason = next((run.note for run in law_runs.values() if run.note), "") or _why_none(scene)
         raise SceneError(f"{scene.name}: no impact to compare the laws by: {reason}")
-    expected = found[reference].result
+    expected = law_runs[reference].result
     assert expected is not None
     for law in laws:
-        if law not in found:
+        if law not in law_runs:
             run(law, firsts[reference])
-    runs = tuple(_against(expected, found[law]) for law in laws)
-    comparison = Comparison(scene, reference, runs, (_reached(scene, 1.0, found),))
+    runs = tuple(_against(expected, law_runs[law]) for law in laws)
+    comparison = Comparison(scene, reference, runs, (_reached(scene, 1.0, law_runs),))
     if comparison.is_free:
         return comparison
     more = (_reached(scene, factor, {}) for factor in STIFFER)
     return replace(comparison, reached=(*comparison.reached, *more))
 
 
-def _reached(scene: Scene, factor: float, known: Mapping[str, LawRun]) -> Reached:
+def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
     """Return the restitution that can be reached with the stiffness times ``factor``.
 
-    ``known`` contains the runs that exist already.
+    ``runs`` contains the runs that exist already.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
-    lossless, exact = (known.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT))
+    lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT))
     return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
 
 
@@ -215,12 +215,12 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     Raises:
         UnknownNameError: when no law has an id.
     """
-    known = law_names(scene)
+    names = law_names(scene)
     for law in laws or ():
-        if law not in known:
+        if law not in names:
             listed = "`chain-impact info --list laws` lists them"
-            raise UnknownNameError(scene.name, law, known, "no contact law", otherwise=listed)
-    chosen = [law for law in known if not laws or law in laws]
+            raise UnknownNameError(scene.name, law, names, "no contact law", otherwise=listed)
+    chosen = [law for law in names if not laws or law in laws]
     at_home = any(keeps_exponents(law, scene) for law in chosen)
     return chosen if at_home else [*chosen, scene.contact.model]
 
@@ -228,8 +228,8 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
 def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> LawRun:
     changes = law_values(scene, law, impact)
     used = scene.contact if impact is None else with_law(contact_at(scene, impact), law, impact)
-    told = f"n = {used.exponent:g}, K = {used.stiffness:.4g} for the same elastic depth"
-    notes = [told] if len(changes) > 1 else []
+    parameters = f"n = {used.exponent:g}, K = {used.stiffness:.4g} for the same elastic depth"
+    notes = [parameters] if len(changes) > 1 else []
     result, first = None, {}
     try:
         result = simulate(with_values(scene, changes), progress=progress)
@@ -263,13 +263,13 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
         "max_penetration": impact["max_penetration"],
         "duration": impact["end"] - impact["onset"],
     }
-    found: dict[str, Any] = {name: float(value) for name, value in values.items()}
+    values_of_run: dict[str, Any] = {name: float(value) for name, value in values.items()}
     if not math.isfinite(impact["end"]):
-        return found
+        return values_of_run
     course = course_of(result.prepared, result.rerun, impact)
-    found["energy_lost"] = course.energy_lost
-    found["loop"] = np.array([course.penetration, course.force])
-    return found
+    values_of_run["energy_lost"] = course.energy_lost
+    values_of_run["loop"] = np.array([course.penetration, course.force])
+    return values_of_run
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
@@ -277,7 +277,7 @@ def _against(expected: Result, run: LawRun) -> LawRun:
     if run.result is None:
         return run
     rows = run.result.impacts, expected.impacts
-    ours, theirs = ([(row["point"], row["wall"]) for row in one] for one in rows)
+    ours, theirs = ([(row["point"], row["wall"]) for row in impacts] for impacts in rows)
     common = next((k for k, (a, b) in enumerate(zip(ours, theirs, strict=False)) if a != b), None)
     if common is None:
         stopped = run.result.time[-1] < expected.time[-1]

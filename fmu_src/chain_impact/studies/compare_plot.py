@@ -77,14 +77,13 @@ def fill(page: Figure, comparison: LawRuns) -> None:
 
 def message(comparison: LawRuns) -> str:
     """Return a sentence: how much the laws differ in the first impact."""
-    found = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
+    restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
-    if not found:
+    if not restitutions:
         return f"{name}: no law finished its first impact"
-    span = f"{min(found):.2f} to {max(found):.2f}"
-    return (
-        f"{name}: asked for e = {e:g}, {len(found)} laws give {span} in the {first_place(comparison.scene)}"
-    )
+    span = f"{min(restitutions):.2f} to {max(restitutions):.2f}"
+    impact = f"the {first_place(comparison.scene)}"
+    return f"{name}: asked for e = {e:g}, {len(restitutions)} laws give {span} in {impact}"
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
@@ -97,10 +96,10 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     others = [f"grey: {plural(grey, 'other law')}"] if grey else []
-    held = "" if comparison.is_free else "not free"
-    if held and math.isfinite(most := comparison.reached[0].lossless):
-        held += f": e′ = {most:.2f} without losses"
-    return SEPARATOR.join(filter(None, (hit, held, stiffness, tolerance, *others)))
+    limits = "" if comparison.is_free else "not free"
+    if limits and math.isfinite(most := comparison.reached[0].lossless):
+        limits += f": e′ = {most:.2f} without losses"
+    return SEPARATOR.join(filter(None, (hit, limits, stiffness, tolerance, *others)))
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
@@ -158,9 +157,9 @@ def looks_of(comparison: LawRuns) -> Looks:
     return looks
 
 
-def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
+def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
     """Return whether two loops are equal; impulses have no loop, and never count as equal."""
-    return one is not None and other is not None and one.size > 0 and np.array_equal(one, other)
+    return first is not None and second is not None and first.size > 0 and np.array_equal(first, second)
 
 
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
@@ -197,10 +196,10 @@ def banded(comparison: LawRuns, looks: Looks) -> list[str]:
 
 def band_label(comparison: LawRuns, band: Sequence[str]) -> str:
     """Return the label of the band: how many laws it has, and those with the extreme restitutions."""
-    found = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
-    order = sorted(found, key=lambda law: comparison[law].restitution)
-    told = " to ".join(f"{law} (e′ = {comparison[law].restitution:.2f})" for law in (order[0], order[-1]))
-    return f"{plural(len(band), 'other law')}: {told}"
+    laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
+    order = sorted(laws, key=lambda law: comparison[law].restitution)
+    extremes = " to ".join(f"{law} (e′ = {comparison[law].restitution:.2f})" for law in (order[0], order[-1]))
+    return f"{plural(len(band), 'other law')}: {extremes}"
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
@@ -213,8 +212,8 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
         turn = int(depth.argmax())
         for part in (slice(0, turn + 1), slice(turn, None)):
             order = np.argsort(depth[part], kind="stable")
-            known = {"left": np.nan, "right": np.nan}
-            branches.append(np.interp(depths, depth[part][order], force[part][order], **known))
+            padding = {"left": np.nan, "right": np.nan}
+            branches.append(np.interp(depths, depth[part][order], force[part][order], **padding))
     fill_band(axes, depths, branches)
 
 
@@ -238,4 +237,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 def told_apart(axes: Axes) -> list[Any]:
     """Return the entries of the legend: the laws with a colour, and the band of the other laws, if any."""
     lines = [line for line in axes.lines if line.get_color() != GREY]
-    return [*lines, *(one for one in axes.collections if str(one.get_label())[:1] != "_")]
+    return [
+        *lines,
+        *(collection for collection in axes.collections if str(collection.get_label())[:1] != "_"),
+    ]

@@ -100,16 +100,16 @@ def advice(comparison: LawRuns) -> str:
         return within + (", ".join(near) or "none of these laws")
     sure = [law for law in near if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
     chance = [law for law in near if law not in sure]
-    told = [", ".join(sure)] * bool(sure) + [f"by chance {', '.join(chance)}"] * bool(chance)
-    return f"{within}{'; '.join(told) or 'none of these laws'}\n{_reach(comparison)}"
+    parts = [", ".join(sure)] * bool(sure) + [f"by chance {', '.join(chance)}"] * bool(chance)
+    return f"{within}{'; '.join(parts) or 'none of these laws'}\n{_reach(comparison)}"
 
 
 def _reach(comparison: LawRuns) -> str:
     """Return a sentence on the restitution that forces reach in an impact that is not free."""
     e = comparison.contact.restitution
     values = ", ".join(
-        f"{told(one.lossless, '.2f')} and {told(one.exact, '.2f')} at K = {one.stiffness:.4g}"
-        for one in comparison.reached
+        f"{told(reached.lossless, '.2f')} and {told(reached.exact, '.2f')} at K = {reached.stiffness:.4g}"
+        for reached in comparison.reached
     )
     return (
         "this impact is not free: other forces act while it lasts, and the less the stiffer the contact is; "

@@ -96,7 +96,7 @@ def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) ->
 
 def stiffened(scene: Scene, factor: float) -> Scene:
     """Return the scene with stiffnesses times ``factor`` wherever the law of `contact` acts."""
-    changes: Changes = {(*path, "stiffness"): factor * found for path, _, found in _tables(scene)}
+    changes: Changes = {(*path, "stiffness"): factor * stiffness for path, _, stiffness in _tables(scene)}
     return with_values(scene, changes)
 
 

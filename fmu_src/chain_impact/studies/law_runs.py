@@ -131,9 +131,9 @@ class LawRuns:
         A free impact has the restitution 1 without losses, and the scene's restitution with the exact law. An
         impact that has not ended counts as free.
         """
-        found = self.reached[0]
-        off = (abs(found.lossless - 1.0), abs(found.exact - self.contact.restitution))
-        return not any(one > FREE for one in off)
+        reached = self.reached[0]
+        off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))
+        return not any(deviation > FREE for deviation in off)
 
     @property
     def at_stop(self) -> bool:

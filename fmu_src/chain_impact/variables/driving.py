@@ -31,12 +31,12 @@ def fill_signals(d: Any, scene: Scene) -> None:
     shape, fields, stop = shape_of(scene), d["signal"], scene.simulation.stop_time
     paths = {variable.name: variable.record_path for variable in inputs_asked(shape)}
     first, knot = dict[str, int](), 0
-    for j, one in enumerate(shape.signals):
-        fields["input"][j], fields["index"][j] = acting(paths[one.input])
-        fields["source"][j] = first.setdefault(one.signal, j)
-        fields["order"][j], fields["first"][j] = one.order, knot
-        write_signal(d, j, scene.signals[one.signal], one.input, stop)
-        knot += one.knots
+    for j, signal in enumerate(shape.signals):
+        fields["input"][j], fields["index"][j] = acting(paths[signal.input])
+        fields["source"][j] = first.setdefault(signal.signal, j)
+        fields["order"][j], fields["first"][j] = signal.order, knot
+        write_signal(d, j, scene.signals[signal.signal], signal.input, stop)
+        knot += signal.knots
 
 
 def acting(path: DataPath) -> tuple[int, str | int]:

@@ -114,19 +114,19 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
 
 
-def _chains_differ(one: Chain, other: Chain) -> bool:
+def _chains_differ(first: Chain, second: Chain) -> bool:
     """Return whether two chains differ in more than numbers."""
-    if one is other:
+    if first is second:
         return False
-    if one.base != other.base or len(one.links) != len(other.links):
+    if first.base != second.base or len(first.links) != len(second.links):
         return True
-    pairs = zip(one.links, other.links, strict=True)
-    return any(_differ(*pair, _OF_LINK) for pair in pairs) or _differ(one.slider, other.slider, _OF_SLIDER)
+    pairs = zip(first.links, second.links, strict=True)
+    return any(_differ(*pair, _OF_LINK) for pair in pairs) or _differ(first.slider, second.slider, _OF_SLIDER)
 
 
-def _differ(one: Any, other: Any, names: Sequence[str]) -> bool:
+def _differ(first: Any, second: Any, names: Sequence[str]) -> bool:
     """Return whether two tables differ in the values of some keys."""
-    return one is not other and any(getattr(one, name) != getattr(other, name) for name in names)
+    return first is not second and any(getattr(first, name) != getattr(second, name) for name in names)
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
@@ -138,7 +138,9 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     d["skewed"], d["slides"] = scene.chain.is_skewed, scene.chain.slider is not None
     d["site"]["link"] = [link for link, _ in scene.chain.sites]
     links = scene.chain.links
-    d["site"]["corner"] = [j + 1 if j < one.corners else 0 for one in links for j in range(len(one.points))]
+    d["site"]["corner"] = [
+        j + 1 if j < each.corners else 0 for each in links for j in range(len(each.points))
+    ]
     d["step"]["regularized"] = NO_CONTACT
     model = d["model"]
     if pairs:
@@ -167,12 +169,12 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 @cache
 def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
     """Return for each table of the scene its kinds of parameters, with the function that reads the values."""
-    found: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
+    readers: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
     for of, kinds in PARAMETERS:
         for kind in kinds:
             if kind.path and of not in ("material", *OF_SIGNALS):
-                found.setdefault(str(kind.path[0]), []).append((kind, _reader(kind)))
-    return found
+                readers.setdefault(str(kind.path[0]), []).append((kind, _reader(kind)))
+    return readers
 
 
 def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
@@ -181,10 +183,10 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     given_if = attrgetter(kind.given_if)
 
     def read(scene: Scene) -> list[Any]:
-        found = [part(one) for one in members(scene)]
-        values = [kind.if_missing if value is None else value for value in found]
+        parts = [part(member) for member in members(scene)]
+        values = [kind.if_missing if value is None else value for value in parts]
         if kind.choices:
-            values = [_choice(kind, name) for name in found]
+            values = [_choice(kind, name) for name in parts]
         if not kind.given or (kind.given_if and not given_if(scene)):
             return values
         return values + (_given(scene, paths(scene), values) if scene.derived_paths else values)
@@ -259,14 +261,14 @@ def _words_of(
     ``met`` are the conditions that the scene meets.
     """
     counts = {"one": 1, "link": sizes.links, "line": lines, "site": sizes.sites, "slider": int(slides)}
-    layout, found, there = layout_of(*sizes), [], []
+    layout, words, there = layout_of(*sizes), [], []
     for kind, reader in _tables()[table]:
         given = kind.given if not kind.given_if or kind.given_if in met else None
         for path in filter(None, (kind.record_path, given)):
-            found += [word_index(layout, filled(path, {"at": i})) for i in range(counts[kind.of])]
+            words += [word_index(layout, filled(path, {"at": i})) for i in range(counts[kind.of])]
         if counts[kind.of]:
             there.append(reader)
-    return np.array(found, int), there
+    return np.array(words, int), there
 
 
 def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:

@@ -50,10 +50,10 @@ def word_index(dtype: np.dtype, path: DataPath) -> int:
         if isinstance(step, str):
             dtype, start = dtype[step], dtype.fields[step][1]  # type: ignore[index]
         else:
-            item, (length, *rest) = dtype.base, dtype.shape
+            item, (length, *following) = dtype.base, dtype.shape
             if not 0 <= step < length:
                 raise IndexError(f"{path}: {step} is not below {length}")
-            dtype = np.dtype((item, tuple(rest)))
+            dtype = np.dtype((item, tuple(following)))
             start = step * dtype.itemsize
         offset += start
     if dtype.fields or dtype.itemsize != WORD:
@@ -115,9 +115,9 @@ class OutputIndices(NamedTuple):
     of_state: bool = False
 
 
-def indices_of(found: Iterable[Variable], every: OutputIndices) -> OutputIndices:
+def indices_of(variables: Iterable[Variable], every: OutputIndices) -> OutputIndices:
     """Return the indices of some outputs from those of ``every`` output."""
-    paths = {one.name: one.record_path for one in found}
+    paths = {variable.name: variable.record_path for variable in variables}
     motion = {name: every.motion[name] for name in paths if name in every.motion}
     stepwise = {name: every.stepwise[name] for name in paths if name in every.stepwise}
     row = np.dtype([(name, np.float64) for name in motion])
@@ -138,12 +138,12 @@ def output_indices(shape: Shape, sizes: Sizes) -> OutputIndices:
     layout = layout_of(*sizes)
     motion: dict[str, int] = {}
     stepwise: dict[str, tuple[int, bool]] = {}
-    for name, one in outputs_of(shape).items():
-        word = word_index(layout, one.record_path)
-        if one.record_path[0] == "output":
+    for name, output in outputs_of(shape).items():
+        word = word_index(layout, output.record_path)
+        if output.record_path[0] == "output":
             motion[name] = word
         else:
-            stepwise[name] = word, one.type == "real"
+            stepwise[name] = word, output.type == "real"
     # all outputs of the motion are kept in the kernel's own order
     row, first = layout["output"], first_word(layout, "output")
     words = _words(range(first, first + row.itemsize // WORD), stepwise)

@@ -33,19 +33,19 @@ _METHODS = tuple(
 def parameters(scene: Scene) -> Iterator[Variable]:
     """Yield the parameters of the scene's FMU: the parameters for which the scene has a value."""
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
-    for kind, element, known in _each(PARAMETERS, shape_of(scene)):
+    for kind, element, tables in _each(PARAMETERS, shape_of(scene)):
         path = filled(kind.path or (), element)
         value = value_at(scene, path)
         if value is not None and value != kind.trivial:
             rule = (
                 rule_at(kind.derived, path, scene.chain.links) if kind.derived and path in derived else None
             )
-            given = kind.given if not kind.given_if or known[kind.given_if] else None
+            given = kind.given if not kind.given_if or tables[kind.given_if] else None
             yield Variable.of(
                 kind,
                 element,
-                known,
-                variability="tunable" if kind.tunable and known[kind.tunable] else "fixed",
+                tables,
+                variability="tunable" if kind.tunable and tables[kind.tunable] else "fixed",
                 scene_path=path,
                 given_path=given and filled(given, element),
                 rule=rule,
@@ -61,7 +61,7 @@ def inputs(scene: Scene) -> Iterator[Variable]:
 
 def inputs_asked(shape: Shape) -> Iterator[Variable]:
     """Return the inputs that a scene of a shape asks for, including the inputs that signals drive."""
-    return (Variable.of(*found, variability="continuous") for found in _each(INPUTS, shape))
+    return (Variable.of(*arguments, variability="continuous") for arguments in _each(INPUTS, shape))
 
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
@@ -75,21 +75,21 @@ def outputs_of(shape: Shape) -> dict[str, Variable]:
 
     The outputs are made once for each shape, because this takes as long as a short simulation.
     """
-    made = (Variable.of(*found) for found in _each(OUTPUTS, shape))
-    return {variable.name: variable for variable in (*_driven(shape), *made)}
+    variables = (Variable.of(*arguments) for arguments in _each(OUTPUTS, shape))
+    return {variable.name: variable for variable in (*_driven(shape), *variables)}
 
 
 def _driven(shape: Shape) -> Iterator[Variable]:
     """Yield the driven quantities of signals as outputs, under the names of the inputs that they replace."""
-    for kind, element, known in _each(INPUTS, shape) if shape.signals else ():
-        driven = shape.of_signals.get(kind.name.format_map(known))
+    for kind, element, tables in _each(INPUTS, shape) if shape.signals else ():
+        driven = shape.of_signals.get(kind.name.format_map(tables))
         if driven is not None:
             row, order = driven
             rate_of = "signal" if order > 0 and shape.signals[row].outputs[order - 1] else ""
             output = replace(
                 kind, causality="output", record_path=("output", "signal", *driven), rate_of=rate_of
             )
-            yield Variable.of(output, element, known)
+            yield Variable.of(output, element, tables)
 
 
 def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
@@ -135,10 +135,10 @@ def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Element
     scene = shape.known()
     for of, kinds in blocks:
         for element in ELEMENTS[of](shape):
-            known = {**scene, **element}
+            tables = {**scene, **element}
             for kind in kinds:
-                if all(known[condition] for condition in kind.when):
-                    yield kind, element, known
+                if all(tables[condition] for condition in kind.when):
+                    yield kind, element, tables
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:

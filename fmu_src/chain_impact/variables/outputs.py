@@ -48,10 +48,10 @@ def _block(
         member = names[number].removeprefix(f"{owner}.") if names else name
         steps = [int(step) if step.isdecimal() else step for step in (field or member).split(".")]
         index = [] if of in ("one", "slider") or AT in steps or NEXT in steps else [AT]
-        found: dict[str, Any] = {"array": f"{of}.{member}" if array else "", "nominal": nominal}
-        found |= dict(_attribute(one, unit) for one in more.split())
+        attributes: dict[str, Any] = {"array": f"{of}.{member}" if array else "", "nominal": nominal}
+        attributes |= dict(_attribute(attribute, unit) for attribute in more.split())
         path = (part, *steps, *index)
-        kinds.append(Kind(name=member, unit=unit, text=text, record_path=path, axis=axis, **found))
+        kinds.append(Kind(name=member, unit=unit, text=text, record_path=path, axis=axis, **attributes))
     return block(of, *kinds, owner=owner, **{"terminal": True} | other)
 
 

@@ -81,24 +81,24 @@ def _of(
 
     ``special`` has additional attributes for single keys.
     """
-    found = []
+    kinds = []
     for key in names or _rules(table):
         in_scene, in_record = (
-            tuple(key if step == KEY else step for step in one) for one in (path, record_path)
+            tuple(key if step == KEY else step for step in steps) for steps in (path, record_path)
         )
         more = {"record_path": in_record, **special.get(key, {})}
-        found.append(_parameter(_rules(table)[key], in_scene, text=text, **more))
-    return found
+        kinds.append(_parameter(_rules(table)[key], in_scene, text=text, **more))
+    return kinds
 
 
 def _vector(table: type, path: DataPath, record_path: DataPath, text: str, **other: Any) -> list[Kind]:
     """Return the parameters for the components of a vector, whose key is the last step of ``path``."""
-    found, rule = [], _rules(table)[str(path[-1])]
+    kinds, rule = [], _rules(table)[str(path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
         in_record = tuple(steps.get(step, step) for step in record_path)
-        found.append(_parameter(rule, (*path, j), in_record, text, axis=axis, **other))
-    return found
+        kinds.append(_parameter(rule, (*path, j), in_record, text, axis=axis, **other))
+    return kinds
 
 
 PARAMETERS = (

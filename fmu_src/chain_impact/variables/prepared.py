@@ -63,8 +63,8 @@ class PreparedScene:
     def __init__(self, scene: Scene) -> None:
         self.scene, before = scene, PreparedScene._last
         if before and changed_numbers(before.scene, scene) is not None:
-            known = vars(before)
-            vars(self).update((name, known[name]) for name in SAME if name in known)
+            cached = vars(before)
+            vars(self).update((name, cached[name]) for name in SAME if name in cached)
         else:
             self.candidates = candidates(scene)
             links, pairs = len(scene.chain.links), len(self.candidates)
@@ -73,7 +73,7 @@ class PreparedScene:
             sites, slides = len(scene.chain.sites), scene.chain.slider is not None
             elements = links + pairs + slides if scene.has_friction else 0
             driven = driven_by(scene)
-            knots = sum(one.knots for one in driven)
+            knots = sum(signal.knots for signal in driven)
             self.sizes = Sizes(links, pairs, elements, loads, channels, sites, len(driven), knots)
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
@@ -102,7 +102,7 @@ class PreparedScene:
     @cached_property
     def driven(self) -> dict[str, str]:
         """The inputs that signals drive: the name of the input → the name of the signal."""
-        return {name: one.signal for one in driven_by(self.scene) for name in one.outputs if name}
+        return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
 
     @cached_property
     def outputs(self) -> list[Variable]:
@@ -155,7 +155,9 @@ class PreparedScene:
     @cached_property
     def differentiable(self) -> dict[str, Variable]:
         """The parameters and inputs that have derivatives, by their names."""
-        return {one.name: one for one in (*self.parameters, *self.inputs) if one.kind.smooth}
+        return {
+            variable.name: variable for variable in (*self.parameters, *self.inputs) if variable.kind.smooth
+        }
 
     @cached_property
     def start(self) -> np.ndarray:
@@ -208,8 +210,8 @@ class PreparedScene:
         wanted = (names,) if isinstance(names, str) else tuple(names)
         if not wanted:
             return []
-        known, what = self.differentiable, "no parameter with derivatives"
-        return [known[name] for name in self._named(wanted, known, what, hint)]
+        variables, what = self.differentiable, "no parameter with derivatives"
+        return [variables[name] for name in self._named(wanted, variables, what, hint)]
 
     def outputs_named(self, wanted: str | Iterable[str]) -> list[Variable]:
         """Return the outputs with some names or patterns, each once, in the order of ``wanted``.
@@ -247,8 +249,8 @@ class PreparedScene:
         Raises:
             UnknownNameError: when no column has a name, or matches a pattern.
         """
-        found = self._named(wanted, self.columns, "no output", of_series(self.output_hint))
-        return {name: self.columns[name] for name in found}
+        columns = self._named(wanted, self.columns, "no output", of_series(self.output_hint))
+        return {name: self.columns[name] for name in columns}
 
     def output_hint(self, name: str) -> str | None:
         """Return a hint for a name that is no output: how to get such an output; None if none is known."""
@@ -268,13 +270,13 @@ class PreparedScene:
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
         """Return the time series of ``Result.outputs``: name of the FMU's output → values, shape (T,)."""
-        found = {}
+        series = {}
         for variable in self.motion:
             values = outputs
             for name in variable.field.split("."):
                 values = values[name]
-            found[variable.name] = values[(..., *variable.index)]  # type: ignore[arg-type]
-        return found
+            series[variable.name] = values[(..., *variable.index)]  # type: ignore[arg-type]
+        return series
 
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an uninitialized instance with the parameters of the scene, an array with one record.
@@ -297,7 +299,7 @@ class PreparedScene:
     ) -> dict[str, None]:
         """Return the entries of ``there`` with the wanted names, each once."""
         names = (wanted,) if isinstance(wanted, str) else wanted
-        return {one: None for name in names for one in matching(self.scene.name, name, there, what, hint)}
+        return {match: None for name in names for match in matching(self.scene.name, name, there, what, hint)}
 
 
 def kernel_size(scene: Scene) -> int:

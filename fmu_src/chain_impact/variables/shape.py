@@ -85,10 +85,10 @@ class Shape:
     @cached_property
     def of_signals(self) -> dict[str, tuple[int, int]]:
         """The quantities that signals drive: input → row of the signal, and order of the derivative."""
-        found: dict[str, tuple[int, int]] = {}
-        for row, one in enumerate(self.signals):
-            found |= {name: (row, order) for order, name in enumerate(one.outputs) if name}
-        return found
+        positions: dict[str, tuple[int, int]] = {}
+        for row, signal in enumerate(self.signals):
+            positions |= {name: (row, order) for order, name in enumerate(signal.outputs) if name}
+        return positions
 
     @property
     def first_channel(self) -> int:
@@ -246,20 +246,26 @@ def _touched_walls(shape: Shape) -> Iterable[Element]:
 def _signals(shape: Shape) -> Iterable[Element]:
     """Return the signals, each with the row of its first input and the unit of its numbers."""
     first: dict[str, tuple[int, str]] = {}
-    for row, one in enumerate(shape.signals):
-        first.setdefault(one.signal, (row, one.input))
-    return [{"name": name, "at": row, "unit": unit_of(one)} for name, (row, one) in first.items()]
+    for row, signal in enumerate(shape.signals):
+        first.setdefault(signal.signal, (row, signal.input))
+    return [{"name": name, "at": row, "unit": unit_of(signal)} for name, (row, signal) in first.items()]
 
 
 def _steps(shape: Shape) -> Iterable[Element]:
     """Yield the knots of each signal that consists of steps, with the row of the signal's first input."""
     knot, seen = 0, set[str]()
-    for one in shape.signals:
-        if one.signal not in seen and one.is_steps:
-            for k in range(one.knots):
-                yield {"name": one.signal, "n": k + 1, "at": knot + k, "entry": k, "unit": unit_of(one.input)}
-        seen.add(one.signal)
-        knot += one.knots
+    for signal in shape.signals:
+        if signal.signal not in seen and signal.is_steps:
+            for k in range(signal.knots):
+                yield {
+                    "name": signal.signal,
+                    "n": k + 1,
+                    "at": knot + k,
+                    "entry": k,
+                    "unit": unit_of(signal.input),
+                }
+        seen.add(signal.signal)
+        knot += signal.knots
 
 
 ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {

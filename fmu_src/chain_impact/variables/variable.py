@@ -71,25 +71,25 @@ class Variable:
     known: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
-    def of(cls, kind: Kind, element: Mapping[str, Any], known: Mapping[Any, Any], **other: Any) -> Variable:
+    def of(cls, kind: Kind, element: Mapping[str, Any], tables: Mapping[Any, Any], **other: Any) -> Variable:
         """Return the variable of a kind for an element.
 
-        ``known`` has the scene's words for templates and limits.
+        ``tables`` has the scene's words for templates and limits.
         """
         changing = kind.record_path[:1] in OBSERVED and kind.unit
-        text, rule = kind.description.format_map(known), other.get("rule")
+        text, rule = kind.description.format_map(tables), other.get("rule")
         return cls(
             kind=kind,
-            name=kind.name.format_map(known),
+            name=kind.name.format_map(tables),
             # numbers of a signal have the unit of the driven input
             unit=element.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
             record_path=filled(kind.record_path, element),
-            minimum=known.get(kind.minimum, kind.minimum),
-            maximum=known.get(kind.maximum, kind.maximum),
+            minimum=tables.get(kind.minimum, kind.minimum),
+            maximum=tables.get(kind.maximum, kind.maximum),
             held=element.get("held", False),
-            owner=kind.owner and kind.owner.format_map(known),
-            known=known,
+            owner=kind.owner and kind.owner.format_map(tables),
+            known=tables,
             **{"variability": "continuous" if changing else "discrete"} | other,
         )
 

@@ -101,10 +101,10 @@ class Measurements:
     def order(self) -> np.ndarray:
         """The time of each value, shape (M,) [s]; NaN for an impact without a measured time."""
         onsets = np.array([impact.order for impact in self.impacts])
-        found = np.zeros(len(self))
-        found[~self.of_impact] = self.times[self.row[~self.of_impact]]
-        found[self.of_impact] = onsets[self.row[self.of_impact]]
-        return found
+        order = np.zeros(len(self))
+        order[~self.of_impact] = self.times[self.row[~self.of_impact]]
+        order[self.of_impact] = onsets[self.row[self.of_impact]]
+        return order
 
     def until(self, stop: float) -> Measurements:
         """Return the measurements up to a time [s].
@@ -121,7 +121,9 @@ class Measurements:
         times = self.times[: np.searchsorted(self.times, stop, side="right")]
         arrays = ("value", "sigma", "row", "column", "of_impact")
         names = tuple(compress(self.quantity, kept))
-        return replace(self, times=times, quantity=names, **{one: getattr(self, one)[kept] for one in arrays})
+        return replace(
+            self, times=times, quantity=names, **{field: getattr(self, field)[kept] for field in arrays}
+        )
 
 
 def read_measurements(
@@ -153,7 +155,9 @@ def read_measurements(
     there = [name for table in tables for name in _value_columns(table)]
     hint = f"there are {', '.join(there)}"
     patterns = there if columns is None else columns
-    chosen = {one for name in patterns for one in matching(source, name, there, "no column", lambda _: hint)}
+    chosen = {
+        column for name in patterns for column in matching(source, name, there, "no column", lambda _: hint)
+    }
     book = _Book(scene, sigma)
     for table in tables:
         book.read(table, chosen)
@@ -166,7 +170,7 @@ class _Book:
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
         prepared = PreparedScene(scene)
-        self._outputs, self._inputs = list(prepared.columns), [one.name for one in prepared.inputs]
+        self._outputs, self._inputs = list(prepared.columns), [variable.name for variable in prepared.inputs]
         self._signals: dict[str, list[tuple[float, float]]] = {}
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []
@@ -189,8 +193,8 @@ class _Book:
         if not self._found:
             raise SceneError(f"{source}: no value was measured: all cells are empty")
         names, values, sigmas, places, kinds = zip(*self._found, strict=True)
-        of_impact, place = np.array(kinds), np.array(places)
-        times = np.unique(place[~of_impact])
+        of_impact, time_or_impact = np.array(kinds), np.array(places)
+        times = np.unique(time_or_impact[~of_impact])
         outputs = tuple(dict.fromkeys(name for name, kind in zip(names, kinds, strict=True) if not kind))
         index = {name: k for k, name in enumerate(outputs)} | {name: k for k, name in enumerate(QUANTITIES)}
         return Measurements(
@@ -201,13 +205,13 @@ class _Book:
             names,
             np.array(values),
             np.array(sigmas),
-            row=np.where(of_impact, place, np.searchsorted(times, place)).astype(int),
+            row=np.where(of_impact, time_or_impact, np.searchsorted(times, time_or_impact)).astype(int),
             column=np.array([index[name] for name in names]),
             of_impact=of_impact,
             inputs={
                 name: (at[:, 0], at[:, 1])
-                for name, one in self._signals.items()
-                if (at := np.array(one)).size
+                for name, signal in self._signals.items()
+                if (at := np.array(signal)).size
             },
         )
 
@@ -290,9 +294,9 @@ class _Book:
             stops = dict.fromkeys(stop for _, stop in self._scene.chain.stops)
             there = [*self._scene.half_planes, *stops, *self._scene.slider_stops]
             if cell not in there:
-                known = ", ".join(there) or "none"
+                columns = ", ".join(there) or "none"
                 raise SceneError(
-                    f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {known}"
+                    f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {columns}"
                 )
             return self._scene.wall_names.index(cell)
         points = sorted({point for point, _ in candidates(self._scene)})
@@ -311,7 +315,7 @@ class _Book:
             raise SceneError(f"{table.where(row, name)} = {shown(cell)} must be {allowed}")
         return int(number)
 
-    def _add(self, table: Table, row: int, name: str, place: float, of_impact: bool) -> None:
+    def _add(self, table: Table, row: int, name: str, time_or_impact: float, of_impact: bool) -> None:
         """Add one value if the cell is not empty."""
         value = table.number(row, name)
         if not math.isnan(value):
@@ -320,7 +324,9 @@ class _Book:
                     f"{table.where(row, name)} = {value:g} needs the forces in joints: "
                     f"{self._scene.name}: outputs.loads = false must be true"
                 )
-            self._found.append((name, value, self._sigma_of(table, row, name, value), place, of_impact))
+            self._found.append(
+                (name, value, self._sigma_of(table, row, name, value), time_or_impact, of_impact)
+            )
 
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
         """Return the standard deviation of a value, from its row or else from its column.

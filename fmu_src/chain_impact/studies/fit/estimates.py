@@ -89,5 +89,5 @@ class Estimates:
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:
         """Which of the M values belong to each column: name of a measured column → shape (M,)."""
-        names = np.array([name for one in self.data for name in one.quantity])
+        names = np.array([name for data_set in self.data for name in data_set.quantity])
         return {str(name): names == name for name in dict.fromkeys(names.tolist())}

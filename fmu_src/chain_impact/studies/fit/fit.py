@@ -88,7 +88,7 @@ def fit(
     runs = _runs(data)
     scenes = _scenes(scene, len(runs), set_each or {})
     whole = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
-    measured = whole if stop_time is None else [one.until(stop_time) for one in whole]
+    measured = whole if stop_time is None else [data_set.until(stop_time) for data_set in whole]
     late = sum(map(len, whole)) - sum(map(len, measured))
     beyond = (
         [
@@ -102,26 +102,26 @@ def fit(
         raise SceneError(f"{scene.name}: {'; '.join(long)}: if it is in s, give the stop time")
     _check_sigma(scene, sigma or {}, measured)
 
-    def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
+    def fitted(scenes: Sequence[Scene], progress: Progress) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
         _check_inputs(scene, parameters, measured)
         try:
-            found = _fit(Problem(scenes, measured, parameters, interpolation), progress)
+            result = _fit(Problem(scenes, measured, parameters, interpolation), progress)
         except SceneError as error:
             raise SceneError("; ".join([str(error), *beyond])) from None
-        return replace(found, notes=(*beyond, *found.notes))
+        return replace(result, notes=(*beyond, *result.notes))
 
     if laws:
         from chain_impact.studies.fit.laws import rank
 
-        return rank(one, scenes, progress)
-    return one(scenes, progress)
+        return rank(fitted, scenes, progress)
+    return fitted(scenes, progress)
 
 
 def _fit(problem: Problem, progress: Progress) -> Fit:
     """Return the fit of one contact law."""
-    found = search(problem, progress)
-    at = _on_bounds(problem, found)
+    search_result = search(problem, progress)
+    at = _on_bounds(problem, search_result)
     rows = at.usable
     if rows.sum() < len(problem.parameters):
         few = (
@@ -129,18 +129,18 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
             f"{len(problem.parameters)}, as many as parameters are free"
         )
         raise SceneError("; ".join([few, *_left_out(problem, at)]))
-    known = information(at.slopes[rows], found.sigma[rows])
-    reached = problem.bounds_reached(at.coordinates, known.alone)
-    values, covariance = problem.values(at.coordinates), known.covariance
+    fisher_information = information(at.slopes[rows], search_result.sigma[rows])
+    reached = problem.bounds_reached(at.coordinates, fisher_information.alone)
+    values, covariance = problem.values(at.coordinates), fisher_information.covariance
     labels = [parameter.label for parameter in problem.parameters]
-    columns = freedom_of_columns(problem, at, found.sigma)
+    columns = freedom_of_columns(problem, at, search_result.sigma)
     groups = [(problem.group[rows] == group, free) for group, free in columns.items()]
-    small = small_sample(at.slopes[rows], found.sigma[rows], groups)
-    errors = known.errors * small.factor
+    small = small_sample(at.slopes[rows], search_result.sigma[rows], groups)
+    errors = fisher_information.errors * small.factor
     halves = errors * quantiles(small.freedom)
     with np.errstate(invalid="ignore"):
-        correlation = covariance / np.outer(known.errors, known.errors)
-    scenes = tuple(_fitted(one, k, problem.parameters, values) for k, one in enumerate(problem.scenes))
+        correlation = covariance / np.outer(fisher_information.errors, fisher_information.errors)
+    scenes = tuple(_fitted(scene, k, problem.parameters, values) for k, scene in enumerate(problem.scenes))
     result = Fit(
         scene=scenes[0],
         scenes=scenes,
@@ -148,33 +148,33 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         values=dict(zip(labels, values.tolist(), strict=True)),
         standard_errors=dict(zip(labels, (errors * problem.scale(values)).tolist(), strict=True)),
         intervals={
-            label: _interval(one, coordinate, half)
-            for label, one, coordinate, half in zip(
+            label: _interval(scene, coordinate, half)
+            for label, scene, coordinate, half in zip(
                 labels, problem.parameters, at.coordinates, halves, strict=True
             )
         },
         correlation=correlation,
         data=problem.data,
         residuals=np.where(rows, at.residuals, np.nan),
-        sigma=found.sigma,
+        sigma=search_result.sigma,
         estimated=problem.estimated,
         deviance=_deviance(problem, at, rows),
-        converged=found.search.converged,
+        converged=search_result.search.converged,
         runs=problem.evaluations,
-        horizons=found.horizons,
-        unknown=tuple(unknown(problem, at, known, reached)),
+        horizons=search_result.horizons,
+        unknown=tuple(unknown(problem, at, fisher_information, reached)),
         models=at.runs,
     )
-    return replace(result, notes=tuple(_notes(problem, result, at, found, reached)))
+    return replace(result, notes=tuple(_notes(problem, result, at, search_result, reached)))
 
 
-def _on_bounds(problem: Problem, found: Found) -> Evaluation:
+def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
     """Return the model at the end of the search; parameters close to a bound are set to the bound.
 
     The search stays within the bounds, and approaches them without ever reaching them.
     """
-    at = found.search.best
-    alone = information(at.slopes[at.usable], found.sigma[at.usable]).alone
+    at = search_result.search.best
+    alone = information(at.slopes[at.usable], search_result.sigma[at.usable]).alone
     reached = problem.bounds_reached(at.coordinates, alone)
     if not reached:
         return at
@@ -209,7 +209,7 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -
 
 def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
     """Return sentences on the unit of time, for data much longer than the scene's stop time [s]."""
-    lasting = [(one.source, float(np.nanmax(one.order, initial=0.0))) for one in data]
+    lasting = [(data_set.source, float(np.nanmax(data_set.order, initial=0.0))) for data_set in data]
     return [
         f"{source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, {stop_time:g} s: "
         "its time must be in s, not in ms"
@@ -220,7 +220,7 @@ def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
 
 def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurements]) -> None:
     """Refuse a standard deviation for a column that does not exist."""
-    names = {name for one in measured for name in one.quantity}
+    names = {name for data_set in measured for name in data_set.quantity}
     for name in sigma:
         if name not in names:
             raise SceneError(
@@ -231,9 +231,9 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
 def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Sequence[Measurements]) -> None:
     """Refuse to fit an input whose values the data give."""
     for parameter in parameters:
-        for k, one in enumerate(measured):
-            if parameter.run in (None, k) and parameter.name in one.inputs:
-                reason = f"is free, and is a column of {one.source}; must be only one of the two"
+        for k, data_set in enumerate(measured):
+            if parameter.run in (None, k) and parameter.name in data_set.inputs:
+                reason = f"is free, and is a column of {data_set.source}; must be only one of the two"
                 raise SceneError(f"{scene.name}: {parameter.name} {reason}")
 
 
@@ -250,7 +250,13 @@ def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.nd
     """Return the scene of a data set with the fitted values; fitted inputs are not part of a scene."""
     there = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
-    return scene.with_values({one.name: at for one, at in mine if one.run in (None, k) and one.name in there})
+    return scene.with_values(
+        {
+            parameter.name: at
+            for parameter, at in mine
+            if parameter.run in (None, k) and parameter.name in there
+        }
+    )
 
 
 def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
@@ -271,25 +277,25 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
 
 
 def _notes(
-    problem: Problem, result: Fit, at: Evaluation, found: Found, reached: Mapping[int, str]
+    problem: Problem, result: Fit, at: Evaluation, search_result: Found, reached: Mapping[int, str]
 ) -> list[str]:
     """Return the remarks on the result of a fit."""
     notes = []
     if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
         notes.append(
-            f"The search did not converge in {found.search.steps} steps: "
+            f"The search did not converge in {search_result.search.steps} steps: "
             "start nearer, or free fewer parameters."
         )
     notes += _left_out(problem, at)
     for p, which in reached.items():
-        one = problem.parameters[p]
+        parameter = problem.parameters[p]
         notes.append(
-            f"{one.label} is at its {which} bound, {one.value(float(at.coordinates[p])):.6g}: "
+            f"{parameter.label} is at its {which} bound, {parameter.value(float(at.coordinates[p])):.6g}: "
             "its standard error and interval do not hold."
         )
-    for one in problem.parameters:
-        if one.name not in problem.scenes[0].values:
-            notes.append(f"{one.label} is an input: the fitted scene does not hold it.")
+    for parameter in problem.parameters:
+        if parameter.name not in problem.scenes[0].values:
+            notes.append(f"{parameter.label} is an input: the fitted scene does not hold it.")
     if not result.estimated and result.freedom > 0 and result.chi_squared > largest_usual(result.freedom):
         notes.append(
             f"χ² is {result.chi_squared:.4g} for {result.freedom} degrees of freedom: the model does not "
@@ -304,8 +310,8 @@ def _not_random(result: Fit) -> Iterator[str]:
     Neighbours belong to the same data set. For n pairs of independent residuals, √n r has about the standard
     normal distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
     """
-    found = []
-    data_set = np.repeat(np.arange(len(result.data)), [len(one) for one in result.data])
+    texts = []
+    data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])
     for name, mine in result.columns.items():
         used = mine & result.used
         residuals = (result.residuals / result.sigma)[used]
@@ -315,10 +321,10 @@ def _not_random(result: Fit) -> Iterator[str]:
             continue
         alike = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
         if math.sqrt(len(pairs)) * alike > ALIKE:
-            found.append(f"{name} ({alike:.2f})")
-    if found:
+            texts.append(f"{name} ({alike:.2f})")
+    if texts:
         yield (
-            f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(found)}. The "
+            f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(texts)}. The "
             "model leaves something out, and the standard errors are too small."
         )
 

@@ -69,7 +69,7 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
     if first.search.converged and first.worse < WORSE:
         return first
     second = _search(problem, start, FAR[1], progress)
-    return min(first, second, key=lambda found: _squares(found.search.best, first.sigma))
+    return min(first, second, key=lambda candidate: _squares(candidate.search.best, first.sigma))
 
 
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
@@ -82,21 +82,21 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
     horizons = [_first_horizon(problem, whole, far)]
     best = math.inf
     while horizons[-1] < math.inf:
-        found, sigma = _one(problem, whole, sigma, horizons[-1], enough=ROUGH, most=ROUGH_STEPS)
-        if found.best.usable.sum() >= MANY:
-            best = min(best, _squares(found.best, sigma))
-        whole = problem.evaluate(found.best.coordinates)
+        result, sigma = _one(problem, whole, sigma, horizons[-1], enough=ROUGH, most=ROUGH_STEPS)
+        if result.best.usable.sum() >= MANY:
+            best = min(best, _squares(result.best, sigma))
+        whole = problem.evaluate(result.best.coordinates)
         horizons.append(_next_horizon(problem, whole, horizons[-1], far))
         progress(min(1.0, horizons[-2] / last))
     early = sigma
     for _ in range(ROUNDS):
         present = sigma
-        found, sigma = _one(problem, whole, present, math.inf, enough=FINE, most=FINE_STEPS)
-        whole = found.best
+        result, sigma = _one(problem, whole, present, math.inf, enough=FINE, most=FINE_STEPS)
+        whole = result.best
         if len(problem.names) == 1 or np.allclose(sigma, present, rtol=SETTLED, atol=0.0):
             break
     worse = _squares(whole, early) / max(best, EXACT)
-    return Found(found, sigma, (*horizons[:-1], last), worse)
+    return Found(result, sigma, (*horizons[:-1], last), worse)
 
 
 def _squares(at: Evaluation, sigma: np.ndarray) -> float:
@@ -109,7 +109,7 @@ def _one(
     problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
     """Return the search with the data up to a horizon, and the standard deviations of its residuals."""
-    found = minimize(
+    minimum = minimize(
         lambda coordinates: problem.evaluate(coordinates, horizon),
         problem.until(whole, horizon),
         sigma,
@@ -117,7 +117,7 @@ def _one(
         enough=enough,
         most=most,
     )
-    return found, estimate_sigma(problem, found.best, sigma)
+    return minimum, estimate_sigma(problem, minimum.best, sigma)
 
 
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
@@ -126,14 +126,14 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
     A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. A column without degrees of freedom
     has as many values as parameters that they determine; it keeps the present σ.
     """
-    found, rows = sigma.copy(), at.usable
+    estimated, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
     for group, least in _estimated(problem):
         mine = problem.group == group
         if free[group] > NO_FREEDOM:
             squares = (at.residuals[rows & mine] ** 2).sum()
-            found[mine] = max(least, math.sqrt(squares / free[group]))
-    return found
+            estimated[mine] = max(least, math.sqrt(squares / free[group]))
+    return estimated
 
 
 def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
@@ -168,7 +168,7 @@ def _check(problem: Problem, whole: Evaluation) -> None:
     """Refuse data that cannot determine any parameter."""
     for name in problem.estimated:
         mine = problem.group == problem.names.index(name)
-        sources = ", ".join(one.source for one in problem.data)
+        sources = ", ".join(data_set.source for data_set in problem.data)
         if not np.isnan(problem.sigma[mine]).all():
             raise SceneError(
                 f"{sources}: some values of {name} have a sigma and others none; give all or none"
@@ -205,5 +205,5 @@ def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: floa
     order = problem.order
     last = float(np.nanmax(order))
     reached = float(np.min(order[away], initial=math.inf, where=np.isfinite(order[away])))
-    found = max(GROWTH * horizon, reached)
-    return found if found < last else math.inf
+    next_horizon = max(GROWTH * horizon, reached)
+    return next_horizon if next_horizon < last else math.inf

@@ -34,25 +34,28 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     """
     contact = scenes[0].contact
     laws = [contact.model, *(law for law in law_names(scenes[0]) if law != contact.model)]
-    first, found = None, []
+    first, ranking = None, []
     for k, law in enumerate(laws):
-        one, note = None, ""
+        fitted, note = None, ""
         for origin in (first.scenes, scenes) if first else (scenes,):
             try:
-                one = fit([_with_law(scene, law, first) for scene in origin], _part(progress, k, len(laws)))
+                fitted = fit(
+                    [_with_law(scene, law, first) for scene in origin], _part(progress, k, len(laws))
+                )
             except SceneError as error:
-                note = note if one else str(error).removeprefix(f"{scenes[0].name}: ")
+                note = note if fitted else str(error).removeprefix(f"{scenes[0].name}: ")
                 continue
             exponent = needed_exponent(law, contact.exponent)
             note = f"n = {exponent:g}" if exponent != contact.exponent else ""
-            if one.converged:
+            if fitted.converged:
                 break
-        found.append(LawFit(law, one, note))
-        first = first or (one if law == contact.model else None)
-    most = max((int(one.fit.used.sum()) for one in found if one.fit), default=0)
+        ranking.append(LawFit(law, fitted, note))
+        first = first or (fitted if law == contact.model else None)
+    most = max((int(law_fit.fit.used.sum()) for law_fit in ranking if law_fit.fit), default=0)
     if not most:
-        raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {found[0].note}")
-    ranked = tuple(_noted(one, most) for one in sorted(found, key=lambda one: _place(one, most)))
+        raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {ranking[0].note}")
+    ranking.sort(key=lambda law_fit: _place(law_fit, most))
+    ranked = tuple(_noted(law_fit, most) for law_fit in ranking)
     best = ranked[0].fit
     assert best is not None
     # the start values are those of the first fit, from which the other laws have started
@@ -72,19 +75,19 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     return scene.with_values(law_values(scene, law, impact))
 
 
-def _place(one: LawFit, most: int) -> tuple[bool, bool, float]:
+def _place(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
     """Return the key that sorts laws: first the laws that use all values, then by the criterion."""
-    if one.fit is None:
+    if law_fit.fit is None:
         return True, True, math.inf
-    return False, bool(one.fit.used.sum() < most), round(one.fit.aic, DIGITS)
+    return False, bool(law_fit.fit.used.sum() < most), round(law_fit.fit.aic, DIGITS)
 
 
-def _noted(one: LawFit, most: int) -> LawFit:
+def _noted(law_fit: LawFit, most: int) -> LawFit:
     """Return a law's fit with remarks."""
-    if one.fit is None:
-        return one
-    left = most - int(one.fit.used.sum())
-    parts = [one.note] if one.note else []
+    if law_fit.fit is None:
+        return law_fit
+    left = most - int(law_fit.fit.used.sum())
+    parts = [law_fit.note] if law_fit.note else []
     parts += [f"{left} values fewer than others: not comparable"] if left else []
-    parts += [] if one.fit.converged else ["did not converge"]
-    return replace(one, note="; ".join(parts), fewer=left)
+    parts += [] if law_fit.fit.converged else ["did not converge"]
+    return replace(law_fit, note="; ".join(parts), fewer=left)

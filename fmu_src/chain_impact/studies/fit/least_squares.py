@@ -72,17 +72,17 @@ def minimize(
 
     @np.errstate(over="ignore")
     def residuals(coordinates: np.ndarray) -> np.ndarray:
-        found = model(coordinates)
-        if not found.usable[rows].all() or not np.isfinite(np.square(slopes(coordinates)).sum()):
+        solution = model(coordinates)
+        if not solution.usable[rows].all() or not np.isfinite(np.square(slopes(coordinates)).sum()):
             return np.full(int(rows.sum()), np.inf)
-        return np.asarray(found.residuals[rows] / sigma[rows])
+        return np.asarray(solution.residuals[rows] / sigma[rows])
 
     if not np.isfinite(residuals(first.coordinates[moved])).all():
         return Search(first, False, 0)
 
     from scipy import optimize  # this import takes long
 
-    found = optimize.least_squares(
+    solution = optimize.least_squares(
         residuals,
         first.coordinates[moved],
         slopes,
@@ -93,4 +93,4 @@ def minimize(
         gtol=EXACT,
         max_nfev=most,
     )
-    return Search(model(found.x), bool(found.status > 0), int(found.nfev))
+    return Search(model(solution.x), bool(solution.status > 0), int(solution.nfev))

@@ -88,16 +88,16 @@ def parameters_of(
         SceneError: when a name is unknown, is given twice, or a bound is not allowed.
     """
     scene = scenes[0]
-    known = PreparedScene(scene).differentiable
+    variables = PreparedScene(scene).differentiable
     names = [*free, *free_each]
     if not names:
         raise SceneError(f"{scene.name}: no parameter is free; name at least one")
     free, free_each = [*map(fmu_name, free)], [*map(fmu_name, free_each)]
     bounds = {fmu_name(name): values for name, values in bounds.items()}
     for typed in names:
-        if fmu_name(typed) not in known:
+        if fmu_name(typed) not in variables:
             what = "no parameter that can be fitted"
-            raise UnknownNameError(scene.name, typed, known, what, absent_hint(typed))
+            raise UnknownNameError(scene.name, typed, variables, what, absent_hint(typed))
     names = [*free, *free_each]
     for k, name in enumerate(names):
         if name in names[:k]:
@@ -106,9 +106,9 @@ def parameters_of(
         if name not in names:
             near = nearest(name, names) or ", ".join(names)
             raise SceneError(f"{scene.name}: bounds of {name}, which is not free; free is {near}")
-    shared = [_parameter(known[name], scene, bounds.get(name), None) for name in free]
+    shared = [_parameter(variables[name], scene, bounds.get(name), None) for name in free]
     each = [
-        _parameter(known[name], one, bounds.get(name), k)
+        _parameter(variables[name], one, bounds.get(name), k)
         for name in free_each
         for k, one in enumerate(scenes)
     ]

@@ -84,13 +84,13 @@ def fill(page: Figure, fit: Estimates) -> None:
     grid = page.add_gridspec(down, across)
     for k, name in enumerate(names):
         _panel(grid[k // across, k % across], fit, name, results)
-    told = [_told(fit, label) for label in fit.values]
-    more = [f"{len(told) - MOST_TOLD} more parameters"] if len(told) > MOST_TOLD else []
+    labels = [_told(fit, label) for label in fit.values]
+    more = [f"{len(labels) - MOST_TOLD} more parameters"] if len(labels) > MOST_TOLD else []
     if len(names) < len(fit.columns):
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
-    headline(page, heading(fit, ": "), SEPARATOR.join([*told[:MOST_TOLD], *more]))
+    headline(page, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_TOLD], *more]))
 
 
 def _model(fit: Estimates, k: int) -> Result:
@@ -100,54 +100,56 @@ def _model(fit: Estimates, k: int) -> Result:
     if np.isnan(data.order).any():  # an impact without a measured time can happen at any time
         stop = max(stop, scene.simulation.stop_time)
     inputs = {
-        one.name: fit.values[one.label]
-        for one in fit.parameters
-        if one.name not in scene.values and one.run in (None, k)
+        parameter.name: fit.values[parameter.label]
+        for parameter in fit.parameters
+        if parameter.name not in scene.values and parameter.run in (None, k)
     }
     return simulate(scene, stop_time=stop, output_step=stop / POINTS, output=data.outputs, inputs=inputs)
 
 
-def _panel(place: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> None:
+def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> None:
     """Draw one column: data and model, and below these the residuals in standard deviations."""
-    axes: Any = place.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
-    values, rest = axes
+    axes: Any = cell.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
+    values, residuals = axes
     parts = _columns(fit, name, results)
     over_impacts = name in QUANTITIES
     several = len(fit.data) > 1
-    measured = np.concatenate([one.value for one in fit.data])
+    measured = np.concatenate([data_set.value for data_set in fit.data])
     largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL))
-    rest.set(ylim=(-1.15 * largest, 1.15 * largest))
-    rest.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
+    residuals.set(ylim=(-1.15 * largest, 1.15 * largest))
+    residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
-        told = f"data set {part.run + 1}" if several else "measured"
+        dots_label = f"data set {part.run + 1}" if several else "measured"
         look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 4, "color": colour}
         if over_impacts:
-            look |= {"yerr": USUAL * fit.sigma[part.rows], "capsize": 2, "label": told}
+            look |= {"yerr": USUAL * fit.sigma[part.rows], "capsize": 2, "label": dots_label}
             values.errorbar(part.at, measured[part.rows], **look)
             model = measured[part.rows] + fit.residuals[part.rows]
             label = None if several else "model"
             values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=7, label=label)
         else:
-            _curve(values, rest, results[part.run], name, INK if not several else colour)
-            values.plot(part.at, measured[part.rows], **look, label=told, alpha=0.7)
-        rest.plot(part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3)
+            _curve(values, residuals, results[part.run], name, INK if not several else colour)
+            values.plot(part.at, measured[part.rows], **look, label=dots_label, alpha=0.7)
+        residuals.plot(
+            part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
+        )
     values.set_ylabel(f"{name}{_unit(fit, name)}")
-    rest.set_ylabel("model −\ndata [σ]")
-    rest.set_xlabel("number of the impact" if over_impacts else "time [s]")
+    residuals.set_ylabel("model −\ndata [σ]")
+    residuals.set_xlabel("number of the impact" if over_impacts else "time [s]")
     if over_impacts:
         numbers = np.concatenate([part.at for part in parts])
         first, last = np.nanmin(numbers), np.nanmax(numbers)
-        rest.set_xlim(first - BESIDE, last + BESIDE)
-        rest.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+        residuals.set_xlim(first - BESIDE, last + BESIDE)
+        residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
         values.legend(
             loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4
         )
 
 
-def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> None:
+def _curve(values: Axes, residuals: Axes, result: Result, name: str, colour: str) -> None:
     """Draw the model over time, and lines at its impacts."""
-    for axes in (values, rest):
+    for axes in (values, residuals):
         onsets = result.impacts["onset"]
         axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
     words = "model; lines: its impacts" if len(result.impacts) else "model"
@@ -157,21 +159,21 @@ def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> 
 
 def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
     """Return the parts of a column, one for each data set with this column."""
-    found, first = [], 0
+    columns, first = [], 0
     for k, data in enumerate(fit.data):
         rows = np.flatnonzero(np.array(data.quantity) == name)
         if len(rows):
             of = data.row[rows]
             at = _numbers(data, of, results[k]) if name in QUANTITIES else data.times[of]
-            found.append(Column(k, first + rows, at))
+            columns.append(Column(k, first + rows, at))
         first += len(data)
-    return found
+    return columns
 
 
 def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray:
     """Return the numbers, from 1, of the model's impacts for some rows of data, shape (K,)."""
-    found = (data.impacts[row].find(result.impacts) for row in rows)
-    return np.array([np.nan if one is None else one + 1.0 for one in found])
+    matches = (data.impacts[row].find(result.impacts) for row in rows)
+    return np.array([np.nan if match is None else match + 1.0 for match in matches])
 
 
 def _colours(count: int) -> list[str]:
@@ -185,6 +187,6 @@ def _unit(fit: Estimates, name: str) -> str:
 
 def _told(fit: Estimates, label: str) -> str:
     """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013"."""
-    one = next(one for one in fit.parameters if one.label == label)
+    parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
-    return f"{label} {rounded(value, error)} ± {size_of(one, value, error / one.slope(value))}"
+    return f"{label} {rounded(value, error)} ± {size_of(parameter, value, error / parameter.slope(value))}"

@@ -53,8 +53,8 @@ class Evaluation:
     @property
     def usable(self) -> np.ndarray:
         """Whether each value can be fitted, because it has derivatives, shape (M,)."""
-        found: np.ndarray = self.there & np.isfinite(self.slopes).all(axis=1)
-        return found
+        usable: np.ndarray = self.there & np.isfinite(self.slopes).all(axis=1)
+        return usable
 
 
 class Problem:
@@ -88,25 +88,29 @@ class Problem:
             BuildError: when the kernel cannot be compiled.
         """
         self.scenes, self.data, self.parameters = tuple(scenes), tuple(data), tuple(parameters)
-        self.value = np.concatenate([one.value for one in data])
-        self.sigma = np.concatenate([one.sigma for one in data])
-        quantities = [name for one in data for name in one.quantity]
+        self.value = np.concatenate([data_set.value for data_set in data])
+        self.sigma = np.concatenate([data_set.sigma for data_set in data])
+        quantities = [name for data_set in data for name in data_set.quantity]
         self.names = tuple(dict.fromkeys(quantities))
         self.group = np.array([self.names.index(name) for name in quantities])
-        self.order = np.concatenate([one.order for one in data])
-        self.low, self.high = np.array([one.ends for one in self.parameters]).T
+        self.order = np.concatenate([data_set.order for data_set in data])
+        self.low, self.high = np.array([parameter.ends for parameter in self.parameters]).T
         self.size = self._sizes()
         self.evaluations = 0
         self.used = [
-            [p for p, one in enumerate(self.parameters) if one.run in (None, k)]
+            [p for p, parameter in enumerate(self.parameters) if parameter.run in (None, k)]
             for k in range(len(self.data))
         ]
         try:
             self._runs = [
                 DifferentiatedRun(
-                    scene, [self.parameters[p].name for p in used], one.outputs, one.inputs, interpolation
+                    scene,
+                    [self.parameters[p].name for p in used],
+                    data_set.outputs,
+                    data_set.inputs,
+                    interpolation,
                 )
-                for scene, one, used in zip(self.scenes, self.data, self.used, strict=True)
+                for scene, data_set, used in zip(self.scenes, self.data, self.used, strict=True)
             ]
         except SimulationError as error:
             raise SceneError(f"{self.scenes[0].name}: {error}") from None
@@ -122,7 +126,7 @@ class Problem:
     @property
     def start(self) -> np.ndarray:
         """The coordinates at the start of the search, shape (P,)."""
-        return np.array([one.coordinate(one.start) for one in self.parameters])
+        return np.array([parameter.coordinate(parameter.start) for parameter in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
         """Return an evaluation of the whole time without the values beyond a horizon [s]."""
@@ -132,7 +136,7 @@ class Problem:
     @property
     def followed(self) -> np.ndarray:
         """Whether each value tells if the model follows the data: outputs, else times of impacts."""
-        outputs = np.concatenate([~one.of_impact for one in self.data])
+        outputs = np.concatenate([~data_set.of_impact for data_set in self.data])
         if outputs.any():
             return outputs
         return np.array([self.names[group] in ("onset", "end") for group in self.group])
@@ -151,25 +155,29 @@ class Problem:
     def values(self, coordinates: np.ndarray) -> np.ndarray:
         """Return the values of the parameters at some coordinates."""
         return np.array(
-            [one.value(at) for one, at in zip(self.parameters, coordinates.tolist(), strict=True)]
+            [parameter.value(at) for parameter, at in zip(self.parameters, coordinates.tolist(), strict=True)]
         )
 
     def scale(self, values: np.ndarray) -> np.ndarray:
         """Return the derivatives of the values with respect to the coordinates, shape (P,)."""
-        return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
+        return np.array(
+            [parameter.slope(at) for parameter, at in zip(self.parameters, values.tolist(), strict=True)]
+        )
 
     def evaluate(self, coordinates: np.ndarray, horizon: float = math.inf) -> Evaluation:
         """Run the models up to a horizon [s], and compare them with the measurements."""
         values = self.values(coordinates)
         scale = self.scale(values)
-        found, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(coordinates)))
+        model_values, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(coordinates)))
         runs = []
         for k, (mine, part) in enumerate(zip(self.used, self._parts, strict=True)):
             done = self._run(k, values[mine], horizon)
-            found[part], slopes[part, mine] = _select(self.data[k], done)
+            model_values[part], slopes[part, mine] = _select(self.data[k], done)
             runs.append(done)
         self.evaluations += 1
-        return self.until(Evaluation(coordinates, found - self.value, slopes * scale, tuple(runs)), horizon)
+        return self.until(
+            Evaluation(coordinates, model_values - self.value, slopes * scale, tuple(runs)), horizon
+        )
 
     def bounds_reached(self, coordinates: np.ndarray, errors: np.ndarray) -> dict[int, str]:
         """Return the parameters that are at a bound: index → "lower" or "upper".
@@ -190,8 +198,10 @@ class Problem:
         the bound.
         """
         way = np.abs(self.start - bounds)
-        known = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))
-        near = np.stack([np.where(np.isfinite(errors), known, 0.0), AT_BOUND_PART * (self.high - self.low)])
+        distance = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))
+        near = np.stack(
+            [np.where(np.isfinite(errors), distance, 0.0), AT_BOUND_PART * (self.high - self.low)]
+        )
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
@@ -202,12 +212,12 @@ class Problem:
         return ""
 
     def _sizes(self) -> np.ndarray:
-        found = np.zeros(len(self.value))
+        sizes = np.zeros(len(self.value))
         for group in range(len(self.names)):
             mine = self.group == group
             values = self.value[mine]
-            found[mine] = max(float(np.ptp(values)), float(np.abs(values).max()), SMALLEST)
-        return found
+            sizes[mine] = max(float(np.ptp(values)), float(np.abs(values).max()), SMALLEST)
+        return sizes
 
     def _run(self, k: int, values: np.ndarray, horizon: float) -> Differentiated:
         data = self.data[k]
@@ -220,16 +230,16 @@ class Problem:
 
 def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.ndarray]:
     """Return the model's values for the measured values, shape (M,), and their derivatives, shape (M, P)."""
-    found = np.full(len(data), np.nan)
+    selected = np.full(len(data), np.nan)
     slopes = np.full((len(data), run.slopes.shape[2]), np.nan)
     sampled = np.flatnonzero(~data.of_impact & (data.row < len(run.values)))
     row, column = data.row[sampled], data.column[sampled]
-    found[sampled], slopes[sampled] = run.values[row, column], run.slopes[row, column]
+    selected[sampled], slopes[sampled] = run.values[row, column], run.slopes[row, column]
     for m in np.flatnonzero(data.of_impact):
         at = data.impacts[data.row[m]].find(run.impacts)
         if at is not None:
-            found[m], slopes[m] = quantity(run, at, QUANTITIES[data.column[m]])
-    return found, slopes
+            selected[m], slopes[m] = quantity(run, at, QUANTITIES[data.column[m]])
+    return selected, slopes
 
 
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
@@ -244,5 +254,5 @@ def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray
         return end[0] - onset[0], end[1] - onset[1]
     ended = np.isfinite(run.impacts["end"][at]) or name in AT_ONSET
     value = float(run.impacts[name][at])
-    known = ended and not (name in ("peak_force", "joint_force") and value == 0.0)
-    return (value if known else math.nan), run.impact_slopes[name][at]
+    is_defined = ended and not (name in ("peak_force", "joint_force") and value == 0.0)
+    return (value if is_defined else math.nan), run.impact_slopes[name][at]

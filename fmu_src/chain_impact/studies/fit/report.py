@@ -36,7 +36,8 @@ def report(fit: Estimates) -> Iterator[str | Table]:
         yield Table(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
         yield "The rms residual is in standard deviations σ of the best fit."
         equal = sum(
-            one.fit is not None and not one.fewer and one.fit.aic < fit.aic + EQUAL for one in fit.ranking
+            law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < fit.aic + EQUAL
+            for law_fit in fit.ranking
         )
         if equal > 1:
             yield f"{equal} laws fit equally well, with ΔAIC < {EQUAL:g}: these data cannot tell them apart."
@@ -53,29 +54,29 @@ def heading(fit: Estimates, mark: str = "  ") -> str:
 
 def _parameters(fit: Estimates) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = []
-    for one in fit.parameters:
-        value, error = fit.values[one.label], fit.standard_errors[one.label]
-        unit = "" if one.unit.startswith("N/m^") else with_unit("", one.unit)
-        place = error / value if one.logarithmic else error
+    for parameter in fit.parameters:
+        value, error = fit.values[parameter.label], fit.standard_errors[parameter.label]
+        unit = "" if parameter.unit.startswith("N/m^") else with_unit("", parameter.unit)
+        relative_error = error / value if parameter.logarithmic else error
         rows.append(
             (
-                one.label,
-                number(one.start, 6),
+                parameter.label,
+                number(parameter.start, 6),
                 f"{rounded(value, error)}{unit}",
-                size_of(one, value, place),
-                _interval(one, value, error, fit.intervals[one.label]),
+                size_of(parameter, value, relative_error),
+                _interval(parameter, value, error, fit.intervals[parameter.label]),
             )
         )
     return rows
 
 
-def _interval(one: Parameter, value: float, error: float, ends: tuple[float, float]) -> str:
+def _interval(parameter: Parameter, value: float, error: float, ends: tuple[float, float]) -> str:
     """Return words for the interval of a parameter, or for the fact that no value is excluded."""
     low, high = ends
-    if (low, high) == (one.low, one.high) or (one.logarithmic and high > WIDEST * low):
+    if (low, high) == (parameter.low, parameter.high) or (parameter.logarithmic and high > WIDEST * low):
         return "not determined"
     # on a logarithmic scale, the error of an end is as large a part of the end as of the value
-    errors = [error * end / value for end in ends] if one.logarithmic else [error, error]
+    errors = [error * end / value for end in ends] if parameter.logarithmic else [error, error]
     return " … ".join(rounded(*end).replace("inf", "∞") for end in zip(ends, errors, strict=True))
 
 
@@ -92,10 +93,12 @@ def _columns(fit: Estimates) -> list[Sequence[str]]:
     for name, mine in fit.columns.items():
         used = mine & fit.used
         sigma = np.unique(fit.sigma[mine])
-        told = number(sigma[0], 3) if len(sigma) == 1 else f"{number(sigma[0], 3)} … {number(sigma[-1], 3)}"
+        sigma_text = (
+            number(sigma[0], 3) if len(sigma) == 1 else f"{number(sigma[0], 3)} … {number(sigma[-1], 3)}"
+        )
         how = "estimated" if name in fit.estimated else "given"
         rms = math.sqrt(float((fit.residuals[used] ** 2).mean())) if used.any() else math.nan
-        rows.append((name, str(int(used.sum())), f"{told} {how}", number(rms, 3)))
+        rows.append((name, str(int(used.sum())), f"{sigma_text} {how}", number(rms, 3)))
     return rows
 
 
@@ -124,11 +127,15 @@ def _correlations(fit: Estimates) -> Iterator[str]:
 def _laws(fit: Estimates) -> list[Sequence[str]]:
     best = fit.aic
     rows: list[Sequence[str]] = []
-    for one in fit.ranking:
-        if one.fit is None:
-            rows.append((one.law, "–", "–", *("–" for _ in fit.values), one.note))
+    for law_fit in fit.ranking:
+        if law_fit.fit is None:
+            rows.append((law_fit.law, "–", "–", *("–" for _ in fit.values), law_fit.note))
             continue
-        values = (rounded(value, one.fit.standard_errors[name]) for name, value in one.fit.values.items())
-        rms = math.sqrt(float(np.nanmean((one.fit.residuals / fit.sigma) ** 2)))
-        rows.append((one.law, f"{max(0.0, one.fit.aic - best):.1f}", number(rms, 3), *values, one.note))
+        values = (
+            rounded(value, law_fit.fit.standard_errors[name]) for name, value in law_fit.fit.values.items()
+        )
+        rms = math.sqrt(float(np.nanmean((law_fit.fit.residuals / fit.sigma) ** 2)))
+        rows.append(
+            (law_fit.law, f"{max(0.0, law_fit.fit.aic - best):.1f}", number(rms, 3), *values, law_fit.note)
+        )
     return rows

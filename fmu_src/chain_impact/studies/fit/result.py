@@ -83,9 +83,15 @@ class Fit(Estimates):
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
         rows = [
-            (one.label, one.unit, one.start, self.values[one.label], self.standard_errors[one.label])
-            + self.intervals[one.label]
-            for one in self.parameters
+            (
+                parameter.label,
+                parameter.unit,
+                parameter.start,
+                self.values[parameter.label],
+                self.standard_errors[parameter.label],
+            )
+            + self.intervals[parameter.label]
+            for parameter in self.parameters
         ]
         columns = ["parameter", "unit", "start", "value", "standard_error", "low", "high"]
         return require("pandas", "pandas").DataFrame(rows, columns=columns).set_index("parameter")

@@ -121,9 +121,9 @@ def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0
     if isinstance(value, list) and here is not None and len(here) == len(value):
-        for k, one in enumerate(value):
-            if present is None or present[k] != one:
-                here[k] = one
+        for k, entry in enumerate(value):
+            if present is None or present[k] != entry:
+                here[k] = entry
     else:
         table[key] = value
     trivia = table.item(key).trivia if before else None

@@ -108,9 +108,9 @@ def small_sample(
         return np.divide(part_of_column, variance, out=np.zeros(len(variance)), where=variance > 0.0)
 
     for mine, degrees in groups:
-        known, free = information(slopes[mine], sigma[mine]).matrix, max(degrees, LEAST_FREEDOM)
-        doubt += part(known) ** 2 / free
-        growth += 4.0 / free * part(known - known @ covariance @ known).clip(0.0)
+        precision, free = information(slopes[mine], sigma[mine]).matrix, max(degrees, LEAST_FREEDOM)
+        doubt += part(precision) ** 2 / free
+        growth += 4.0 / free * part(precision - precision @ covariance @ precision).clip(0.0)
     freedom = np.divide(1.0, doubt, out=np.full(len(doubt), math.inf), where=doubt > 0.0)
     return SmallSample(np.sqrt(1.0 + growth), freedom)
 
@@ -126,8 +126,8 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
     tail = 0.5 * (1.0 + PROBABILITY)
     student = special.stdtrit(np.clip(freedom, LEAST_FREEDOM, MANY_FREEDOM), tail)
-    found = np.where(freedom < MANY_FREEDOM, student, special.ndtri(tail))
-    return np.where(freedom > TOO_FEW, found, math.inf)
+    values = np.where(freedom < MANY_FREEDOM, student, special.ndtri(tail))
+    return np.where(freedom > TOO_FEW, values, math.inf)
 
 
 def largest_usual(freedom: float) -> float:

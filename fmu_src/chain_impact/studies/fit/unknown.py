@@ -20,27 +20,29 @@ BETTER = 0.5
 HUGE = 10.0  # the standard error of a logarithm from which on the sentence gives it as a factor
 
 
-def unknown(problem: Problem, at: Evaluation, known: Information, reached: Collection[int]) -> Iterator[str]:
+def unknown(
+    problem: Problem, at: Evaluation, fisher_information: Information, reached: Collection[int]
+) -> Iterator[str]:
     """Yield a sentence for each parameter that the data do not determine, except those at bounds."""
-    values, errors = problem.values(at.coordinates), known.errors
+    values, errors = problem.values(at.coordinates), fisher_information.errors
 
     def is_weak(p: int, error: float) -> bool:
         return is_unknown(problem.parameters[p], values[p], error)
 
     weak = [p for p in range(len(errors)) if p not in reached and is_weak(p, errors[p])]
     for p in weak:
-        one = problem.parameters[p]
-        if known.matrix[p, p] == 0.0:
-            yield f"{one.label} has no effect on the measured values."
+        parameter = problem.parameters[p]
+        if fisher_information.matrix[p, p] == 0.0:
+            yield f"{parameter.label} has no effect on the measured values."
             continue
-        how = size_of(one, values[p], errors[p])
-        told = f"{one.label} is not determined by these data: its standard error is {how}."
-        others = [(float(known.with_held(q).errors[p - (q < p)]), q) for q in weak if q != p]
+        how = size_of(parameter, values[p], errors[p])
+        text = f"{parameter.label} is not determined by these data: its standard error is {how}."
+        others = [(float(fisher_information.with_held(q).errors[p - (q < p)]), q) for q in weak if q != p]
         error, q = min(others, default=(math.inf, -1))
         if error < BETTER * errors[p] and not is_weak(p, error):
-            held, left = problem.parameters[q].label, size_of(one, values[p], error)
-            told += f" It acts together with {held}: with that held, it would be {left}."
-        yield told
+            fixed, left = problem.parameters[q].label, size_of(parameter, values[p], error)
+            text += f" It acts together with {fixed}: with that held, it would be {left}."
+        yield text
 
 
 def is_unknown(parameter: Parameter, value: float, error: float) -> bool:

@@ -97,20 +97,20 @@ def _check_workers(client: Any, work: Work, address: str) -> int:
     if not threads:
         raise SceneError(f"scheduler {address}: it has no workers; start some with: dask worker {address}")
     ours = identity()
-    for worker, found in client.run(identity, on_error="return").items():
-        if isinstance(found, BaseException):
+    for worker, answer in client.run(identity, on_error="return").items():
+        if isinstance(answer, BaseException):
             raise SceneError(
-                f"scheduler {address}: the worker {worker} cannot import chain-impact ({found}); "
+                f"scheduler {address}: the worker {worker} cannot import chain-impact ({answer}); "
                 f"install version {ours[0]} there"
             )
-        if tuple(found) != ours:
+        if tuple(answer) != ours:
             raise SceneError(
-                f"scheduler {address}: the worker {worker} has chain-impact {found[0]} (kernel {found[1]}), "
-                f"must have {ours[0]} (kernel {ours[1]}) as here"
+                f"scheduler {address}: the worker {worker} has chain-impact {answer[0]} "
+                f"(kernel {answer[1]}), must have {ours[0]} (kernel {ours[1]}) as here"
             )
     if work.folder:
-        for worker, found in client.run(_sees, work.folder).items():
-            if not found:
+        for worker, answer in client.run(_sees, work.folder).items():
+            if not answer:
                 raise SceneError(
                     f"scheduler {address}: the worker {worker} does not see {work.folder}: give a folder on "
                     "a disk that all workers share, or a file, as runs.parquet"

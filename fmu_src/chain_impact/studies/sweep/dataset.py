@@ -60,10 +60,10 @@ class Dataset:
         """Return the number of runs."""
         return self.runs
 
-    def add(self, piece: Span, made: str) -> None:
+    def add(self, piece: Span, file: str) -> None:
         """Add a complete file to the folder, with its final name."""
         name = file_name(piece)
-        (self.path / made).replace(self.path / name)
+        (self.path / file).replace(self.path / name)
         self.files[name] = piece
         self._list()
 
@@ -133,11 +133,11 @@ class Dataset:
         """Return the fault of a file that a quick check finds; "" if the file is complete."""
         try:
             with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
-                found = file.metadata.num_rows
+                count = file.metadata.num_rows
         except (OSError, ValueError) as error:
             return str(error)
         first, end = self.files[name]
-        return "" if found == end - first else f"{found} runs"
+        return "" if count == end - first else f"{count} runs"
 
     def _list(self) -> None:
         """Write the manifest."""
@@ -149,9 +149,9 @@ class Dataset:
         manifest = self.path / MANIFEST
         wrong = "remove the folder, or choose another name"
         try:
-            found = json.loads(manifest.read_text(encoding="utf-8"))
-            differs = [name for name in self._head if found[name] != self._head[name]]
-            files = {name: (int(first), int(end)) for name, (first, end) in found["files"].items()}
+            listed = json.loads(manifest.read_text(encoding="utf-8"))
+            differs = [name for name in self._head if listed[name] != self._head[name]]
+            files = {name: (int(first), int(end)) for name, (first, end) in listed["files"].items()}
         except (ValueError, KeyError, TypeError, AttributeError):
             raise SceneError(f"{manifest} is not the manifest of a sweep: {wrong}") from None
         if differs:
@@ -215,16 +215,18 @@ def _locked(path: Path) -> Iterator[None]:
 
 def _array(column: Any) -> np.ndarray:
     """Return a column of Arrow as a NumPy array; words become strings."""
-    found = np.asarray(column.to_numpy(zero_copy_only=False))
-    return found.astype(str) if found.dtype.kind == "O" else found
+    array = np.asarray(column.to_numpy(zero_copy_only=False))
+    return array.astype(str) if array.dtype.kind == "O" else array
 
 
 def known_by(job: Job, design: Design) -> dict[str, Any]:
     """Return the data that identify a sweep: all data on which its rows depend."""
     values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
-    for one in design.variations:
-        values.update(repr((one.name, len(one.values), one.interval, one.logarithmic)).encode())
-        values.update(one.values.tobytes())
+    for variation in design.variations:
+        values.update(
+            repr((variation.name, len(variation.values), variation.interval, variation.logarithmic)).encode()
+        )
+        values.update(variation.values.tobytes())
     return {
         "format": FORMAT,
         "kernel": fingerprint(),

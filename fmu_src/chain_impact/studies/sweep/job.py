@@ -62,10 +62,10 @@ class Job:
     @property
     def columns(self) -> dict[str, Variable]:
         """The variables that are read from the record at the end of each run, by name."""
-        found = self.prepared.outputs_by_name
-        standard = [name for name in found if name.startswith(("energy.", "solver."))]
+        outputs = self.prepared.outputs_by_name
+        standard = [name for name in outputs if name.startswith(("energy.", "solver."))]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
-        return {name: found[name] for name in wanted}
+        return {name: outputs[name] for name in wanted}
 
     @property
     def differentiated(self) -> list[Variable]:
@@ -76,9 +76,9 @@ class Job:
     @property
     def loads(self) -> dict[str, Variable]:
         """The outputs, by name, whose largest value is ``joint_force``, in a scene with loads."""
-        known = self.prepared.outputs_by_name
+        outputs = self.prepared.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
-        return {name: known[name] for name in names if name in known}
+        return {name: outputs[name] for name in names if name in outputs}
 
     @property
     def dtype(self) -> np.dtype:
@@ -97,13 +97,13 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
             output.
     """
     prepared = prepared_scene(source)
-    known = prepared.outputs_by_name
+    available = prepared.outputs_by_name
     for name in outputs:
-        if not (isinstance(name, str) and name in known):
+        if not (isinstance(name, str) and name in available):
             raise UnknownNameError(
-                prepared.scene.name, name, known, "no output", prepared.output_hint(str(name))
+                prepared.scene.name, name, available, "no output", prepared.output_hint(str(name))
             )
-    if STATUS not in known:
+    if STATUS not in available:
         name = prepared.scene.name
         raise SceneError(f"{name}: outputs.solver = false must be true: each run has its status")
     variables = [variation.variable for variation in variations]

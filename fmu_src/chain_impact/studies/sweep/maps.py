@@ -35,7 +35,7 @@ NEVER = "no run has a finite value"
 def draw_maps(
     page: Figure,
     panels: Sequence[Axes],
-    found: Runs,
+    runs: Runs,
     quantities: Sequence[Quantity],
     over: Sequence[Variation],
 ) -> None:
@@ -43,9 +43,9 @@ def draw_maps(
     first, second = over
     x, y = axis_of(first), axis_of(second)
     grey: list[Patch] = []
-    places = [list(found.varied).index(one.name) for one in (second, first)]
+    places = [list(runs.varied).index(variation.name) for variation in (second, first)]
     for axes, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.of(found).reshape(found.design.shape)
+        shown = quantity.of(runs).reshape(runs.design.shape)
         spare = tuple(k for k in range(shown.ndim) if k not in places)
         shown = shown.transpose(*places, *spare).reshape(len(second.values), len(first.values))
         shown = np.ma.masked_invalid(shown[np.ix_(y.order, x.order)])
@@ -59,7 +59,7 @@ def draw_maps(
         for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):
             if scale.names:
                 axis.set_ticks(range(len(scale.names)), scale.names)
-        axes.set(xlabel=label_of(found, first), ylabel=label_of(found, second))
+        axes.set(xlabel=label_of(runs, first), ylabel=label_of(runs, second))
         if x.names:
             axes.tick_params(axis="x", rotation=90)
         if np.ma.is_masked(shown):
@@ -136,15 +136,15 @@ def is_logarithmic(variation: Variation) -> bool:
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
 
 
-def label_of(found: Runs, variation: Variation) -> str:
+def label_of(runs: Runs, variation: Variation) -> str:
     """Return the name and unit of a parameter."""
-    return f"{variation.name}{raised(in_brackets(unit_of(found, variation)))}"
+    return f"{variation.name}{raised(in_brackets(unit_of(runs, variation)))}"
 
 
-def unit_of(found: Runs, variation: Variation) -> str:
+def unit_of(runs: Runs, variation: Variation) -> str:
     """Return the unit of a parameter; it has the exponent if all runs have the same exponent."""
     unit = variation.variable.unit
-    part = found.scene.stops if unit.startswith("N.m") else found.scene.contact
-    if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*found.varied}:
+    part = runs.scene.stops if unit.startswith("N.m") else runs.scene.contact
+    if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*runs.varied}:
         unit = of_power(unit.removesuffix("^exponent"), part.exponent) if "^" in unit else unit
     return unit

@@ -44,10 +44,10 @@ def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span
         return []
     try:
         with np.load(path) as kept:
-            found, old, done = json.loads(str(kept["head"])), kept["rows"], kept["done"].tolist()
+            stored_head, old, done = json.loads(str(kept["head"])), kept["rows"], kept["done"].tolist()
     except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
         raise SceneError(f"{path} does not come from an interrupted sweep: {wrong}") from None
-    if differs := [name for name in head if found.get(name) != head[name]]:
+    if differs := [name for name in head if stored_head.get(name) != head[name]]:
         raise SceneError(f"{path} was left by a sweep that differs in its {differs[0]}: {wrong}")
     spans = [(first, end) for first, end in done]
     for first, end in spans:

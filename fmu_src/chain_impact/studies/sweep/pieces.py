@@ -88,10 +88,10 @@ def hand_out(
                 check()
             for future in done:
                 piece = at_work.pop(future)
-                made, seconds = future.result()
+                rows, seconds = future.result()
                 pieces.took(piece, seconds)
                 submit()
-                yield piece, made
+                yield piece, rows
     finally:
         for future in at_work:
             future.cancel()

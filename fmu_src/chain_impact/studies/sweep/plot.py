@@ -78,7 +78,7 @@ def check_picture(varied: int, samples: int | None, runs: int, source: str) -> N
 
 
 def plot_sweep(
-    found: Runs,
+    runs: Runs,
     path: str | os.PathLike[str] | None = None,
     size: Size | None = None,
     panels: Sequence[str] = (),
@@ -90,73 +90,79 @@ def plot_sweep(
         ValueError: when the size is not possible.
         OSError: when the file cannot be written.
     """
-    check_picture(len(found.varied), found.design.samples, len(found), found.scene.name)
-    results = results_of(found, panels)
-    return drawn(partial(fill, found=found, results=results), path, size, usual_size(found, results))
+    check_picture(len(runs.varied), runs.design.samples, len(runs), runs.scene.name)
+    results = results_of(runs, panels)
+    return drawn(partial(fill, runs=runs, results=results), path, size, usual_size(runs, results))
 
 
 @styled()
-def fill(page: Figure, found: Runs, results: Results) -> None:
+def fill(page: Figure, runs: Runs, results: Results) -> None:
     """Draw all panels on an empty page."""
-    quantities, kind = results.drawn, kind_of(found.design)
-    varying = varying_in(found.design)
-    parts = [conditions(found, varying), constants(found, results)]
+    quantities, kind = results.drawn, kind_of(runs.design)
+    varying = varying_in(runs.design)
+    parts = [conditions(runs, varying), constants(runs, results)]
     mark = "" if kind == MAPS else " (×)"
-    headline(page, title(found, results, mark), "; ".join(filter(None, parts)))
+    headline(page, title(runs, results, mark), "; ".join(filter(None, parts)))
     # parameters that are numbers come before choices
-    first, *rest = sorted(varying, key=lambda one: bool(one.choices))
+    first, *others = sorted(varying, key=lambda variation: bool(variation.choices))
     if kind == DOTS:
-        _dots(page, found, quantities, first)
+        _dots(page, runs, quantities, first)
     elif kind == CURVES:
-        _curves(page, found, quantities, first, *rest)
+        _curves(page, runs, quantities, first, *others)
     else:
-        draw_maps(page, _panels(page, len(quantities)), found, quantities, (first, *rest))
+        draw_maps(page, _panels(page, len(quantities)), runs, quantities, (first, *others))
 
 
 def kind_of(design: Design) -> str:
     """Return the kind of picture for a design."""
     varying = varying_in(design)
-    choices = [one for one in varying if one.choices]
+    choices = [variation for variation in varying if variation.choices]
     if len(varying) == 1:
         return DOTS if choices else CURVES
     return CURVES if len(choices) == 1 and len(choices[0].values) <= len(COLOURS) else MAPS
 
 
-def usual_size(found: Runs, results: Results) -> tuple[float, float]:
+def usual_size(runs: Runs, results: Results) -> tuple[float, float]:
     """Return the default size of the page [inches]."""
-    count, kind = len(results.drawn), kind_of(found.design)
+    count, kind = len(results.drawn), kind_of(runs.design)
     if kind == DOTS:
-        return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(found.design)[0].values)
+        return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(runs.design)[0].values)
     across = _across(count, kind)
     width = ALONE if count == 1 else 10.8 if kind == MAPS else 10.0
     return width, 0.6 + 2.7 * math.ceil(count / across)
 
 
-def title(found: Runs, results: Results, mark: str) -> str:
+def title(runs: Runs, results: Results, mark: str) -> str:
     """Return the headline: a summary of the results of the runs."""
-    parts, failed = [f"{found.scene.name}: {plural(len(found), 'run')}"], int(found.failed.sum())
+    parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
     for quantity in results.every:
-        values = quantity.of(found)
+        values = quantity.of(runs)
         values = values[~np.isnan(values)]
         if quantity.is_told and values.any():
             parts.append(quantity.range_text(values))
     return ", ".join(parts + ([f"{failed} failed{mark}"] if failed else []))
 
 
-def conditions(found: Runs, varying: list[Variation]) -> str:
+def conditions(runs: Runs, varying: list[Variation]) -> str:
     """Return the varied parameters and their ranges."""
     parts = []
-    for one in varying:
-        ends = " to ".join(number(end) for end in dict.fromkeys((one.values.min(), one.values.max())))
-        told = f"{ends} {raised(unit_text(unit_of(found, one)))}".rstrip()
-        parts.append(f"{len(one.values)} of {one.name}" if one.choices else f"{one.name} {told}")
+    for variation in varying:
+        ends = " to ".join(
+            number(end) for end in dict.fromkeys((variation.values.min(), variation.values.max()))
+        )
+        interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
+        parts.append(
+            f"{len(variation.values)} of {variation.name}"
+            if variation.choices
+            else f"{variation.name} {interval}"
+        )
     return "; ".join(parts)
 
 
 def varying_in(design: Design) -> list[Variation]:
     """Return the variations with more than one value; if there are none, the first variation."""
-    found = [one for one in design.variations if len(np.unique(one.values)) > 1]
-    return found or list(design.variations[:1])
+    varying = [variation for variation in design.variations if len(np.unique(variation.values)) > 1]
+    return varying or list(design.variations[:1])
 
 
 def _across(count: int, kind: str) -> int:
@@ -176,29 +182,29 @@ def _panels(page: Figure, count: int, most: int = 2, *, sharey: bool = False) ->
 
 def _curves(
     page: Figure,
-    found: Runs,
+    runs: Runs,
     quantities: list[Quantity],
     across: Variation,
     choice: Variation | None = None,
 ) -> None:
     """Draw a panel for each quantity over a parameter, with one line for each choice."""
     panels = _panels(page, len(quantities), _across(len(quantities), CURVES))
-    values = found[across.name]
+    values = runs[across.name]
     for axes, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.of(found)
+        shown = quantity.of(runs)
         for name, colour in zip(choice.shown(choice.values) if choice else [None], COLOURS, strict=False):
-            rows = np.flatnonzero(found[choice.name] == name) if choice else np.arange(len(found))
+            rows = np.flatnonzero(runs[choice.name] == name) if choice else np.arange(len(runs))
             rows = rows[np.argsort(values[rows], kind="stable")]
-            label = f"{name} (failed)" if choice and found.failed[rows].all() else name
+            label = f"{name} (failed)" if choice and runs.failed[rows].all() else name
             marks: dict[str, Any] = {}
             if len(rows) <= 40:  # noqa: PLR2004 - few values are drawn with markers
                 marks = {"marker": "o", "markersize": 3.0}
             axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
-        failed = values[found.failed]
+        failed = values[runs.failed]
         if len(failed):
             axes.plot(failed, np.full(len(failed), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
         axes.set_xscale("log" if is_logarithmic(across) else "linear")
-        axes.set_xlabel(label_of(found, across))
+        axes.set_xlabel(label_of(runs, across))
         give_ticks(axes)
         _dress(axes, quantity, shown)
     if choice:
@@ -209,17 +215,17 @@ def _curves(
             page.legend(handles, labels, loc="outside right center", title=choice.name)
 
 
-def _dots(page: Figure, found: Runs, quantities: list[Quantity], across: Variation) -> None:
+def _dots(page: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
     """Draw a panel for each quantity, with a dot in the row of each choice."""
     names = across.shown(across.values).tolist()
     panels = _panels(
         page, len(quantities), max(1, int((page.get_figwidth() - NAMES) / DOTS_WIDTH)), sharey=True
     )
-    rows = np.arange(len(found))
+    rows = np.arange(len(runs))
     for axes, quantity in zip(panels, quantities, strict=True):
         axes.grid(axis="y", color="0.92")
-        axes.plot(quantity.of(found), rows, "o", color=COLOURS[0], markersize=4.0)
-        failed = rows[found.failed]
+        axes.plot(quantity.of(runs), rows, "o", color=COLOURS[0], markersize=4.0)
+        failed = rows[runs.failed]
         axes.plot(np.full(len(failed), 0.02), failed, transform=axes.get_yaxis_transform(), **CROSS)
         axes.set_xlabel(quantity.label)
         if quantity.is_count:

@@ -49,9 +49,9 @@ class Quantity:
         """Whether the values are whole numbers."""
         return self.column == COUNT
 
-    def of(self, found: Runs) -> np.ndarray:
+    def of(self, runs: Runs) -> np.ndarray:
         """Return the values of the quantity, NaN where a run failed, shape (R,)."""
-        return np.where(found.failed, np.nan, self.factor * found[self.column].astype(float))
+        return np.where(runs.failed, np.nan, self.factor * runs[self.column].astype(float))
 
     def range_text(self, values: np.ndarray) -> str:
         """Return words for the smallest and the largest value: "peak force 1.2 to 3.4 kN"."""
@@ -85,10 +85,10 @@ class Results:
     @property
     def same(self) -> list[Quantity]:
         """The quantities without a panel."""
-        return [one for one in self.every if one not in self.drawn]
+        return [quantity for quantity in self.every if quantity not in self.drawn]
 
 
-def results_of(found: Runs, panels: Sequence[str] = ()) -> Results:
+def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     """Return the quantities of a sweep; those at walls and at stops only if the scene has these.
 
     Those that differ between the runs are drawn, or all if none differs; with ``panels``, the columns that
@@ -99,20 +99,20 @@ def results_of(found: Runs, panels: Sequence[str] = ()) -> Results:
         SceneError: when there are too many panels.
     """
     main = {quantity.column: quantity for quantity in QUANTITIES}
-    prepared = PreparedScene(found.scene)
+    prepared = PreparedScene(runs.scene)
     if panels:
-        known = list(found.rows.dtype.names or ())
-        chosen = columns_named(prepared, panels, known)
-        every = [_in_unit(found, main.get(name) or _at_end(name, prepared)) for name in chosen]
+        fields = list(runs.rows.dtype.names or ())
+        chosen = columns_named(prepared, panels, fields)
+        every = [_in_unit(runs, main.get(name) or _at_end(name, prepared)) for name in chosen]
         return Results(every, every)
-    absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
-    shown = [quantity for name, quantity in main.items() if name in {*found.names} - absent]
-    asked = [_at_end(name, prepared) for name in found.outputs if name not in main]
-    every = [_in_unit(found, quantity) for quantity in shown] + asked[:MOST_ASKED]
-    return Results(every, [one for one in every if _differs(one.of(found))] or every)
+    absent = set() if point_wall_pairs(runs.scene) else {*PEAKS}
+    shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
+    asked = [_at_end(name, prepared) for name in runs.outputs if name not in main]
+    every = [_in_unit(runs, quantity) for quantity in shown] + asked[:MOST_ASKED]
+    return Results(every, [each for each in every if _differs(each.of(runs))] or every)
 
 
-def columns_named(prepared: PreparedScene, panels: Sequence[str], known: Sequence[str]) -> list[str]:
+def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Sequence[str]) -> list[str]:
     """Return the columns of the table that have a panel; in ``panels``, ``*`` stands for any text.
 
     Raises:
@@ -120,8 +120,8 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], known: Sequenc
         SceneError: when there are too many.
     """
     source = prepared.scene.name
-    found = (matching(source, panel, known, "no column", lambda _: None) for panel in panels)
-    chosen = list(dict.fromkeys(name for names in found for name in names))
+    matches = (matching(source, panel, available, "no column", lambda _: None) for panel in panels)
+    chosen = list(dict.fromkeys(name for names in matches for name in names))
     if len(chosen) > MOST_PANELS:
         raise SceneError(f"{source}: {len(chosen)} panels ({few(chosen, 3)}) must be <= {MOST_PANELS}")
     return chosen
@@ -135,13 +135,16 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
         SceneError: when there are too many panels.
     """
     standard = job.dtype.names or ()
-    known = [*dict.fromkeys((*standard, *job.prepared.outputs_by_name))]
-    return [name for name in columns_named(job.prepared, panels, known) if name not in standard]
+    available = [*dict.fromkeys((*standard, *job.prepared.outputs_by_name))]
+    return [name for name in columns_named(job.prepared, panels, available) if name not in standard]
 
 
-def constants(found: Runs, results: Results) -> str:
+def constants(runs: Runs, results: Results) -> str:
     """Return words for the quantities without a panel: "the same in all runs: impacts 14"."""
-    parts = [with_unit(f"{one.name} {np.nanmax(one.of(found)):.4g}", one.unit) for one in results.same]
+    parts = [
+        with_unit(f"{quantity.name} {np.nanmax(quantity.of(runs)):.4g}", quantity.unit)
+        for quantity in results.same
+    ]
     return f"the same in all runs: {', '.join(parts)}" if parts else ""
 
 
@@ -151,11 +154,11 @@ def _at_end(name: str, prepared: PreparedScene) -> Quantity:
     return Quantity(name, f"{name} at the end", unit_text(unit))
 
 
-def _in_unit(found: Runs, quantity: Quantity) -> Quantity:
+def _in_unit(runs: Runs, quantity: Quantity) -> Quantity:
     """Return a quantity with the prefix of its unit that suits its largest value."""
     if not quantity.unit or quantity not in QUANTITIES:
         return quantity
-    values = np.abs(quantity.of(found))
+    values = np.abs(quantity.of(runs))
     factor, unit = prefixed(float(np.max(values[np.isfinite(values)], initial=0.0)), quantity.unit)
     return replace(quantity, unit=unit, factor=factor)
 

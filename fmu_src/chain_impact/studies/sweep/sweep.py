@@ -115,19 +115,19 @@ def sweep(
         else:
             pieces = run_on_cluster(work, spans, scheduler)
         stack.enter_context(closing(pieces))
-        for piece, made in pieces:
-            if dataset and isinstance(made, str):
-                dataset.add(piece, made)
+        for piece, piece_rows in pieces:
+            if dataset and isinstance(piece_rows, str):
+                dataset.add(piece, piece_rows)
             else:
-                rows[slice(*piece)] = made
+                rows[slice(*piece)] = piece_rows
                 done.append(piece)
             left -= piece[1] - piece[0]
             progress(1.0 - left / design.runs)
-    found = Sweep(scene, design, dataset or rows, job.outputs)
+    result = Sweep(scene, design, dataset or rows, job.outputs)
     if target and not dataset:
-        found.save(target)
+        result.save(target)
         partial_path(target).unlink(missing_ok=True)
-    return found
+    return result
 
 
 @contextmanager
@@ -140,5 +140,5 @@ def _interruptible(
     except BaseException:
         if done:
             keep(table, head, rows, done)
-            write_table(table, (columns_of(design, rows[slice(*one)], one[0]) for one in sorted(done)))
+            write_table(table, (columns_of(design, rows[slice(*piece)], piece[0]) for piece in sorted(done)))
         raise

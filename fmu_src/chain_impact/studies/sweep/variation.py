@@ -81,21 +81,21 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
     scene = prepared.scene
     if not vary:
         raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
-    known = sweepable(prepared)
-    found = []
+    parameters = sweepable(prepared)
+    variations = []
     for typed, values in vary.items():
         name = fmu_name(typed)
-        if name not in known:
+        if name not in parameters:
             what = "no parameter that can be varied"
             hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links), scene.signals)
-            raise UnknownNameError(scene.name, typed, known, what, hint)
+            raise UnknownNameError(scene.name, typed, parameters, what, hint)
         with as_typed([typed]):
-            variation = _read(known[name], values, scene.name)
+            variation = _read(parameters[name], values, scene.name)
             _check(variation, scene.name)
         warned = radians_hint(name, max(variation.values, key=abs), variation.variable.unit)
         warn(scene.name, [warned] if warned else [])
-        found.append(variation)
-    return tuple(found)
+        variations.append(variation)
+    return tuple(variations)
 
 
 def _read(variable: Variable, values: Values, source: str) -> Variation:
@@ -120,7 +120,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
     try:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
-        numbers = [int(one) for one in count]
+        numbers = [int(part) for part in count]
     except ValueError:  # also raised if the second part is missing
         raise wrong from None
     if len(numbers) > 1:

@@ -31,17 +31,17 @@ _STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str] = ()) -> Columns:
     """Return columns of the table for ``rows``, the runs from ``first`` on; by default all columns."""
     varied = {variation.name: k for k, variation in enumerate(design.variations)}
-    found: Columns = {}
+    columns: Columns = {}
     values = None
     for name in names or (*varied, *(rows.dtype.names or ()), STATUS_WORD):
         if name == STATUS_WORD:
-            found[name] = _STATUS_WORDS[rows[STATUS]]
+            columns[name] = _STATUS_WORDS[rows[STATUS]]
         elif name not in varied:
-            found[name] = rows[name]
+            columns[name] = rows[name]
         else:
             values = design.values(first, first + len(rows)) if values is None else values
-            found[name] = design.variations[varied[name]].shown(values[:, varied[name]])
-    return found
+            columns[name] = design.variations[varied[name]].shown(values[:, varied[name]])
+    return columns
 
 
 def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
