@@ -34,7 +34,7 @@ import numpy as np
 from numba import float64, int32, int64, types, void
 
 from chain_impact.compilation import compilers, ready
-from chain_impact.compilation.cache import made
+from chain_impact.compilation.cache import get_or_make
 from chain_impact.compilation.collecting import collect_only
 from chain_impact.compilation.entry_points import Entries
 from chain_impact.compilation.functions import compiled
@@ -363,7 +363,9 @@ def built(links: int) -> Path:
     def write(file: Path) -> None:
         subprocess.run([sys.executable, "-c", f"{program}kernel_model.lower({str(file)!r})"], check=True)
 
-    return made(f"{name}-{exact or 'any'}.so", lambda file: link(made(f"{name}.ll", write), exact, file))
+    return get_or_make(
+        f"{name}-{exact or 'any'}.so", lambda file: link(get_or_make(f"{name}.ll", write), exact, file)
+    )
 
 
 def link(lowered_file: Path, links: int | None, library: Path) -> None:

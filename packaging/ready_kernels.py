@@ -70,7 +70,7 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             say(f"compiling {what}, for any number of links")
             compilers.lower(file, what)
 
-        return cache.made(f"{what}.ll", lower).read_text()
+        return cache.get_or_make(f"{what}.ll", lower).read_text()
 
     with ThreadPoolExecutor(cores()) as pool:
 
@@ -99,11 +99,11 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
                 ]
                 compilers.link(parts, file, platform)
 
-            cache.made(name, link)
+            cache.get_or_make(name, link)
 
         def pack(file: Path) -> None:
             # a stronger compression takes ten times as long for half of the size
             file.write_bytes(lzma.compress(texts[ready.KERNEL].encode(), preset=1))
 
-        cache.made(ready.MODULE, pack)
+        cache.get_or_make(ready.MODULE, pack)
         each(library, names)

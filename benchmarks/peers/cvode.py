@@ -14,7 +14,7 @@ import numpy as np
 from kernel_model import CVODE, built, digest
 from problems import Problem
 
-from chain_impact.compilation.cache import made
+from chain_impact.compilation.cache import get_or_make
 from chain_impact.scene.scene import Scene
 from peers import Contender, MissingError, Outcome
 from peers.ours import OnInstance
@@ -76,7 +76,7 @@ def driver(links: int) -> ctypes.CDLL:
     """
     model = built(links)
     name = f"cvode-{digest(DRIVER, Path(__file__))}-{model.name}"
-    library = ctypes.CDLL(str(made(name, lambda file: link_driver(file, model))))
+    library = ctypes.CDLL(str(get_or_make(name, lambda file: link_driver(file, model))))
     library.cvode_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long, ctypes.c_void_p]
     library.cvode_solve.restype = ctypes.c_long
     return library

@@ -16,7 +16,7 @@ import pytest
 
 from chain_impact.cli.cache import contents
 from chain_impact.compilation import cache, folders
-from chain_impact.compilation.cache import cache_folder, clear, entries, made
+from chain_impact.compilation.cache import cache_folder, clear, entries, get_or_make
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.folders import base_folder
 
@@ -50,7 +50,7 @@ def test_a_file_is_made_once_and_appears_when_it_is_whole():
         assert cache.find("a.so") is None
         path.write_text("whole")
 
-    first, second = made("a.so", make), made("a.so", make)
+    first, second = get_or_make("a.so", make), get_or_make("a.so", make)
     assert first == second == cache_folder() / "a.so"
     assert first.read_text() == "whole"
     assert (files(), len(calls)) == (["a.so"], 1)
@@ -66,7 +66,9 @@ def test_one_makes_it_and_the_others_wait():
         time.sleep(0.3)
         path.write_text("whole")
 
-    threads = [threading.Thread(target=lambda: found.append(made("a.so", make).read_text())) for _ in "four"]
+    threads = [
+        threading.Thread(target=lambda: found.append(get_or_make("a.so", make).read_text())) for _ in "four"
+    ]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -77,14 +79,14 @@ def test_one_makes_it_and_the_others_wait():
 
 KILLED = """
 import time
-from chain_impact.compilation.cache import made
+from chain_impact.compilation.cache import get_or_make
 
 def make(path):
     path.write_text("half")
     print("begun", flush=True)
     time.sleep(60)
 
-made("a.so", make)
+get_or_make("a.so", make)
 """
 
 
@@ -97,12 +99,12 @@ def test_who_is_killed_leaves_nothing_that_matters():
     killed.wait()
     killed.stdout.close()
     assert left.is_dir()
-    made("a.so", whole)
+    get_or_make("a.so", whole)
     assert files() == ["a.so"]
 
 
 def test_folders_that_nobody_uses_are_removed_when_something_is_made():
-    made("a.so", lambda path: path.write_text("one"))
+    get_or_make("a.so", lambda path: path.write_text("one"))
     old, recent, other = (base_folder() / name for name in ("0" * 16, "1" * 16, "of somebody else"))
     linker, former = cache.linker_folder(), base_folder() / f"{cache.LINKER}0.0.1"
     for folder in (old, recent, other, linker, former):
@@ -111,7 +113,7 @@ def test_folders_that_nobody_uses_are_removed_when_something_is_made():
     long_ago = time.time() - cache.UNUSED - 60
     for folder in (old, other, linker, former):
         os.utime(folder, (long_ago, long_ago))
-    made("c.so", lambda path: path.write_text("two"))
+    get_or_make("c.so", lambda path: path.write_text("two"))
     assert not old.exists()
     assert not former.exists()
     assert linker.exists()  # other processes may be using the linker
@@ -121,7 +123,7 @@ def test_folders_that_nobody_uses_are_removed_when_something_is_made():
 
 
 def test_a_file_that_is_found_counts_as_use():
-    made("a.so", lambda path: path.write_text("one"))
+    get_or_make("a.so", lambda path: path.write_text("one"))
     long_ago = time.time() - cache.UNUSED - 60
     os.utime(cache_folder(), (long_ago, long_ago))
     assert cache.find("a.so")
@@ -153,21 +155,21 @@ def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
     def refused(*_):
         raise PermissionError
 
-    made("a.so", whole)
+    get_or_make("a.so", whole)
     monkeypatch.setattr(cache.os, "utime", refused)
-    assert made("a.so", lambda _: None).read_text() == "whole"
+    assert get_or_make("a.so", lambda _: None).read_text() == "whole"
 
 
 def test_where_the_cache_can_only_be_read_an_error_says_what_to_set(monkeypatch):
     """The folder is read-only for root, too, who ignores permissions."""
-    made("a.so", whole)
+    get_or_make("a.so", whole)
 
     def refused(dir):
         raise PermissionError(errno.EACCES, "Permission denied", str(dir))
 
     monkeypatch.setattr(folders.tempfile, "TemporaryFile", refused)
     folders.writable.cache_clear()
-    assert made("a.so", lambda _: None).read_text() == "whole"
+    assert get_or_make("a.so", lambda _: None).read_text() == "whole"
     assert not_kept(base_folder(), "Permission denied")
     folders.writable.cache_clear()
 
@@ -175,14 +177,14 @@ def test_where_the_cache_can_only_be_read_an_error_says_what_to_set(monkeypatch)
 def not_kept(folder, reason):
     """Check that nothing is stored in a folder, and that a message tells why."""
     with pytest.raises(BuildError) as caught:
-        made("b.so", whole)
+        get_or_make("b.so", whole)
     return str(caught.value) == f"no kernel can be stored in {folder} ({reason}): {folders.ADVICE}"
 
 
 @pytest.fixture(params=["of another user", "that others can write", "that a group can write"])
 def shared(request, monkeypatch):
     """Return a cache folder in which another user may have put a library to run."""
-    base = made("a.so", lambda path: path.write_text("foreign")).parents[1]
+    base = get_or_make("a.so", lambda path: path.write_text("foreign")).parents[1]
     folders.writable.cache_clear()
     user = base.stat().st_uid
     if request.param == "of another user":
@@ -218,13 +220,13 @@ def test_a_cache_that_others_can_write_is_refused(shared):
 @pytest.mark.parametrize("damage", ["cut", "empty", "changed", "without its checksum"])
 def test_what_is_damaged_is_made_again(damage):
     """A damaged library is compiled again, because a truncated library would end the process with SIGBUS."""
-    file = made("a.so", whole)
+    file = get_or_make("a.so", whole)
     if damage == "without its checksum":
         cache._mark(file).unlink()
     else:
         file.write_text({"cut": "who", "empty": "", "changed": "whale"}[damage])
     assert cache.find("a.so") is None
-    assert made("a.so", lambda path: path.write_text("anew")).read_text() == "anew"
+    assert get_or_make("a.so", lambda path: path.write_text("anew")).read_text() == "anew"
     assert cache.find("a.so") == file
 
 
@@ -238,14 +240,14 @@ def test_other_errors_than_of_a_place_to_keep_are_as_they_are(tmp_path, where):
         raise OSError(number, os.strerror(number), path)
 
     with pytest.raises(OSError, match=os.strerror(number)):
-        made("a.so", fail)
+        get_or_make("a.so", fail)
 
 
 @pytest.mark.parametrize("place", [__file__, "/proc/nohome"])
 def test_a_cache_that_cannot_be_made_is_one_sentence(monkeypatch, place):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", f"{place}/cache")
     with pytest.raises(BuildError) as caught:
-        made("a.so", whole)
+        get_or_make("a.so", whole)
     reason = "Not a directory" if place == __file__ else "No such file or directory"
     assert re.fullmatch(
         rf"no kernel can be stored in {re.escape(place)}\S* \({reason}\): "
@@ -262,7 +264,7 @@ def test_a_disk_that_is_full_is_one_sentence():
     with pytest.raises(
         BuildError, match=r"no kernel can be stored in .*cache \(No space left on device\): free sp"
     ):
-        made("a.so", make)
+        get_or_make("a.so", make)
     assert files() == []
 
 
@@ -271,12 +273,12 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
         raise BuildError("could not compile the kernel: zig said: …")
 
     with pytest.raises(BuildError, match="zig said"):
-        made("a.so", fail)
+        get_or_make("a.so", fail)
     monkeypatch.setattr(folders, "LITTLE", 1e30)
     with pytest.raises(
         BuildError, match=r"no kernel can be stored in .*cache \(the disk is full\): free space there, or"
     ):
-        made("a.so", fail)
+        get_or_make("a.so", fail)
 
 
 def test_who_waits_says_so(monkeypatch):
@@ -290,10 +292,10 @@ def test_who_waits_says_so(monkeypatch):
         told.wait(600.0)
         path.write_text("whole")
 
-    one = threading.Thread(target=lambda: made("a.so", make))
+    one = threading.Thread(target=lambda: get_or_make("a.so", make))
     one.start()
     begun.wait()
-    made("a.so", make)
+    get_or_make("a.so", make)
     one.join()
     assert said == ["waiting for another process that compiles the kernel"]
 
@@ -303,12 +305,12 @@ def test_who_waits_says_so(monkeypatch):
 )
 def test_a_cache_that_is_cleared_meanwhile_is_one_clear_error(make):
     with pytest.raises(BuildError, match=r"was removed while a\.so was made there: try again"):
-        made("a.so", make)
+        get_or_make("a.so", make)
 
 
 def test_what_is_there_is_told_and_removed():
     assert entries() == []
-    made("a.so", lambda path: path.write_text("12345"))
+    get_or_make("a.so", lambda path: path.write_text("12345"))
     zig = base_folder() / f"{cache.LINKER}0.17.0"
     zig.mkdir()
     (zig / "prepared-linux64").touch()

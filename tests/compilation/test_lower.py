@@ -97,7 +97,7 @@ def test_every_library_is_collected_once():
     leaf = Node()
     one, two = Node(leaf), Node(leaf)
     top = Node(one, two, one)
-    found = list(top.and_those_it_calls())
+    found = list(top.with_dependencies())
     assert sorted(map(id, found)) == sorted(map(id, (top, one, two, leaf)))
 
 

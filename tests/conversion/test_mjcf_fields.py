@@ -8,12 +8,12 @@ from chain_impact.conversion import mjcf_fields
 from chain_impact.conversion.differences import Effect, lines
 from chain_impact.conversion.mjcf_fields import (
     DISABLED,
-    TOLD,
+    FIELD_REMARKS,
     USED,
     WITHOUT_EFFECT_FLAGS,
     fates,
     fields,
-    told_fields,
+    unsupported_fields,
 )
 from tests.tiers import needs_interop
 
@@ -63,12 +63,14 @@ def test_a_field_of_a_new_mujoco_has_yet_to_be_decided_on():
     """On failure, decide for each new field: converted, reported, or without effect on a scene."""
     found = {field: fates(field) for field, _ in fields(rich())}
     assert [field for field, fate in found.items() if not fate] == []
-    assert [field for field, fate in found.items() if {"used", "told"} <= set(fate)] == []
+    assert [field for field, fate in found.items() if {"used", "remarked"} <= set(fate)] == []
 
 
 def test_the_table_has_no_field_that_mujoco_does_not_have():
     known = {field for field, _ in fields(rich())}
-    assert [name for name in [*USED.split(), *(row.field for row in TOLD)] if name not in known] == []
+    assert [
+        name for name in [*USED.split(), *(row.field for row in FIELD_REMARKS)] if name not in known
+    ] == []
 
 
 def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
@@ -77,11 +79,11 @@ def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
     assert names == {*DISABLED, *WITHOUT_EFFECT_FLAGS.split()}
 
 
-@pytest.mark.parametrize("row", TOLD, ids=lambda row: row.field)
+@pytest.mark.parametrize("row", FIELD_REMARKS, ids=lambda row: row.field)
 def test_what_is_told_is_told_where_it_is_not_at_its_default(row):
     model = rich()
     title = "warning" if row.effect == Effect.MOTION else "differs" if row.differs else "left out"
-    before = lines(told_fields(model), title)
+    before = lines(unsupported_fields(model), title)
     if row.field == "key_plastic":
         assert model.nplastic == 0  # number of plastic springs, which are reported separately
         return
@@ -92,14 +94,14 @@ def test_what_is_told_is_told_where_it_is_not_at_its_default(row):
         value.flat[-1] = row.default + 1
     else:
         setattr(holder, name, row.default + 1)
-    after = lines(told_fields(model), title)
+    after = lines(unsupported_fields(model), title)
     (new,) = set(after) - set(before)
     assert row.text in new
 
 
 def test_a_field_that_the_table_does_not_have_is_told_if_it_is_not_zero(monkeypatch):
     monkeypatch.setattr(mjcf_fields, "USED", USED.replace("body_mass", ""))
-    told = lines(told_fields(rich()), "warning")
+    told = lines(unsupported_fields(rich()), "warning")
     assert [line for line in told if "body_mass" in line and "not known to this version" in line]
 
 
@@ -108,7 +110,7 @@ def test_what_has_no_effect_changes_no_acceleration_in_flight():
     expected = acceleration(model)
     for field, value in fields(model):
         held = np.asarray(value)
-        alone = {"used", "told", "follow from other fields", "counts, addresses and names"}
+        alone = {"used", "remarked", "follow from other fields", "counts, addresses and names"}
         if alone & set(fates(field)) or held.dtype.kind != "f" or not held.ndim or not held.size:
             continue
         kept = held.copy()

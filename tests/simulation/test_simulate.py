@@ -17,7 +17,7 @@ from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
 from chain_impact.simulation import instance as instance_module
 from chain_impact.simulation.instance import Instance, SimulationError
-from chain_impact.simulation.simulate import check_size
+from chain_impact.simulation.simulate import check_result_size
 from tests.helpers import kernel_calls
 from tests.helpers.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 
@@ -266,9 +266,9 @@ def test_a_result_that_is_too_large_is_refused_before_anything_is_done(monkeypat
 
 
 def test_fewer_outputs_allow_more_rows():
-    check_size("a", 9.9e3, 1e-3, 24)
+    check_result_size("a", 9.9e3, 1e-3, 24)
     with pytest.raises(SceneError, match=r"9\.9e\+06 rows of 25 outputs"):
-        check_size("a", 9.9e3, 1e-3, 25)
+        check_result_size("a", 9.9e3, 1e-3, 25)
 
 
 def test_outputs_of_a_second_run_have_the_rows_that_were_asked_for():

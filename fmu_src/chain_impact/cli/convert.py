@@ -53,7 +53,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Convert a file, and print a line on each difference, with the largest effect first."""
-    from chain_impact.conversion.convert import convert, told_lines
+    from chain_impact.conversion.convert import convert, remark_lines
     from chain_impact.conversion.planar import Choices
 
     choices = Choices(names_in(*options.joints), options.plane, options.tip, options.keyframe)
@@ -64,6 +64,6 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(options.output, inputs=[options.source])
     done = convert(options.source, options.output, choices)
     say(f"{'MJCF' if to_mjcf else 'scene':9}{options.output}")
-    for title, line in told_lines(done):
+    for title, line in remark_lines(done):
         say(f"{title:9}{line}")
     return 0

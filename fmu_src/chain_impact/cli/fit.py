@@ -15,7 +15,7 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
-    check_size,
+    check_size_option,
     complete_scenes,
     names_in,
     pairs,
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.fit.fit import fit
 
     data = [names_in(text) for text in options.data]
-    check_size(options)
+    check_size_option(options)
     check_outputs(options.scene, options.plot, inputs=[options.source, *chain.from_iterable(data)])
     settings = settings_of(options.set)
     scene = with_settings(load_scene(options.source), settings)

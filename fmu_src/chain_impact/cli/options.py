@@ -170,7 +170,7 @@ def page_size(text: str) -> Size:
     return sides[0] / MM, sides[1] / MM if cross else None
 
 
-def check_size(options: argparse.Namespace) -> None:
+def check_size_option(options: argparse.Namespace) -> None:
     """Refuse the size of a picture if there is no picture."""
     if options.size and not options.plot:
         raise UsageError("--size: it is the size of a picture: give --plot FILE too")

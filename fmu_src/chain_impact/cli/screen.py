@@ -19,7 +19,7 @@ from chain_impact.recording.text import Table as TextTable, plural
 from chain_impact.scene.tables import Box
 from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
-from chain_impact.studies.compare_text import advice, heading, law_table as compared, legend, told
+from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
 PHASES = 20  # the largest number of phases of dry friction in the table
 RELATIVE = {
@@ -139,7 +139,7 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
         table = table_of(head, head[1:])
         for row in range(len(found.impacts)):
             cells = (column[row, k] for column in columns)
-            table.add_row(str(row + 1), *(told(cell, "+.3g") if cell else "0" for cell in cells))
+            table.add_row(str(row + 1), *(formatted(cell, "+.3g") if cell else "0" for cell in cells))
         yield table if len(found.impacts) else "no impact"
     for limit in found.limits:
         yield f"limit    {escape(limit)}"

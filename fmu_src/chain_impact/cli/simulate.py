@@ -22,7 +22,7 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
-    check_size,
+    check_size_option,
     ending,
     inputs_of,
     names_in,
@@ -168,7 +168,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU, print a summary, and write the files that the options name."""
-    check_size(options)
+    check_size_option(options)
     window = open_window() if options.show else None
     report(
         Source(options.source, options.set, inputs_of(options)),

@@ -19,7 +19,7 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
-    check_size,
+    check_size_option,
     names_in,
     pairs,
     scene_of_options,
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.variables.prepared import PreparedScene
 
     table = Path(options.table)
-    check_size(options)
+    check_size_option(options)
     check_outputs(table, options.plot, inputs=[options.source])
     scene = scene_of_options(options)
     vary = variations(options.vary, settings_of(options.set))

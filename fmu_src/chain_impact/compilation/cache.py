@@ -97,7 +97,7 @@ def holds(file: Path) -> bool:
     return base_folder() in file.parents
 
 
-def made(name: str, make: Callable[[Path], None]) -> Path:
+def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
     """Return the file or folder with a name in the cache folder; make it if it does not exist.
 
     Args:

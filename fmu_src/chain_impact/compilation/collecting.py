@@ -56,7 +56,7 @@ class Library(codegen.JITCodeLibrary):
         self._ensure_finalized()
         return 0
 
-    def and_those_it_calls(self) -> Iterator[Library]:
+    def with_dependencies(self) -> Iterator[Library]:
         """Yield this library and all libraries that it needs, each library once."""
         visited: dict[Library, None] = {}
         waiting = [self]

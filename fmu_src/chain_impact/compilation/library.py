@@ -66,7 +66,7 @@ def kernel_library(
         with _about(law_file):
             compilers.link(parts, file, platform, lowered_law)
 
-    return cache.made(name, link)
+    return cache.get_or_make(name, link)
 
 
 def browser_module(law_file: str = "") -> Path:
@@ -97,7 +97,7 @@ def browser_module(law_file: str = "") -> Path:
         with _about(law_file):
             browser.link(compiled, file, lowered_law)
 
-    return cache.made(name, link)
+    return cache.get_or_make(name, link)
 
 
 def _lowered_kernel(what: str) -> str:
@@ -108,7 +108,7 @@ def _lowered_kernel(what: str) -> str:
         compilers.lower(module, what)
 
     packed = ready.module() if what == KERNEL else None
-    return packed or cache.made(f"{what}.ll", lower).read_text()
+    return packed or cache.get_or_make(f"{what}.ll", lower).read_text()
 
 
 def _lowered_law(law: UserLaw, file: str) -> Path:
@@ -121,7 +121,7 @@ def _lowered_law(law: UserLaw, file: str) -> Path:
         with _about(file):
             compilers.lower(module, "law", copy)
 
-    return cache.made(f"{_law_name(law)}.ll", lower)
+    return cache.get_or_make(f"{_law_name(law)}.ll", lower)
 
 
 def _law(file: str) -> UserLaw:

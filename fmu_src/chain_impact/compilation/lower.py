@@ -36,7 +36,7 @@ def lowered(entries: Entries) -> str:
     names = {}
     for name, (signature, function) in entries.items():
         callback = cfunc(signature, **OPTIONS)(function)
-        libraries |= dict.fromkeys(callback._library.and_those_it_calls())
+        libraries |= dict.fromkeys(callback._library.with_dependencies())
         names[callback.native_name] = name
     whole = _joined([module for library in libraries for module in library.modules])
     for symbol in (*whole.functions, *whole.global_variables):

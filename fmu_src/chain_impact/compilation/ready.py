@@ -118,7 +118,7 @@ def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -
     """
     name = Path(library_name(wanted, platform, what=what)).with_suffix(".o").name
     make = functools.partial(compilers.compile_part, platform=platform, what=what, sizes=wanted)
-    return cache.made(name, lambda file: make(text(), file))
+    return cache.get_or_make(name, lambda file: make(text(), file))
 
 
 def compiled_for_browsers(text: Callable[[], str]) -> Path:
@@ -126,4 +126,4 @@ def compiled_for_browsers(text: Callable[[], str]) -> Path:
 
     Compile it if it is not in the cache.
     """
-    return cache.made(browser.COMPILED, lambda file: browser.compile_kernel(text(), file))
+    return cache.get_or_make(browser.COMPILED, lambda file: browser.compile_kernel(text(), file))

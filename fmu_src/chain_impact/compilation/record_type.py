@@ -168,7 +168,7 @@ def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
     return cgutils.get_or_insert_function(builder.module, kind, name)
 
 
-def _place(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
+def _address(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
     """Return the address of a field, as a pointer to numbers."""
     kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
     return cgutils.pointer_add(builder, instance, _built(field.offset, builder, instance), kind)
@@ -181,7 +181,7 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
         return instance
     if record.path == () and (counter := (COUNTERS | FLAGS).get(name)):
         return builder.call(_counter(builder, counter), [instance])
-    address = _place(context, builder, instance, field)
+    address = _address(context, builder, instance, field)
     if field.shape:
         shape = [_built(size, builder, instance) for size in field.shape]
         return _array(context, builder, field.kind, address, shape, stride=field.stride)
@@ -224,7 +224,7 @@ def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: A
     instance, value = arguments
     field = record.field(name)
     value = context.cast(builder, value, given, field.kind)
-    context.pack_value(builder, field.kind, value, _place(context, builder, instance, field))
+    context.pack_value(builder, field.kind, value, _address(context, builder, instance, field))
 
 
 @type_callable(duals.block)
@@ -260,7 +260,7 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     (instance,) = arguments
     whole = signature.args[0].field()
     size = builder.udiv(_built(whole.size, builder, instance), cgutils.intp_t(WORD))
-    return _array(context, builder, types.float64, _place(context, builder, instance, whole), [size])
+    return _array(context, builder, types.float64, _address(context, builder, instance, whole), [size])
 
 
 @type_callable(functions.clear)
@@ -275,7 +275,7 @@ def _type_of_clear(_context: Any) -> Any:
 def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
     part = signature.args[0].field()
-    address = _place(context, builder, instance, part)
+    address = _address(context, builder, instance, part)
     cgutils.memset(builder, address, _built(part.size, builder, instance), 0)
     return context.get_dummy_value()
 
@@ -341,7 +341,7 @@ def _words_of(
 ) -> tuple[ir.Value, ir.Value]:
     """Return the address of a field's first value, and the number of words between successive values."""
     words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
-    address = builder.bitcast(_place(context, builder, instance, field), word.as_pointer())
+    address = builder.bitcast(_address(context, builder, instance, field), word.as_pointer())
     return address, cgutils.intp_t(words)
 
 

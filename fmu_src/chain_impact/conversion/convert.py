@@ -70,14 +70,14 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
         done = Converted(scene_to_dict(scene), [], differs, left_out, [])
     else:
         _, done = of_robot(Path(source), choices)
-        remarks = [f"From {Path(source).name}.", *(f"{title}: {line}" for title, line in told_lines(done))]
+        remarks = [f"From {Path(source).name}.", *(f"{title}: {line}" for title, line in remark_lines(done))]
         text = "".join(f"# {line}\n" for line in remarks) + f"\n{tomlkit.dumps(done.data)}"
     with written_whole(output) as fresh:
         fresh.write_text(text, encoding="utf-8")
     return done
 
 
-def told_lines(done: Converted) -> list[tuple[str, str]]:
+def remark_lines(done: Converted) -> list[tuple[str, str]]:
     """Return the remarks of a conversion, each with a title.
 
     Differences that change the motion come first.

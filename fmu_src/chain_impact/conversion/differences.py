@@ -75,7 +75,7 @@ def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> 
 
 
 @contextmanager
-def heard(package: str) -> Iterator[list[Difference]]:
+def collected_warnings(package: str) -> Iterator[list[Difference]]:
     """Collect the warnings of a package, as differences."""
     differences: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:

@@ -32,7 +32,7 @@ class Plan(NamedTuple):
         return np.stack([point @ self.x, point @ self.y], axis=-1)
 
     @property
-    def told(self) -> str:
+    def remark(self) -> str:
         """A sentence on the directions of the scene's axes."""
         axes = [" ".join(f"{part:.4g}" for part in axis) for axis in (self.x, self.y)]
         return f"plane: x of the scene is ({axes[0]}) of the robot, y is ({axes[1]})"

@@ -15,7 +15,7 @@ from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.mjcf_contacts import Contacts
 from chain_impact.conversion.mjcf_couplings import couplings
 from chain_impact.conversion.mjcf_drives import Drives
-from chain_impact.conversion.mjcf_fields import flag_notes, told_fields
+from chain_impact.conversion.mjcf_fields import flag_notes, unsupported_fields
 from chain_impact.conversion.mjcf_files import Compiled, compiled
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.extras import require
@@ -92,7 +92,7 @@ class _Reader:
         self.differences += [
             *self.drives.differences,
             *couplings(self.mujoco, model),
-            *told_fields(model),
+            *unsupported_fields(model),
             *([] if ours else [*self.contacts.differences(), *self._others()]),
         ]
         return Robot(

@@ -209,7 +209,7 @@ class Drives:
         rest_angle = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
         servo = any(drive.is_servo for drive in drives)
         inputs = {"joint_targets" if drive.is_servo else "joint_torques" for drive in drives}
-        self.differences += self._told(joint, j, drives, stiffness, torque)
+        self.differences += self._drive_differences(joint, j, drives, stiffness, torque)
         limit = self._limit(joint, j, drives)
         if limit is not None and not self.ours:
             self._tell_limit(joint, limit)
@@ -227,7 +227,7 @@ class Drives:
             drives=tuple(drive.name for drive in drives),
         )
 
-    def _told(
+    def _drive_differences(
         self, joint: Joint, j: int, drives: list[Drive], stiffness: float, torque: float
     ) -> Iterator[Difference]:
         """Yield the differences of the drives at a joint."""

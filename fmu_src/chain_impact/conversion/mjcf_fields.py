@@ -94,7 +94,7 @@ OVERRIDE also sets the friction, which mjcf_contacts.py reads.
 MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
 
-class Told(NamedTuple):
+class FieldRemark(NamedTuple):
     """A field that is reported if its value is not the default.
 
     Attributes:
@@ -114,10 +114,14 @@ class Told(NamedTuple):
     differs: bool = False
 
 
-TOLD = (
-    Told("jnt_stiffnesspoly", "joint", 0, MOTION, "its spring is not linear; the scene has its linear part"),
-    Told("jnt_springyield", "joint", 0, MOTION, "its spring yields (springyield), in the scene it does not"),
-    Told(
+FIELD_REMARKS = (
+    FieldRemark(
+        "jnt_stiffnesspoly", "joint", 0, MOTION, "its spring is not linear; the scene has its linear part"
+    ),
+    FieldRemark(
+        "jnt_springyield", "joint", 0, MOTION, "its spring yields (springyield), in the scene it does not"
+    ),
+    FieldRemark(
         "jnt_margin",
         "joint",
         0,
@@ -125,11 +129,13 @@ TOLD = (
         "its limits act at a margin before the limits; in the scene they act at the limits",
         True,
     ),
-    Told("jnt_actgravcomp", "joint", 0, MOTION, "gravcomp is part of its drives (actuatorgravcomp)"),
-    Told("dof_dampingpoly", "dof", 0, MOTION, "its damping is not linear; the scene has its linear part"),
-    Told("body_plugin", "body", -1, MOTION, "has a plugin, which is not in the scene"),
-    Told("geom_plugin", "geom", -1, CONTACT, "has a plugin, which is not in the scene"),
-    Told(
+    FieldRemark("jnt_actgravcomp", "joint", 0, MOTION, "gravcomp is part of its drives (actuatorgravcomp)"),
+    FieldRemark(
+        "dof_dampingpoly", "dof", 0, MOTION, "its damping is not linear; the scene has its linear part"
+    ),
+    FieldRemark("body_plugin", "body", -1, MOTION, "has a plugin, which is not in the scene"),
+    FieldRemark("geom_plugin", "geom", -1, CONTACT, "has a plugin, which is not in the scene"),
+    FieldRemark(
         "geom_margin",
         "geom",
         0,
@@ -137,11 +143,15 @@ TOLD = (
         "touches at a margin before its surface; in the scene it touches at the surface",
         True,
     ),
-    Told("geom_gap", "geom", 0, CONTACT, "has a gap, in the scene none", True),
-    Told("geom_surfacevel", "geom", 0, CONTACT, "its surface moves (surfacevel), in the scene it does not"),
-    Told("geom_adhesion", "geom", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
-    Told("geom_fluid", "geom", 0, NONE, "has a shape in a fluid (fluidshape), and the scene has no fluid"),
-    Told(
+    FieldRemark("geom_gap", "geom", 0, CONTACT, "has a gap, in the scene none", True),
+    FieldRemark(
+        "geom_surfacevel", "geom", 0, CONTACT, "its surface moves (surfacevel), in the scene it does not"
+    ),
+    FieldRemark("geom_adhesion", "geom", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
+    FieldRemark(
+        "geom_fluid", "geom", 0, NONE, "has a shape in a fluid (fluidshape), and the scene has no fluid"
+    ),
+    FieldRemark(
         "pair_margin",
         "pair",
         0,
@@ -149,19 +159,19 @@ TOLD = (
         "touches at a margin before its surface; in the scene it touches at the surface",
         True,
     ),
-    Told("pair_gap", "pair", 0, CONTACT, "has a gap, in the scene none", True),
-    Told("pair_adhesion", "pair", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
-    Told("key_plastic", "keyframe", 0, MOTION, "has a plastic state, and the scene has none"),
-    Told("opt.density", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
-    Told("opt.viscosity", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
+    FieldRemark("pair_gap", "pair", 0, CONTACT, "has a gap, in the scene none", True),
+    FieldRemark("pair_adhesion", "pair", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
+    FieldRemark("key_plastic", "keyframe", 0, MOTION, "has a plastic state, and the scene has none"),
+    FieldRemark("opt.density", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
+    FieldRemark("opt.viscosity", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
 )
 
 
-def told_fields(model: Any) -> Iterator[Difference]:
+def unsupported_fields(model: Any) -> Iterator[Difference]:
     """Yield the values of a compiled model that a scene cannot have."""
     values = dict(fields(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
-    for row in TOLD:
+    for row in FIELD_REMARKS:
         if not counts[row.kind]:
             continue
         entries = np.asarray(values[row.field]).reshape(counts[row.kind], -1)
@@ -186,7 +196,7 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 }
 
 
-def _about(model: Any, row: Told, i: int) -> Difference:
+def _about(model: Any, row: FieldRemark, i: int) -> Difference:
     """Return a difference for element ``i``, with the joint or body to which the element belongs."""
     common: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":
@@ -207,7 +217,9 @@ def fates(field: str) -> list[str]:
 
     A pattern does not apply to a field that is used or reported by name.
     """
-    named = ["used"] * (field in USED.split()) + ["told"] * any(row.field == field for row in TOLD)
+    named = ["used"] * (field in USED.split()) + ["remarked"] * any(
+        row.field == field for row in FIELD_REMARKS
+    )
     patterns = (
         why
         for why, names in WITHOUT_EFFECT.items()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from chain_impact.conversion.differences import Difference, Effect, heard
+from chain_impact.conversion.differences import Difference, Effect, collected_warnings
 from chain_impact.scene.reading import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
@@ -36,7 +36,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
         SceneError: when MuJoCo cannot read the file, or a body has its mass only from a missing mesh.
     """
     try:
-        with heard("MuJoCo") as differences:
+        with collected_warnings("MuJoCo") as differences:
             spec = mujoco.MjSpec.from_file(str(path))
             try:
                 model, absent, weightless = spec.compile(), dict[str, str](), list[tuple[Any, str]]()

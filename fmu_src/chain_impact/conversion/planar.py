@@ -89,7 +89,7 @@ class _Conversion:
         self.owner, self.parts = self._parts()
         self.carriage = self._carriage()
         self.differences: list[Difference] = []
-        self.notes = [self.plan.told, *robot.notes]
+        self.notes = [self.plan.remark, *robot.notes]
 
     def run(self) -> Converted:
         """Return the data of the scene, and the remarks on the conversion."""
@@ -111,7 +111,7 @@ class _Conversion:
         began = start["position"], angles
         walls, points, differences = Walls(
             self.robot, self.chosen, self.plan, self.parts, places=places, start=began
-        ).made()
+        ).converted()
         bodies = self.robot.link_tables or [{"points": tables} if tables else {} for tables in points]
         links = [link | body for link, body in zip(links, bodies, strict=True)]
         data = {

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from chain_impact.conversion.differences import SHOWN, Difference, Effect, heard, of_joint
+from chain_impact.conversion.differences import SHOWN, Difference, Effect, collected_warnings, of_joint
 from chain_impact.conversion.robot import Body, Joint, Robot, Shape, identifier, outline
 from chain_impact.conversion.urdf_elements import SHAPES, other_elements
 from chain_impact.extras import require
@@ -43,7 +43,7 @@ def read_urdf(path: Path) -> Robot:
     root = urdf_of(path)
     shapes = {link.get("name", ""): list(_shapes(link)) for link in root.iter("link")}
     _check_parts(root, path)
-    with heard("yourdfpy") as warned:
+    with collected_warnings("yourdfpy") as warned:
         robot = _loaded(yourdfpy, root, path)
     links = {link.name: link for link in robot.links}
     by_parent: dict[str, list[Any]] = {}

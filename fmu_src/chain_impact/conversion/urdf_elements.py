@@ -48,7 +48,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
         yield from _attributes(part, f"robot/{part.tag}", part)
         for path, element in _below(part, f"robot/{part.tag}"):
             if path not in USED and element.tag not in (*SHAPES, *WITHOUT_EFFECT):
-                yield _told(part, element.tag, MOVES.get(element.tag, ""), _values(element))
+                yield _difference(part, element.tag, MOVES.get(element.tag, ""), _values(element))
             else:
                 yield from _attributes(element, path, part)
 
@@ -67,14 +67,14 @@ def _attributes(element: Element, path: str, part: Element) -> Iterator[Differen
     used = {*USED.get(path, "").split(), *NO_EFFECT}
     for key, value in element.attrib.items():
         if path in USED and key not in used:
-            yield _told(part, f"{element.tag} {key}", "", value)
+            yield _difference(part, f"{element.tag} {key}", "", value)
 
 
 def _values(element: Element) -> str:
     return " ".join(f"{key} {value}" for key, value in element.attrib.items())
 
 
-def _told(part: Element, what: str, why: str, values: str) -> Difference:
+def _difference(part: Element, what: str, why: str, values: str) -> Difference:
     name = part.get("name") or ""
     text = f"{what}{f' {values}' if values else ''}: {why or 'is not in the scene'}"
     joints = frozenset([name]) if part.tag == "joint" else frozenset[str]()

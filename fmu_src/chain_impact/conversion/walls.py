@@ -47,7 +47,7 @@ class Walls:
         """Store the link of each body."""
         self.owner = {b: i for i, part in enumerate(self.parts) for b in part}
 
-    def made(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
+    def converted(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
         """Return the scene's tables for walls, the points of each link, and differences in contacts."""
         box: dict[str, float] = {}
         walls: list[dict[str, Any]] = []

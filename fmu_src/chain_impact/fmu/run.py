@@ -25,7 +25,7 @@ from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key, signal_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
-from chain_impact.simulation.simulate import check_size
+from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.variable import UNLESS_SET
 
 NAMED = re.compile(r"point (\d+) \((\w+)\)")
@@ -84,7 +84,7 @@ def record_fmu(
         # the arrays of FMI 3.0 repeat the values of the scalars
         if variable.causality == "output" and not variable.dimensions
     ]
-    check_size(str(path), stop_time, step_size, len(outputs))
+    check_result_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
     driven, rows_given = description, None
     if inputs:

@@ -35,7 +35,7 @@ from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The columns of impacts that have derivatives."""
-TOLD = 1e-5
+LEAST_REPORTED_SHARE = 1e-5
 """The least error of derivatives that a user is told, relative to the largest derivative.
 
 Smaller errors are like the errors that the tolerance allows.
@@ -179,7 +179,7 @@ class DifferentiatedInstance(Instance):
     def limits(self) -> tuple[str, ...]:
         """Sentences for users: from when on derivatives are NaN and why, and errors by dry friction."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["share"].max())
-        left_open = (LEFT_OPEN.format(share=share),) if share > TOLD else ()
+        left_open = (LEFT_OPEN.format(share=share),) if share > LEAST_REPORTED_SHARE else ()
         if trust["reason"] == TRUSTED:
             return left_open
         where, reasons, cause = "", REASONS, "impact"
@@ -273,13 +273,13 @@ class DifferentiatedRun:
             instance.restart(self._paths, values)
         except SimulationError:
             rows.numbers[:] = np.nan
-            return self._told(rows.numbers[asked], [])
+            return self._differentiated(rows.numbers[asked], [])
         done, impacts = instance.run(driven, rows)
         rows.numbers[done:] = np.nan
         impacts.append(instance.open_contacts())
-        return self._told(rows.numbers[asked], impacts)
+        return self._differentiated(rows.numbers[asked], impacts)
 
-    def _told(self, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
+    def _differentiated(self, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         width, count = len(self._words), len(self._paths)
         order, rows = in_order([np.zeros(0, LOG_DTYPE), *impacts], self._instance.prepared.scene.wall_names)
         return Differentiated(

@@ -121,7 +121,7 @@ def simulate(
     indices = prepared.output_indices if output is None else prepared.indices_named(output)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
-    check_size(scene.name, stop, step, columns)
+    check_result_size(scene.name, stop, step, columns)
     driven = drive(prepared, {} if inputs is None else inputs, interpolation, _times(stop, step))
     if driven.paths:
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
@@ -166,7 +166,7 @@ def simulate(
     return result
 
 
-def check_size(source: str, stop: float, step: float, columns: int) -> None:
+def check_result_size(source: str, stop: float, step: float, columns: int) -> None:
     """Refuse a result whose outputs take more than ``MOST_BYTES``.
 
     Args:
@@ -263,5 +263,5 @@ def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
         (folder / f"{law.__name__}.py").write_text(source, encoding="utf-8")
 
     digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    file = cache.made(f"law-{digest}", write) / f"{law.__name__}.py"
+    file = cache.get_or_make(f"law-{digest}", write) / f"{law.__name__}.py"
     return scene.with_values({"contact.law_file": str(file), "contact.model": law.__name__})

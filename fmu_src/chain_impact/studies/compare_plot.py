@@ -59,7 +59,7 @@ def plot_comparison(
     check_alone(path, size)
     with drawn_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
-        ax.legend(handles=told_apart(ax))
+        ax.legend(handles=legend_handles(ax))
         fit_into_figure([ax])
     return ax
 
@@ -72,7 +72,7 @@ def fill(page: Figure, comparison: LawRuns) -> None:
     loops, energy = page.subplots(*((2, 1) if is_narrow(page) else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
-    legend_at_foot(page, told_apart(energy))
+    legend_at_foot(page, legend_handles(energy))
 
 
 def message(comparison: LawRuns) -> str:
@@ -234,7 +234,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     give_ticks(axes)
 
 
-def told_apart(axes: Axes) -> list[Any]:
+def legend_handles(axes: Axes) -> list[Any]:
     """Return the entries of the legend: the laws with a colour, and the band of the other laws, if any."""
     lines = [line for line in axes.lines if line.get_color() != GREY]
     return [

@@ -61,16 +61,16 @@ def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
     """Return the head of a column, "peak, kN" for the name "peak, N", and its cells with four digits."""
     what, _, unit = name.partition(", ")
     factor, unit = prefixed(np.nanmax([0.0, *values]), unit)
-    return f"{what}, {unit}", [told(factor * value, "#.4g") for value in values]
+    return f"{what}, {unit}", [formatted(factor * value, "#.4g") for value in values]
 
 
 def _row(run: LawRun, values: Sequence[str]) -> tuple[str, ...]:
     differs = NOTHING if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
     impacts, steps = (str(count) if run.result else NOTHING for count in (run.impacts, run.steps))
-    return (run.law, told(run.restitution, ".4f"), *values, impacts, differs, steps, run.note)
+    return (run.law, formatted(run.restitution, ".4f"), *values, impacts, differs, steps, run.note)
 
 
-def told(value: float, form: str) -> str:
+def formatted(value: float, form: str) -> str:
     """Return a number as text; a dash for NaN."""
     return NOTHING if math.isnan(value) else format(value, form)
 
@@ -108,8 +108,8 @@ def _reach(comparison: LawRuns) -> str:
     """Return a sentence on the restitution that forces reach in an impact that is not free."""
     e = comparison.contact.restitution
     values = ", ".join(
-        f"{told(reached.lossless, '.2f')} and {told(reached.exact, '.2f')} at K = {reached.stiffness:.4g}"
-        for reached in comparison.reached
+        f"{formatted(at.lossless, '.2f')} and {formatted(at.exact, '.2f')} at K = {at.stiffness:.4g}"
+        for at in comparison.reached
     )
     return (
         "this impact is not free: other forces act while it lasts, and the less the stiffer the contact is; "

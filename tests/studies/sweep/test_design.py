@@ -9,7 +9,7 @@ from scipy.stats import qmc
 
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.design import CUBE, MOST_NUMBERS, MOST_SOBOL, check_size, grid, sampled
+from chain_impact.studies.sweep.design import CUBE, MOST_NUMBERS, MOST_SOBOL, check_table_size, grid, sampled
 from chain_impact.studies.sweep.variation import variations_of
 
 SCENE = load_scene("four_link_box")
@@ -96,13 +96,13 @@ def test_a_grid_that_is_too_large_is_refused_before_it_is_made():
     fine = dict.fromkeys(("contact.restitution", "initial.x", "initial.y"), "0.1:0.9:100000")
     design = grid(variations_of(SCENE, fine), "s")
     with pytest.raises(SceneError, match=r"^s: 1000000000000000 runs with 20 columns .*or write a folder"):
-        check_size(design, 20, "s", streamed=False)
-    check_size(design, 20, "s", streamed=True)
+        check_table_size(design, 20, "s", streamed=False)
+    check_table_size(design, 20, "s", streamed=True)
     assert (design.values(10**15 - 1, 10**15) == 0.9).all()
     finer = grid(variations_of(SCENE, {**fine, "initial.vx": "1:2:2"}), "s")
     with pytest.raises(SceneError, match=r"^s: 2000000000000000 runs must be <= 1000000000000000"):
-        check_size(finer, 20, "s", streamed=True)
+        check_table_size(finer, 20, "s", streamed=True)
     samples = sampled(variations_of(SCENE, INTERVALS), "s", count=MOST_NUMBERS // 20, sampling="lhs", seed=0)
-    check_size(samples, 20, "s", streamed=False)
+    check_table_size(samples, 20, "s", streamed=False)
     with pytest.raises(SceneError, match="5000000 runs with 21 columns are 105000000 numbers"):
-        check_size(samples, 21, "s", streamed=False)
+        check_table_size(samples, 21, "s", streamed=False)

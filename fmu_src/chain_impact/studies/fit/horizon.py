@@ -82,7 +82,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
     horizons = [_first_horizon(problem, whole, far)]
     best = math.inf
     while horizons[-1] < math.inf:
-        result, sigma = _one(problem, whole, sigma, horizons[-1], enough=ROUGH, most=ROUGH_STEPS)
+        result, sigma = _minimized(problem, whole, sigma, horizons[-1], enough=ROUGH, most=ROUGH_STEPS)
         if result.best.usable.sum() >= MANY:
             best = min(best, _squares(result.best, sigma))
         whole = problem.evaluate(result.best.coordinates)
@@ -91,7 +91,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
     early = sigma
     for _ in range(ROUNDS):
         present = sigma
-        result, sigma = _one(problem, whole, present, math.inf, enough=FINE, most=FINE_STEPS)
+        result, sigma = _minimized(problem, whole, present, math.inf, enough=FINE, most=FINE_STEPS)
         whole = result.best
         if len(problem.names) == 1 or np.allclose(sigma, present, rtol=SETTLED, atol=0.0):
             break
@@ -105,7 +105,7 @@ def _squares(at: Evaluation, sigma: np.ndarray) -> float:
     return float(np.mean((at.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
 
 
-def _one(
+def _minimized(
     problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
     """Return the search with the data up to a horizon, and the standard deviations of its residuals."""

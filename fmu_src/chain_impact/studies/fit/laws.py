@@ -54,7 +54,7 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     most = max((int(law_fit.fit.used.sum()) for law_fit in ranking if law_fit.fit), default=0)
     if not most:
         raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {ranking[0].note}")
-    ranking.sort(key=lambda law_fit: _place(law_fit, most))
+    ranking.sort(key=lambda law_fit: _rank_key(law_fit, most))
     ranked = tuple(_noted(law_fit, most) for law_fit in ranking)
     best = ranked[0].fit
     assert best is not None
@@ -75,7 +75,7 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     return scene.with_values(law_values(scene, law, impact))
 
 
-def _place(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
+def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
     """Return the key that sorts laws: first the laws that use all values, then by the criterion."""
     if law_fit.fit is None:
         return True, True, math.inf

@@ -42,7 +42,7 @@ from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.prepared import PreparedScene
 
 MOST_PANELS = 8  # number of columns that are shown
-MOST_TOLD = 10  # largest number of parameters in the lines below the headline
+MOST_ESTIMATES = 10  # largest number of parameters in the lines below the headline
 POINTS = 1500  # number of points of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # [inch] size of a panel
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
@@ -84,13 +84,13 @@ def fill(page: Figure, fit: Estimates) -> None:
     grid = page.add_gridspec(down, across)
     for k, name in enumerate(names):
         _panel(grid[k // across, k % across], fit, name, results)
-    labels = [_told(fit, label) for label in fit.values]
-    more = [f"{len(labels) - MOST_TOLD} more parameters"] if len(labels) > MOST_TOLD else []
+    labels = [_estimate_text(fit, label) for label in fit.values]
+    more = [f"{len(labels) - MOST_ESTIMATES} more parameters"] if len(labels) > MOST_ESTIMATES else []
     if len(names) < len(fit.columns):
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
-    headline(page, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_TOLD], *more]))
+    headline(page, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
 
 
 def _model(fit: Estimates, k: int) -> Result:
@@ -185,7 +185,7 @@ def _unit(fit: Estimates, name: str) -> str:
     return in_brackets(units.get(name, "s"))
 
 
-def _told(fit: Estimates, label: str) -> str:
+def _estimate_text(fit: Estimates, label: str) -> str:
     """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013"."""
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]

@@ -163,7 +163,7 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
     return int(number)
 
 
-def check_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
+def check_table_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
     """Refuse a table that does not fit into memory, unless its rows are written to files.
 
     Raises:

@@ -211,9 +211,9 @@ class Runner:
             continuing = 1
         # the last step before a fault may end after the stop time
         rows["time"] = np.minimum(rows["time"], stops)
-        return self._told(rows)
+        return self._table_rows(rows)
 
-    def _told(self, words: np.ndarray) -> np.ndarray:
+    def _table_rows(self, words: np.ndarray) -> np.ndarray:
         """Return the rows of the table from the kernel's rows, which end with the loads of each joint."""
         rows = words
         if self._loads:

@@ -138,7 +138,7 @@ def title(runs: Runs, results: Results, mark: str) -> str:
     for quantity in results.every:
         values = quantity.of(runs)
         values = values[~np.isnan(values)]
-        if quantity.is_told and values.any():
+        if quantity.in_headline and values.any():
             parts.append(quantity.range_text(values))
     return ", ".join(parts + ([f"{failed} failed{mark}"] if failed else []))
 

@@ -29,14 +29,14 @@ class Quantity:
         column: the name of the column.
         name: the words for the quantity.
         unit: the unit of the panel; in QUANTITIES the unit of the column, without a prefix.
-        is_told: whether the headline has the smallest and the largest value.
+        in_headline: whether the headline has the smallest and the largest value.
         factor: factor from the unit of the column to the unit of the panel.
     """
 
     column: str
     name: str
     unit: str = ""
-    is_told: bool = False
+    in_headline: bool = False
     factor: float = 1.0
 
     @property
@@ -60,9 +60,9 @@ class Quantity:
 
 COUNT = "impact.count"
 QUANTITIES = (
-    Quantity("peak_force", "peak force", "N", is_told=True),
+    Quantity("peak_force", "peak force", "N", in_headline=True),
     Quantity("max_penetration", "largest penetration", "m"),
-    Quantity("stop.peak_moment", "peak moment of stops", "N·m", is_told=True),
+    Quantity("stop.peak_moment", "peak moment of stops", "N·m", in_headline=True),
     Quantity("stop.max_penetration", "largest rotation beyond a stop", "rad"),
     Quantity("joint_force", "largest force in a joint", "N"),
     Quantity(COUNT, "impacts"),

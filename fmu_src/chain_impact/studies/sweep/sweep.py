@@ -14,7 +14,7 @@ from chain_impact.progress import Progress, log, silent
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.dataset import kept, known_by
-from chain_impact.studies.sweep.design import Design, Sampling, check_size, grid, sampled, whole
+from chain_impact.studies.sweep.design import Design, Sampling, check_table_size, grid, sampled, whole
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.partial import keep, partial_path, take_up
 from chain_impact.studies.sweep.pieces import missing, run_in_threads
@@ -90,7 +90,7 @@ def sweep(
         design = sampled(variations, scene.name, count=samples, sampling=sampling, seed=seed)
     target = None if path is None else table_path(path)
     streamed = path is not None and is_folder(path)
-    check_size(design, len(variations) + len(job.dtype.names or ()), scene.name, streamed=streamed)
+    check_table_size(design, len(variations) + len(job.dtype.names or ()), scene.name, streamed=streamed)
     rows = np.zeros(0 if streamed else design.runs, job.dtype)
     with ExitStack() as stack:
         dataset = stack.enter_context(kept(target, job, design)) if target and streamed else None

@@ -71,7 +71,9 @@ class Sweep(Runs):
     def _repr_html_(self) -> str:
         """Return the text of ``repr`` for a notebook, with the first runs."""
         first = next(iter(self.chunks(self.names)), {})
-        rows = list(zip(*(map(_told, column[:LISTED].tolist()) for column in first.values()), strict=True))
+        rows = list(
+            zip(*(map(_cell_text, column[:LISTED].tolist()) for column in first.values()), strict=True)
+        )
         more = [f"… and {plural(len(self) - LISTED, 'more run')}"] if len(self) > LISTED else []
         return as_html([repr(self), Table(self.names, rows), *more])
 
@@ -172,7 +174,7 @@ def table_path(path: str | Path) -> Path:
     return path
 
 
-def _told(value: object) -> str:
+def _cell_text(value: object) -> str:
     """Return the text of a value for a table."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
