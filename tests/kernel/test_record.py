@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.compilation import compilers
-from chain_impact.compilation.affine import COUNTS
+from chain_impact.compilation.affine import COUNTS, FEATURES
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
 from chain_impact.variables.indices import HEAD, WORD, Sizes
 
@@ -70,8 +70,11 @@ def test_without_dry_friction_there_is_no_room_for_it():
 
 def test_all_readers_of_the_sizes_have_them_in_the_order_of_the_record():
     head = list(instance_dtype(1, 0).names[:HEAD])
-    assert head == [*COUNTS, "skewed", "slides", "tangents"]
+    assert head == [*COUNTS, *FEATURES, "tangents"]
     assert tuple(inspect.signature(instance_dtype).parameters) == Sizes._fields == COUNTS
     assert [f"chain_{name}" for name in head[:-1]] == [*compilers._SIZES]
     header = Path(compilers.__file__).parent / "c_interface/common/instance.h"
-    assert re.findall(r"enum { SIZES = (\d+) }", header.read_text(encoding="utf-8")) == [str(HEAD)]
+    counts, flags = re.findall(
+        r"enum { COUNTS = (\d+), FEATURES = (\d+),", header.read_text(encoding="utf-8")
+    )[0]
+    assert (int(counts), int(flags), int(counts) + int(flags) + 1) == (len(COUNTS), len(FEATURES), HEAD)

@@ -1,11 +1,12 @@
 """Public names, used by other people's files: new names may come, but none may go or change.
 
-These are the keys of scenes, variables of FMUs, contact laws, commands and options, and what is exported. All
-else may change until version 1.0. ``public_api.txt`` has them; ``python tests/repository/test_public_api.py``
-adds new ones.
+These are the keys of scenes, variables of FMUs, contact laws, commands and options, and what is exported,
+with the attributes of exported classes. All else may change until version 1.0. ``public_api.txt`` has the
+names; the command ``python tests/repository/test_public_api.py`` adds new ones.
 """
 
 import argparse
+import dis
 import re
 import sys
 from pathlib import Path
@@ -46,9 +47,22 @@ def command_line():
             yield from (f"command: {verb} {option}" for option in action.option_strings)
 
 
+def attributes(exported):
+    """Return the public attributes of a class that this package defines, also those set in ``__init__``."""
+    found = set()
+    for base in exported.__mro__ if isinstance(exported, type) else ():
+        if base.__module__.startswith("chain_impact"):
+            found |= {*vars(base), *getattr(base, "__annotations__", {})}
+            code = getattr(vars(base).get("__init__"), "__code__", compile("", "", "exec"))
+            found |= {each.argval for each in dis.get_instructions(code) if each.opname == "STORE_ATTR"}
+    return {name for name in found if not name.startswith("_")}
+
+
 def names():
     """Yield every public name as a line."""
-    yield from (f"python: {name}" for name in chain_impact.__all__)
+    for name in chain_impact.__all__:
+        yield f"python: {name}"
+        yield from (f"python: {name}.{each}" for each in attributes(getattr(chain_impact, name)))
     yield from (f"scene key: {key}" for key, entry in scene_keys())
     yield from (f"contact law: {law.number} {law.id}" for law in CONTACT_LAWS.values())
     yield from command_line()

@@ -17,7 +17,7 @@ from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from chain_impact.compilation.affine import COUNTS
+from chain_impact.compilation.affine import COUNTS, FEATURES
 from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_syntax import LawError
@@ -70,7 +70,7 @@ GENERAL = 0
 """Replaces a number of links: a kernel for any number of links and for all rare features, such as moving
 walls, points of links, a slider, or signals. The other kernels lack these features, and so do not pay for
 them."""
-_SIZES = tuple(f"chain_{name}" for name in (*COUNTS, "skewed", "slides"))
+_SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
 """The functions that return the numbers at the start of a record, in the order of these numbers."""
 _FEW = _SIZES[COUNTS.index("channels") :]
 """The functions whose numbers are 0 in all kernels but GENERAL."""

@@ -30,7 +30,7 @@ from numba.extending import (
     type_callable,
 )
 
-from chain_impact.compilation.affine import COUNTS, SAMPLES, Affine, affine
+from chain_impact.compilation.affine import COUNTS, FEATURES, SAMPLES, Affine, affine
 from chain_impact.compilation.dual_numbers import DUAL
 from chain_impact.kernel import functions
 from chain_impact.kernel.record.fields import GIVEN, REAL, is_table
@@ -41,7 +41,7 @@ from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 # field of the instance with a count → name of the function that returns this count for an instance
 COUNTERS = {name: f"chain_{name}" for name in COUNTS}
 # flag of the instance, on which no size depends → name of the function that returns this flag
-FLAGS = {name: f"chain_{name}" for name in ("skewed", "slides")}
+FEATURE_FUNCTIONS = {name: f"chain_{name}" for name in FEATURES}
 WORD = 8  # [byte] size of every scalar
 
 Path = tuple[str, ...]
@@ -179,7 +179,7 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
     field = record.field(name)
     if field.fields:
         return instance
-    if record.path == () and (counter := (COUNTERS | FLAGS).get(name)):
+    if record.path == () and (counter := (COUNTERS | FEATURE_FUNCTIONS).get(name)):
         return builder.call(_counter(builder, counter), [instance])
     address = _address(context, builder, instance, field)
     if field.shape:

@@ -64,7 +64,7 @@ class Effect(NamedTuple):
     derivative: float
 
     @property
-    def value_text(self) -> str:
+    def told(self) -> str:
         """The value with its unit; if the value is 0, also the step: "0 + 0.01 N·m"."""
         return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
 
@@ -127,7 +127,7 @@ class Ranking:
                 [
                     (
                         effect.parameter,
-                        effect.value_text,
+                        effect.told,
                         f"{effect.change:+.3g}",
                         percents(self.share(effect)) if self.value else "—",
                         f"{effect.derivative:.4g}",

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from chain_impact.kernel.chain.inertia import loose_links
-from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
 from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
 from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint
@@ -214,17 +214,10 @@ def check_friction(scene: Contents) -> None:
 
 
 def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
-    """Return the coefficients of sliding and of static friction at a wall.
-
-    A static coefficient of 0 means that it equals the sliding coefficient.
-
-    A wall with its own sliding coefficient does not use the static coefficient of `contact`.
-    """
-    if material.friction is None:
-        sliding, static = contact.friction, contact.static_friction
-    else:
-        sliding, static = material.friction, 0.0
-    return sliding, static if material.static_friction is None else material.static_friction
+    """Return the coefficients of sliding and of static friction at a wall, as the kernel does."""
+    own = (-1.0 if value is None else value for value in (material.friction, material.static_friction))
+    sliding, static = wall_friction(contact.friction, contact.static_friction, *own)
+    return sliding, static
 
 
 def _check_coefficients(scene: Contents, table: str, sliding: float, static: float) -> None:

@@ -160,7 +160,12 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 def _path_of_first_name(text: str, scene: Scene) -> DataPath:
     """Return the path of the value with whose name a text begins; () if it begins with no name."""
     name = text.partition(" ")[0]
-    return (_keys() | _names(scene)).get(name, ())
+    return _paths_by_name(scene).get(name, ())
+
+
+def _paths_by_name(scene: Scene) -> dict[str, DataPath]:
+    """Return name → path of the scene's keys, and of the entries of its lists and tables."""
+    return _keys() | _names(scene)
 
 
 def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
@@ -268,7 +273,7 @@ def _path_and_value(scene: Scene, change: str | DataPath, given: Any) -> tuple[D
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
         return change, given
-    names = _keys() if change in _keys() else _keys() | _names(scene)
+    names = _keys() if change in _keys() else _paths_by_name(scene)
     typed, change = change, change if change in names else fmu_name(change)
     if change not in names:
         hint = parameter_hint(change, len(scene.chain.links), scene.signals)

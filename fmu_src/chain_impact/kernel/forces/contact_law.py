@@ -22,6 +22,7 @@ from chain_impact.kernel.forces.laws import (
     NEWTON_IMPACT,
     RATE_EXPONENTS,
     damping_factor,
+    wall_friction,
 )
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint
@@ -152,19 +153,13 @@ def given_restitution(d, c):
 
 
 def given_friction(d, c):
-    """Return the given coefficients of sliding and of static friction of candidate c; 0 for a stop.
-
-    A static coefficient of 0 means that it equals the sliding coefficient; so does a wall with its own
-    sliding coefficient and no static one.
-    """
+    """Return the given coefficients of sliding and of static friction of candidate c; 0 for a stop."""
     if d.candidate.stop[c] != 0:
         return 0.0, 0.0
-    wall, sliding, static = d.candidate.wall[c], d.given.friction, d.given.static_friction
-    if d.walls.friction[wall] >= 0.0:
-        sliding, static = d.walls.friction[wall], 0.0
-    if d.walls.static_friction[wall] >= 0.0:
-        static = d.walls.static_friction[wall]
-    return sliding, static
+    given, walls, wall = d.given, d.walls, d.candidate.wall[c]
+    return wall_friction(
+        given.friction, given.static_friction, walls.friction[wall], walls.static_friction[wall]
+    )
 
 
 def exponent(d, c):

@@ -342,7 +342,7 @@ def newton_impact(e):
     return 0.0 * e
 
 
-__all__ = ["CONTACT_LAWS", "LAW_COUNT", "NEWTON_IMPACT", "contact_law", "damping_factor"]
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "NEWTON_IMPACT", "contact_law", "damping_factor", "wall_friction"]
 
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
@@ -361,3 +361,15 @@ APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
 def damping_factor(law, restitution):
     """Return f(e) of the law with the number ``law``, counted from 1."""
     return _factor(law - 1, restitution)
+
+
+def wall_friction(sliding, static, own_sliding, own_static):
+    """Return the coefficients of sliding and of static friction at a wall.
+
+    ``sliding`` and ``static`` are common to all walls. If ``own_sliding`` or ``own_static`` is negative, the
+    wall has no such coefficient of its own. A static coefficient of 0 means that it equals the sliding
+    coefficient; so does a wall with its own sliding coefficient and no static one.
+    """
+    if own_sliding >= 0.0:
+        sliding, static = own_sliding, 0.0
+    return sliding, own_static if own_static >= 0.0 else static

@@ -42,9 +42,9 @@ enum { ANY_PHASE = IN(PHASES) - 1 };
 /* values of fmi2Status and fmi3Status; PENDING exists in FMI 2.0 only. Functions that return a status return an int. */
 enum { OK, WARNING, DISCARD, ERROR, PENDING = 5 };
 
-/* The number of sizes at the start of a record, on which its layout depends: the numbers of links, candidates, elements,
-   loads, channels, sites, signals and knots, two flags, and the number of tangent instances. */
-enum { SIZES = 11 };
+/* The sizes at the start of a record, on which its layout depends: the counts COUNTS and FEATURES of compilation/affine.py,
+   and the number of tangent instances. */
+enum { COUNTS = 8, FEATURES = 2, SIZES = COUNTS + FEATURES + 1 };
 
 typedef struct Instance Instance;
 

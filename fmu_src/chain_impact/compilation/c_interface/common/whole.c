@@ -3,8 +3,11 @@
    change the checksum. */
 #include "instance.h"
 
-/* The largest sizes at the start of a record, far more than any chain has. */
-static const int64_t MOST[SIZES] = {1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1 << 24, 1, 1, 1 << 16};
+/* Return the largest allowed size number `i` at the start of a record, far more than any chain has. */
+static int64_t largest_size(int i) {
+    if (i < COUNTS) return 1 << 24;
+    return i < COUNTS + FEATURES ? 1 : 1 << 16;
+}
 
 /* Return whether `count` items of a size lie inside the file, after its head, and are aligned for reading. */
 static int lies_in(const Table *table, int64_t place, int64_t count, uint64_t size) {
@@ -42,7 +45,7 @@ static int is_record(const Table *table) {
     const int64_t words = table->record_size / (int64_t)sizeof *record;
     if (words < SIZES || table->record_size % (int64_t)sizeof *record != 0) return 0;
     for (int i = 0; i < SIZES; i++)
-        if (record[i].integer < (i == 0) || record[i].integer > MOST[i]) return 0;
+        if (record[i].integer < (i == 0) || record[i].integer > largest_size(i)) return 0;
     return record_words(record) == words && sound(record) == 1;
 }
 
