@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from chain_impact import Chain, SceneError, simulate
 from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
-from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict
+from chain_impact.scene.scene import load_scene, parse_scene
 from chain_impact.scene.signal_values import value_at_start
 from tests.helpers.plain import begun
 
@@ -232,40 +232,6 @@ def test_derivatives_by_each_number_are_those_of_differences(name, key):
     np.testing.assert_allclose(found, slope, rtol=0.0, atol=1e-6 * (np.abs(slope).max() + 1e-2))
 
 
-PRESSED = """
-name = "Pressed"
-gravity = [0.0, -9.81]
-chain = { base = "pinned", links = [{ length = 0.5, mass = 1.0 }] }
-walls = [{ name = "side", point = [0.3001, 0.0], angle = 1.5707963267948966 }]
-contact = { model = "newton_impact", restitution = 0.0 }
-inputs = { joint_torques = true, tip_force = true }
-initial = { angles = [-0.9273] }
-outputs = { loads = true }
-simulation = { stop_time = 0.2, step_size = 0.01 }
-[signals.push]
-input = "INPUT"
-form = "steps"
-times = [0.0, 0.104]
-values = [6.0, 9.0]
-"""
-
-
-@pytest.mark.parametrize("one", ["joint[1].torque", "tip.force.x", "tip.force.y"])
-def test_an_impulse_of_a_force_that_jumps_has_a_derivative_by_the_time_of_the_jump(one):
-    # the arm rests on a rigid wall, whose force jumps with the input
-    scene, parameter = parse_scene(PRESSED.replace("INPUT", one), "x"), "signal.push.time[2]"
-    run = simulate(scene, sensitivities=[parameter], tolerance=1e-12)
-    before, after = (
-        simulate(scene.with_values({parameter: 0.104 + h}), tolerance=1e-13) for h in (-1e-5, 1e-5)
-    )
-    jumps = []
-    for output in ("contact[1].side.impulse", "joint[1].impulse.x", "joint[1].impulse.y"):
-        slope = (after[output] - before[output]) / 2e-5
-        np.testing.assert_allclose(run.sensitivity(output, parameter), slope, rtol=0.0, atol=1e-6)
-        jumps.append(abs(slope[-1]))
-    assert max(jumps) > 1.0
-
-
 @pytest.mark.parametrize("name", ["steps", "trapezoid", "chirp"])
 def test_the_communication_step_changes_nothing(name):
     scene = driven(name)
@@ -354,49 +320,6 @@ def test_a_table_repeats_after_its_period(tmp_path):
     np.testing.assert_allclose(
         run["wall.table.belt_position"][[10, 20, 40, 55]], [0.0, 0.1, 0.2, 0.25], atol=1e-14
     )
-
-
-def pushed(frequency):
-    """Return a cart with dry friction under a force whose amplitude is 5 % (of 1 N) above the friction."""
-    table = {
-        "name": "Pushed",
-        "chain": {
-            "base": "slider",
-            "slider": {"mass": 1.0, "friction": 1.0},
-            "links": [{"length": 0.5, "mass": 0.1}],
-        },
-        "initial": {"angles": [-math.pi / 2]},
-        "contact": {"points": []},
-        "inputs": {"slider_force": True},
-        "signals": {
-            "push": {"input": "slider.force", "form": "sine", "amplitude": 1.05, "frequency": frequency}
-        },
-    }
-    return scene_from_dict(table, "pushed")
-
-
-@pytest.mark.parametrize("frequency", [1.0, 20.0, 50.0])
-def test_slips_between_the_stages_of_a_long_step_are_found(frequency):
-    run = simulate(pushed(frequency), 2.0)
-    # the cart sticks at first, and slips and sticks again in each half of a period
-    assert len(run.stick_slip) == 1 + 2 * 2 * 2.0 * frequency
-
-
-@pytest.mark.parametrize("frequency", [20.0, 30.0])
-def test_a_held_ball_that_is_pulled_briefly_leaves_the_floor_each_time(frequency):
-    table = {
-        "name": "Pulled",
-        "gravity": [0.0, -9.81],
-        "chain": {"links": [{"length": 0.1, "mass": 1.0, "center_of_mass": 0.0, "inertia": 0.004}]},
-        "box": {"y_min": 0.0},
-        "contact": {"model": "newton_impact", "restitution": 0.0, "points": [1]},
-        "initial": {"position": [0.0, 0.1], "angles": [-math.pi / 2]},
-        "inputs": {"tip_force": True},
-        "signals": {
-            "pull": {"input": "tip.force.y", "form": "sine", "amplitude": 10.0, "frequency": frequency}
-        },
-    }
-    assert len(simulate(scene_from_dict(table, "pulled"), 1.0).impacts) == 1 + frequency
 
 
 @pytest.mark.parametrize(("one", "counts"), [(TORQUE, True), (PUSH, False), ("joint[1].torque", False)])

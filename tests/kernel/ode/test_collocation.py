@@ -1,4 +1,4 @@
-"""The implicit step: comparison with another integrator, order, cost, and the integrated clearances."""
+"""The implicit step: comparison with another integrator, order, cost, and its first stages."""
 
 import math
 
@@ -8,21 +8,20 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
 from chain_impact.kernel.ode import collocation, control, dense, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ORDER
-from chain_impact.kernel.ode.extended import extended_size, gap_at, quadrature_at, rate_at
+from chain_impact.kernel.ode.extended import extended_size, gap_at, rate_at
 from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, REAL_EIGENVALUE
 from chain_impact.kernel.rows import geometry
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
-from tests.helpers.plain import Plain, make_rigid
+from tests.helpers.plain import Plain
 from tests.helpers.reference import mass_matrix
-from tests.kernel.chains import chain, random_state, struck, touch
+from tests.kernel.chains import chain, struck, touch
 from tests.kernel.ode.stiff_problems import PROBLEMS, exact, swinging, tipping
 from tests.kernel.ode.touching import touching
-from tests.kernel.steps import basis
 
 
 def reached(result):
@@ -101,117 +100,6 @@ def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
         instance.observe()
         ledger.append(float(output["total"] + output["dissipated"]))
     assert ledger[1] == pytest.approx(ledger[0], abs=10.0 * tolerance)
-
-
-# --- the dense output, and the coordinates that follow the clearances --------------------------------------
-
-LINKS, H = 2, 0.1
-
-
-@pytest.fixture
-def step():
-    """Return an implicit step with two contacts and random stages, whose first point is in the walls."""
-    rng = np.random.default_rng(41)
-    _, d = chain(rng, LINKS)
-    d.quadrature.wanted = 1
-    touch(d, [0, 1])
-    own = d.implicit
-    d.step.state[:] = random_state(rng, d)
-    own.stages[:] = rng.uniform(-1e-3, 1e-3, own.stages.shape)
-    own.start[:] = rng.uniform(-1e-3, 1e-3, own.start.shape)
-    d.step.state_end[:] = d.step.state
-    d.step.state_end[: sundman_u_at(LINKS)] += own.stages[-1, : sundman_u_at(LINKS)]
-    d.quadrature.state[:2] = 1.0, 2.0
-    d.quadrature.state_end[:2] = [1.0, 2.0] + own.stages[-1, quadrature_at(d, 0) : quadrature_at(d, 2)]
-    d.step.start, d.step.dense[:], d.quadrature.dense[:] = 0.5, 99.0, 99.0
-    return d
-
-
-def through(values, theta):
-    """Return the polynomial of degree 5 through 0 at the start and these values at the nodes."""
-    from_start = np.concatenate([np.zeros_like(values[:1]), values])
-    fitted = np.polynomial.polynomial.polyfit([0.0, *NODES], from_start, RADAU_STAGES)
-    return np.polynomial.polynomial.polyval(theta, fitted)
-
-
-def test_the_polynomial_goes_through_the_stages(step):
-    """The polynomials of the state, of a component of z (from the start of z), and of an impulse."""
-    d, n = step, sundman_u_at(LINKS)
-    stages = d.implicit.stages.copy()
-    d.touch.listings = 7
-    collocation.keep_stages(d)
-    assert d.implicit.last[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
-    assert d.implicit.listing == 7
-    y = np.zeros(len(d.step.state))
-    for theta in (0.0, *NODES, 0.43):
-        dense.interpolate(d.step, theta, y)
-        assert y[:n] - d.step.state[:n] == pytest.approx(through(stages[:, :n], theta), abs=1e-14)
-        part = collocation.interpolated(d, 4, theta) - d.implicit.start[4]
-        assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
-        for k in range(2):
-            found = basis(theta) @ d.quadrature.dense[:, k]
-            assert found == pytest.approx(through(stages[:, quadrature_at(d, k)], theta), abs=1e-14)
-    # the following entries have a linear course, without higher coefficients
-    assert not d.step.dense[1:, n:].any()
-    assert not d.step.dense[RADAU_STAGES:, :n].any()
-    assert (d.quadrature.dense[:, 2:] == 99.0).all()
-
-
-def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
-    bound, parts = collocation.CURVE_BOUND, np.linspace(0.0, 1.0, 10001)
-    bends = np.abs(np.diff(basis(parts)[:RADAU_STAGES], 2, axis=1)).max(axis=1) / parts[1] ** 2
-    assert bends == pytest.approx(bound, rel=1e-2, abs=1e-6)
-    d = step
-    collocation.keep_stages(d)
-    d.search.curvature[:] = -1.0
-    collocation.curvatures(d, H)
-    for k, c in enumerate(d.touch.active_index[:2]):
-        sizes = np.abs(np.array(collocation.SHAPE) @ d.implicit.last[:, gap_at(d, k)])
-        assert d.search.curvature[c] == pytest.approx(np.dot(bound, sizes) / H**2, rel=1e-12)
-    assert (np.delete(d.search.curvature, d.touch.active_index[:2]) == -1.0).all()
-
-
-def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clearances(step, monkeypatch):
-    """The changes are zero at the ends of the step; they are tested at a third and two thirds."""
-    d, rng = step, np.random.default_rng(43)
-    collocation.keep_stages(d)
-    before, changes = {}, {}
-    for theta in (0.0, 1 / 3, 2 / 3, 1.0):
-        before[theta] = np.zeros(len(d.step.state))
-        dense.interpolate(d.step, theta, before[theta])
-    asked = []
-
-    def project_coordinates(d, _y, derivative, change):
-        asked.append((derivative, d.implicit.normal[:2].tolist()))
-        change[:] = rng.uniform(-1e-3, 1e-3, len(change))
-        changes[len(asked)] = change.copy()
-
-    monkeypatch.setattr(collocation, "project_coordinates", project_coordinates)
-    collocation.keep_clearances(d)
-    assert [one[0] for one in asked] == [0, 1, 0, 1]
-    for k in range(2):
-        wanted = [
-            collocation.interpolated(d, gap_at(d, k) + 2 * derivative, part / 3)
-            for part in (1, 2)
-            for derivative in (0, 1)
-        ]
-        assert [one[1][k] for one in asked] == pytest.approx(wanted, abs=1e-15)
-    y, end = np.zeros(len(d.step.state)), dissipated_at(LINKS)
-    for theta, moved in ((0.0, ()), (1 / 3, (1, 2)), (2 / 3, (3, 4)), (1.0, ())):
-        dense.interpolate(d.step, theta, y)
-        change = np.concatenate([changes[k] for k in moved]) if moved else np.zeros(end)
-        assert y[:end] - before[theta][:end] == pytest.approx(change, abs=1e-14)
-        assert y[end:] == pytest.approx(before[theta][end:], abs=1e-15)
-
-
-def test_without_contacts_with_a_force_there_is_nothing_to_follow(step):
-    d = step
-    collocation.keep_stages(d)
-    make_rigid(d)
-    before = d.step.dense.copy()
-    locate_points(d, d.step.state_end)
-    collocation.keep_clearances(d)
-    assert d.step.dense.tolist() == before.tolist()
 
 
 # --- what a step begins with -------------------------------------------------------------------------------

@@ -1,0 +1,180 @@
+"""The bounds that settle an interval in the search for crossings."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.state import omega_at, velocity_at
+from chain_impact.kernel.events import crossing
+from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT
+from chain_impact.kernel.events.exclusion import suspect_all
+from chain_impact.kernel.ode.dense import rate_bounds
+from chain_impact.kernel.ode.sundman import NO_CONTACT
+from tests.kernel.chains import chain, stopped_chain, stops_of
+
+
+def interval(start, end, rates, curvature, *, active=0, size=2.0):
+    """Set candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
+    _, d = chain(np.random.default_rng(0), 1)
+    d.step.size, d.step.regularized, d.model.size = size, -1, 1.0
+    d.touch.active[0] = active
+    search = d.search
+    search.clear_start[:], search.clear_end[:] = 9.0, 9.0
+    search.clear_start_rate[:] = search.clear_end_rate[:] = search.curvature[:] = 0.0
+    search.clear_start[0], search.clear_end[0] = start, end
+    search.clear_start_rate[0], search.clear_end_rate[0] = rates
+    search.curvature[0] = curvature
+    suspect_all(d)
+    return d
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "rates", "curvature", "verdict"),
+    [
+        # above its chord minus A w²/8 = 0.5 A
+        (1.0, 1.0, (0.0, 0.0), 1.9, QUIET),
+        (1.0, 1.0, (-1.0, 1.0), 2.1, SPLIT),
+        (0.4, 1.0, (-1.0, 1.0), 1.0, SPLIT),
+        (1.0, 0.4, (-1.0, 1.0), 1.0, SPLIT),
+        # rates of one sign, as |φ̇_a| + |φ̇_b| > A w: φ is monotonic
+        (1.0, -0.5, (-1.5, -1.0), 1.0, CROSSES),
+        (1.0, 0.2, (-1.5, -1.0), 1.2, QUIET),
+        (1.0, -0.5, (-1.0, -0.9), 1.0, SPLIT),
+        (0.1, 0.5, (1.5, 1.0), 1.2, QUIET),
+        (1.0, -0.5, (1.5, -1.0), 1.0, SPLIT),
+        # the curvature is round-off
+        (1.0, -0.5, (-1.0, -1.0), 0.0, CROSSES),
+        (1.0, -0.5, (-1.0, 1.0), 1e-16, CROSSES),
+        (-1.0, -0.5, (-1.0, 1.0), 1e-16, QUIET),
+        (-1.0, -1.5, (-1.0, -1.0), 1e-16, CROSSES),
+        (1.0, 1.0, (0.0, 0.0), math.nan, QUIET),
+        (1.0, 1.0, (0.0, 0.0), math.inf, SPLIT),
+    ],
+)
+def test_an_interval_is_settled_by_the_chord_or_by_the_rates(start, end, rates, curvature, verdict):
+    d = interval(start, end, rates, curvature)
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == verdict
+    assert crossing.check_interval(d, 0.0, 1.0) == verdict
+    # the interval is a part of the step, with the curvatures of that part; the rates are over s
+    d.step.size = 8.0
+    assert crossing.check_candidate(d, 0, 0.25, 0.5) == verdict
+
+
+def test_of_several_candidates_the_one_that_is_unsettled_decides():
+    d = interval(1.0, -0.5, (-1.0, -1.0), 0.0)
+    assert crossing.check_interval(d, 0.0, 1.0) == CROSSES
+    d.search.curvature[1], d.search.clear_end_rate[1] = 100.0, 1.0
+    assert crossing.check_interval(d, 0.0, 1.0) == SPLIT
+    assert crossing.check_interval(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
+
+
+@pytest.mark.parametrize("active", [0, 1])
+@pytest.mark.parametrize("whole", [False, True])
+def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(whole, active):
+    """A contact that ends keeps its end in this step.
+
+    The onset of a lasting contact lies in this step or the next.
+    """
+    for end, harmless in ((-0.5e-12, True), (-2e-12, False)):
+        d = interval(1.0, end, (-1.0, -1.0), 0.0, active=active)
+        part = (0.0, 1.0) if whole else (0.0, 0.5)
+        d.step.size = 1.0 if whole else 2.0
+        expected = QUIET if harmless and (whole or active) else CROSSES
+        assert crossing.check_candidate(d, 0, *part) == expected
+
+
+@pytest.mark.parametrize("active", [0, 1])
+def test_a_point_that_is_deep_without_having_moved_there_is_an_onset_but_no_end(active):
+    d = interval(1e-13, -1e-9, (0.0, 1.0), 0.0, active=active)
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
+    d.search.clear_start[0] = -1e-11  # the candidate has been at this depth before
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == QUIET
+
+
+@pytest.mark.parametrize(("end", "verdict"), [(-1e-3, CROSSES), (0.0, QUIET), (0.3, QUIET)])
+def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
+    d = interval(1.0, end, (1.0, 1.0), 1e9)
+    d.step.regularized = 0
+    assert crossing.check_candidate(d, 0, 0.0, 1.0) == verdict
+
+
+@pytest.mark.parametrize("part", [1.0, 0.25])
+def test_what_bends_by_round_off_barely_bends(part):
+    """The curvature term A w²/8 is below 1e-15 of a link length."""
+    d = interval(0.0, 0.0, (0.0, 0.0), 1.0, size=2.0)
+    d.model.size = 3.0
+    limit = 8.0 * 3e-15 / (2.0 * part) ** 2
+    for curvature, expected in ((0.9 * limit, True), (1.1 * limit, False), (math.nan, True)):
+        d.search.curvature[0] = curvature
+        assert crossing.nearly_linear(d, 0, part) == expected
+
+
+LINKS = 3
+
+
+@pytest.fixture
+def bounded():
+    """Return a chain with stops, a step of random motion, and bounds of its base along the axes."""
+    rng = np.random.default_rng(29)
+    _, d = stopped_chain(LINKS, "pinned")
+    d.step.state[:] = rng.uniform(-1.0, 1.0, d.step.state.shape)
+    d.step.dense[:] = rng.uniform(-1.0, 1.0, d.step.dense.shape)
+    d.step.size = 0.2
+    suspect_all(d)
+    first = velocity_at(LINKS)
+    return d, rate_bounds(d.step, first), rate_bounds(d.step, first + 1)
+
+
+def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(bounded):
+    d, along_x, along_y = bounded
+    at, joints = omega_at(LINKS), set()
+    for c in stops_of(d):
+        joint = int(d.candidate.point[c])
+        joints.add(joint)
+        found = crossing.motion_bounds(d, c, along_x, along_y)
+        values, dense = d.step.state[at + joint - 1], d.step.dense[:, at + joint - 1].copy()
+        if joint > 1:
+            values, dense = values - d.step.state[at + joint - 2], dense - d.step.dense[:, at + joint - 2]
+        before, kept = d.step.state[0], d.step.dense[:, 0].copy()
+        d.step.state[0], d.step.dense[:, 0] = values, dense
+        turn, change = rate_bounds(d.step, 0)
+        d.step.state[0], d.step.dense[:, 0] = before, kept
+        # at the lever arm of a stop, the longest link
+        assert found == pytest.approx((d.model.size * turn, d.model.size * change), rel=1e-12)
+    assert joints == {1, 2, 3}
+
+
+@pytest.mark.parametrize(
+    ("near", "ends"),
+    [
+        (0.0, [1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0]),
+        (0.3, [1.0, 0.5, 0.25, 0.5, 0.375, 0.5, 1.0]),
+        (0.6, [1.0, 0.5, 1.0, 0.75, 0.625, 0.75, 1.0]),
+    ],
+)
+def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_that(monkeypatch, near, ends):
+    """The intervals of the bisection are [k/2ⁿ, (k+1)/2ⁿ], here down to 1/8 where they contain an event."""
+    _, d = stopped_chain(1, "pinned")
+    seen = []
+    monkeypatch.setattr(crossing, "measure", lambda _, b: seen.append(b))
+    monkeypatch.setattr(crossing, "keep_start", lambda _: None)
+    monkeypatch.setattr(
+        crossing, "check_interval", lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET
+    )
+    assert crossing.find_crossing(d) == -1.0
+    assert seen == ends
+
+
+def test_the_curvature_of_a_stop_is_that_of_its_joint_and_of_a_point_that_of_the_links_before_it(bounded):
+    d, along_x, along_y = bounded
+    d.step.regularized = NO_CONTACT
+    crossing.bound_curvature(d)
+    reach = [0.0]
+    for i in range(LINKS):
+        omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
+        reach.append(reach[-1] + d.model.length[i] * (alpha + omega**2))
+    for c in range(d.candidates):
+        _, bend = crossing.motion_bounds(d, c, along_x, along_y)
+        links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
+        assert d.search.curvature[c] == pytest.approx(bend + links, rel=1e-12)

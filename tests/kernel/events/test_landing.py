@@ -1,0 +1,217 @@
+"""Onsets and ends that a step may have, and the step that is repeated to end at them."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.events import search
+from chain_impact.kernel.events.crossing import measure
+from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
+from chain_impact.kernel.events.search import (
+    DEEP,
+    EARLY,
+    LANDED,
+    credible,
+    drop_separating,
+    find_event,
+    onset_fraction,
+    starts_clear,
+)
+from chain_impact.kernel.ode.control import IMPLICIT, accepted, conclude
+from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
+from tests.kernel.chains import chain, located, touch
+from tests.kernel.events.test_crossing import moving
+from tests.kernel.steps import gaps_of, points_of, set_step, translation, wall_at, walls_away
+
+
+def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
+    """Return a candidate whose clearance starts with this value, rate and curvature, with an event at θ."""
+    _, d = chain(np.random.default_rng(0), 2)
+    c = 1
+    motion = translation(d, [0.3, 0.1], [0.0, rate, 0.5 * bend])
+    walls_away(d)
+    set_step(d, motion, size)
+    wall_at(d, c, motion.at(0.0), gap)
+    touch(d, [c] if active else [])
+    measure(d, theta)
+    d.touch.event[:] = NONE
+    d.touch.event[c] = kind
+    return d
+
+
+@pytest.mark.parametrize(("depth", "rate", "kind", "believed"), [
+    (0.5, -1.0, ONSET, True), (2.0, -1.0, ONSET, False), (0.5, 1.0, ONSET, False), (0.5, 0.0, ONSET, True),
+    (2.0, 1.0, END, True), (2.0, 1.0, NONE, True),
+])  # fmt: skip
+def test_an_onset_is_believed_at_the_wall_of_a_point_that_arrives(depth, rate, kind, believed):
+    d = touched(0.3, -1.0, kind=kind)
+    d.search.clear_end[1], d.search.clear_end_rate[1] = -depth * DEEP * d.model.size, rate
+    assert credible(d, 0.5) == believed
+    d.candidate.offset[1] += 0.4  # the point starts inside the wall, which a shorter step would show, too
+    assert credible(d, 0.0)
+
+
+@pytest.mark.parametrize(("gap", "clear"), [(3.0, True), (1.5, False)])
+def test_a_touch_at_the_very_start_has_to_agree_with_the_motion_there(gap, clear):
+    """At θ h a point would have moved |ġ| θ h: less than half of its clearance if it is clear."""
+    theta = 0.9 * EARLY
+    d = touched(gap * theta, -1.0, theta=theta)
+    d.search.clear_end[1] = -1e-15
+    assert starts_clear(d, theta) == clear
+    assert credible(d, theta) == (not clear)
+    d.search.clear_end[1] = -1e-15
+    assert credible(d, 1.1 * EARLY)
+
+
+@pytest.mark.parametrize("active", [0, 1])
+@pytest.mark.parametrize(
+    ("gap", "rate", "bend", "clear"),
+    [
+        (0.1, -0.4, 0.0, True),  # 0.05 − 0.04
+        (0.1, -0.6, 0.0, False),
+        (0.1, -0.6, 4.0, True),  # + ½ 4 (0.1)² = 0.02
+        (0.1, -0.4, -4.0, False),
+        (0.0, 0.4, 0.0, True),
+        (-0.1, 3.0, 0.0, False),  # it is inside
+    ],
+)
+def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clear, active):
+    """½ φ + φ̇ t + ½ φ̈ t² > 0 with φ ≥ 0, of clearances and of penetrations; at t = 0.1 s."""
+    sign = -1.0 if active else 1.0
+    d = touched(sign * gap, sign * rate, sign * bend, active=active, kind=END if active else ONSET)
+    if gap == 0.0:
+        d.candidate.offset[1] -= sign * 1e-12
+    there = points_of(d, d.work.y)
+    assert starts_clear(d, 0.1) == clear
+    np.testing.assert_allclose(located(d), there, rtol=0, atol=1e-13)
+    # other events and the regularized contact do not count; one of many candidates suffices
+    d.touch.event[1] = KINK
+    assert not starts_clear(d, 0.1)
+    d.touch.event[1], d.step.regularized = ONSET, 1
+    assert not starts_clear(d, 0.1)
+    d.step.regularized, d.touch.event[5] = -1, ONSET
+    assert starts_clear(d, 0.1)
+
+
+def test_onsets_of_points_that_move_away_are_dropped():
+    for rates, kinds, left in (
+        ((1.0, -1.0), [NONE, ONSET], 0.4),
+        ((1.0, 1.0), [NONE, NONE], -1.0),
+        ((0.0, 0.0), [ONSET, ONSET], 0.4),
+    ):
+        d = touched(0.3, -1.0)
+        d.touch.event[:] = NONE
+        d.touch.event[[1, 5]] = ONSET
+        d.search.clear_end_rate[[1, 5]] = rates
+        assert drop_separating(d, 0.4) == left
+        assert d.touch.event[[1, 5]].tolist() == kinds
+    d = touched(0.3, 1.0, active=1, kind=END)
+    d.search.clear_end_rate[1] = 1.0
+    assert drop_separating(d, 0.4) == 0.4
+
+
+def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0):
+    """Return a step that ends with two points at given clearances from their walls after located events."""
+    _, d = chain(np.random.default_rng(0), 2)
+    motion = translation(d, [0.3, 0.1], [0.0, rate - bend * size, 0.5 * bend])
+    walls_away(d)
+    set_step(d, motion, size)
+    d.touch.event[:] = NONE
+    for c, gap in zip((1, 5), gaps, strict=True):  # two points at the floor
+        wall_at(d, c, motion.at(size), gap)
+        d.touch.event[c] = kind
+    return d
+
+
+def lands(d):
+    """Return whether a step that was repeated for onsets is not refused."""
+    onset_fraction(d)
+    return accepted(d)
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.1, -0.1])
+@pytest.mark.parametrize("off", [0.0, 0.5 * LANDED, -0.5 * LANDED])
+def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off, bend):
+    """A point whose distance from its wall is a part of its path |ġ| h arrives later by this part.
+
+    g = off |ġ| h + ġ t + ½ g̈ t², t after the end of the step.
+    """
+    speed, size = 2.0, 0.5
+    gap = off * speed * size
+    after = 2.0 * gap / (speed + np.sqrt(speed**2 - 2.0 * bend * gap))
+    behind = gap + 0.3 * LANDED * speed * size
+    for gaps in ([gap, behind], [behind, gap]):
+        found = onset_fraction(landed(gaps, -speed, size, bend=bend))
+        assert found == pytest.approx(1.0 + after / size, abs=1e-11)
+
+
+def test_an_onset_that_stays_deep_inside_is_refused():
+    """Within two Newton iterations the path bends away from the wall."""
+    gap = -0.8 * LANDED
+    assert onset_fraction(landed([gap, gap], bend=-0.1)) == pytest.approx(1.0 + gap, abs=1e-4)
+    assert not lands(landed([gap, gap], bend=-100.0))
+
+
+@pytest.mark.parametrize("other", [0, 1])
+@pytest.mark.parametrize(
+    ("gap", "rate"), [(1.1 * LANDED, -2.0), (-1.1 * LANDED, -2.0), (0.0, 2.0), (0.0, 0.0)]
+)
+def test_a_step_that_does_not_land_on_an_onset_is_refused(gap, rate, other):
+    gaps = [0.0, gap] if other else [gap, 0.0]
+    assert not lands(landed(gaps, rate))
+
+
+@pytest.mark.parametrize(("gap", "accepts"), [(2e-16, True), (-2e-16, True), (1e-14, False)])
+def test_a_clearance_that_is_round_off_is_no_distance_from_an_onset(gap, accepts):
+    """A point at 1e-7 m/s moves by only 4e-15 m in this step: the clearance 2e-16 m is 5 % of the way."""
+    assert lands(landed([gap, gap], rate=-1e-7, size=4e-8)) == accepts
+
+
+def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cannot_be_shorter():
+    assert onset_fraction(landed([0.1, 0.1], kind=KINK)) == -1.0
+    assert onset_fraction(landed([0.1, 0.1], size=1e-13)) == -1.0
+    d = landed([0.1, 0.1], size=1e-11)
+    assert not lands(d)
+    conclude(d, 0.0, 1.0)
+    d.step.start, d.step.end = 1e4, 1e4 + 1e-11
+    assert onset_fraction(d) == -1.0
+    assert accepted(d)
+
+
+def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_of_one_that_cannot(
+    monkeypatch,
+):
+    # a step of 1e-12 s, or a step near the resolution of time, cannot become shorter
+    for size, clock, taken in (
+        (1.0, 0.0, False),
+        (1e-13, 0.0, True),
+        (1e-11, 0.0, False),
+        (1e-11, 1e4, True),
+    ):
+        d = touched(0.3 * size, -1.0, size=size)
+        d.step.start, d.step.end = clock, clock + size
+        d.touch.event[:] = NONE
+        monkeypatch.setattr(search, "credible", lambda *_: False)
+        monkeypatch.setattr(search, "find_crossing", found_leaving)
+        assert find_event(d) == -1.0
+        assert accepted(d) == taken
+        assert d.touch.event[1] == (NONE if taken else ONSET)
+        if taken:
+            # the points are those of the end of the step
+            np.testing.assert_allclose(d.search.clear_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
+
+
+def found_leaving(d):
+    """Return a touch of a point that moves away."""
+    measure(d, 0.5)
+    d.touch.event[1], d.search.clear_end_rate[1] = ONSET, 1.0
+    return 0.5
+
+
+@pytest.mark.parametrize("implicit", [False, True])
+def test_an_explicit_step_whose_ends_do_not_tell_has_its_dense_output_looked_at(implicit):
+    d, _ = moving(0, near=0)
+    d.inputs.course.change_rate, d.step.dense_for = 1e9, OUTPUTS
+    if implicit:
+        d.step.last_method = IMPLICIT
+    assert find_event(d) == -1.0
+    assert d.step.dense_for == (OUTPUTS if implicit else SOLVER)

@@ -1,0 +1,100 @@
+"""The rows of the log of contacts, and of the list of the latest impacts."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events import contact_log
+from chain_impact.kernel.forces.contact import begin_contact, list_touching
+from chain_impact.kernel.record.contacts import LATEST
+from chain_impact.kernel.rows.geometry import clearance
+from tests.helpers.plain import make_rigid
+from tests.kernel.chains import chain, random_state, stopped_chain, stops_of
+
+
+@pytest.mark.parametrize("count", [0, 5, -1])
+def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
+    """Lasting contacts follow in the order of candidates.
+
+    Behind the end of the log they continue at its start.
+    """
+    _, d = stopped_chain(2)
+    log, size, stop, arm = d.finished, len(d.finished.point), stops_of(d)[0], 1.4
+    d.model.size, log.count = arm, count % size
+    active = [0, stop]
+    for c in range(d.candidates):
+        d.touch.active[c] = c in active
+        d.touch.onset[c], d.touch.peak_force[c], d.touch.max_penetration[c] = 0.1 * c, 3.0 + c, 0.2 + c
+    contact_log.log_active(d)
+    assert log.count == count % size
+    for k, c in enumerate(active):
+        row, lever = (count + k) % size, arm if c == stop else 1.0
+        assert (log.point[row], log.wall[row]) == (d.candidate.point[c], d.candidate.wall[c])
+        assert log.onset[row] == d.touch.onset[c]
+        assert log.peak_force[row] == d.touch.peak_force[c] * lever
+        assert log.max_penetration[row] == d.touch.max_penetration[c] / lever
+        assert np.isnan([log.end[row], log.separation_speed[row]]).all()
+    assert (d.peaks.force, d.peaks.moment) == (3.0, (3.0 + stop) * arm)
+
+
+FIELDS = {
+    "time": "onset",
+    "point": "point",
+    "speed": "impact_speed",
+    "end": "end",
+    "separation_speed": "separation_speed",
+    "peak_force": "peak_force",
+    "max_penetration": "max_penetration",
+    "impulse": "impulse",
+}
+
+
+@pytest.mark.parametrize("kept", [0, 1, 3, LATEST])
+def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
+    """Random candidates begin and end contacts; the log is compared with a list in Python."""
+    rng = np.random.default_rng(kept)
+    _, d = chain(rng, 2)
+    y = random_state(rng, d)
+    locate_points(d, y)
+    make_rigid(d, 1)
+    contact_log.clear_log(d)
+    d.latest.kept, d.step.size, d.step.regularized = kept, 1.0, -1
+    rows, lasting = [], {}
+    for moment in range(1, 6 * LATEST):
+        d.step.start, d.step.end = moment - 1.0, float(moment)
+        d.step.time = d.step.end
+        c = int(rng.integers(d.candidates))
+        rate = float(clearance(d, c)[1])
+        if d.touch.active[c]:
+            ended = lasting.pop(c)
+            impulse = d.quadrature.total[c] - ended.pop("before")
+            ended.update(end=moment, separation_speed=rate, impulse=impulse)
+            contact_log.end_contact(d, c, False)
+        else:
+            begin_contact(d, c)
+            own = {"point": d.candidate.point[c], "wall": d.candidate.wall[c] + 1, "time": moment}
+            own |= {"speed": max(0.0, -rate), "before": float(d.quadrature.total[c]), "max_penetration": 0.0}
+            lasting[c] = own
+            rows.insert(0, own)
+        list_touching(d)
+        for other, row in lasting.items():
+            d.touch.peak_force[other] = d.output.impulse[other] = rng.uniform()
+            d.quadrature.total[other] = d.output.impulse[other]
+            row |= {"end": moment, "separation_speed": clearance(d, other)[1]}
+            row |= {
+                "peak_force": d.touch.peak_force[other],
+                "impulse": d.output.impulse[other] - row["before"],
+            }
+        contact_log.list_latest(d)
+        for place, expected in enumerate(rows[:kept]):
+            for name in (*FIELDS, "wall"):
+                assert d.latest[name][place] == expected[name]
+        if rng.uniform() < 0.05:
+            contact_log.collect(d)
+    assert len(rows) > 2 * LATEST
+    assert (d.latest.point[kept:] == -1).all()
+    contact_log.clear_log(d)
+    assert (d.latest.point == -1).all()
+    assert (d.finished.count, d.finished.collected) == (0, 0)
+    for name in (*FIELDS, "wall"):
+        assert name == "point" or not d.latest[name].any()
