@@ -11,8 +11,8 @@ from chain_impact.conversion.mjcf_fields import (
     FIELD_REMARKS,
     USED,
     WITHOUT_EFFECT_FLAGS,
-    fates,
     fields,
+    treatments,
     unsupported_fields,
 )
 from tests.tiers import needs_interop
@@ -61,7 +61,7 @@ def acceleration(model):
 
 def test_a_field_of_a_new_mujoco_has_yet_to_be_decided_on():
     """On failure, decide for each new field: converted, reported, or without effect on a scene."""
-    found = {field: fates(field) for field, _ in fields(rich())}
+    found = {field: treatments(field) for field, _ in fields(rich())}
     assert [field for field, fate in found.items() if not fate] == []
     assert [field for field, fate in found.items() if {"used", "remarked"} <= set(fate)] == []
 
@@ -111,7 +111,7 @@ def test_what_has_no_effect_changes_no_acceleration_in_flight():
     for field, value in fields(model):
         held = np.asarray(value)
         alone = {"used", "remarked", "follow from other fields", "counts, addresses and names"}
-        if alone & set(fates(field)) or held.dtype.kind != "f" or not held.ndim or not held.size:
+        if alone & set(treatments(field)) or held.dtype.kind != "f" or not held.ndim or not held.size:
             continue
         kept = held.copy()
         held += 0.01

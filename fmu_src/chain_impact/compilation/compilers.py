@@ -79,8 +79,8 @@ Sizes = int | tuple[int, ...] | None
 features; or all numbers at the start of a record, for scenes of exactly these sizes."""
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
-# LLVM code for a number that the instance holds. The number does not change while the kernel runs, and has a
-# plausible size.
+# LLVM code for a number that the instance holds. The number does not change while the kernel runs, and is
+# less than 2²⁰.
 HELD = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   %place = getelementptr i64, ptr %instance, i64 {word}
   %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 1048576}}

@@ -178,7 +178,7 @@ def unsupported_fields(model: Any) -> Iterator[Difference]:
         for i in np.flatnonzero(np.any(entries != row.default, axis=1)):
             yield _about(model, row, int(i))
     for field, value in values.items():
-        if not fates(field) and np.any(value):
+        if not treatments(field) and np.any(value):
             text = (
                 "is not zero, and not known to this version: it may have an effect, and is not in the scene"
             )
@@ -212,7 +212,7 @@ def _about(model: Any, row: FieldRemark, i: int) -> Difference:
     return Difference(kind=row.kind, name=element.name or f"{i}", bodies=bodies, **common)
 
 
-def fates(field: str) -> list[str]:
+def treatments(field: str) -> list[str]:
     """Return the treatments of a field of the model, or of an option ``opt.name``; empty if unknown.
 
     A pattern does not apply to a field that is used or reported by name.

@@ -91,7 +91,7 @@ def driven_rows(
 def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tuple[np.ndarray, np.ndarray]:
     """Return member k of a family of inputs as polynomials: their starts [s], and their coefficients.
 
-    The input is in the table; or it is a derivative of the nearest input there, or else its integral.
+    A member that is not in the table is a derivative of the nearest member in the table, else its integral.
     """
     given = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given if j <= k), default=given[0])

@@ -96,7 +96,7 @@ def curves_of(
 def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
     """Return the onset of an impact, and start and end of its view [s].
 
-    Without an impact, of the whole run.
+    Without an impact, the view is the whole run.
     """
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:

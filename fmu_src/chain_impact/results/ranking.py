@@ -38,7 +38,7 @@ OF_FMU = {"time": "onset", "speed": "impact_speed"}
 """Field of ``Result.impacts`` → name in the FMU's ``impact[j]``, where the two differ."""
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """Parameters that change the unit of a stiffness."""
-LARGE = 0.2  # the share of the quantity above which an effect is told to hold for smaller changes only
+LARGE = 0.2  # the share of the quantity above which the text says: holds for smaller changes only
 NOTHING = 1e-12  # the largest effect that counts as round-off, relative to the quantity
 DRAWN = 16  # the largest number of bars
 ADDED = "*"  # the mark of a parameter with the value 0, to which the step is added

@@ -52,7 +52,7 @@ def line_of(text: str, path: DataPath) -> int | None:
 
 
 def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
-    """Return the path of a table, in the last one of each list of tables around it."""
+    """Return the path of a table; in each list of tables around it, the last entry counts."""
     path: DataPath = ()
     for step in steps[:-1]:
         path = (*path, step)

@@ -172,7 +172,7 @@ JOINT_ANGLES = "initial.joint_angles"
 
 
 def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | None:
-    """Return a hint: what to do instead of setting ``name``, which is no parameter; None if none is known.
+    """Return a hint what to do in place of setting ``name``, which is no parameter; None if none is known.
 
     Args:
         name: the name.
@@ -191,7 +191,7 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
-    """Return a hint if a name, which is no parameter, is one of a signal that the scene does not have."""
+    """Return a hint if a name that is no parameter belongs to a signal that the scene does not have."""
     table, _, key = name.partition(".")
     signal = key.partition(".")[0]
     if table not in ("signal", "signals") or not signal or signal in signals:

@@ -154,7 +154,7 @@ class Reader:
         return self._table(self.root, data, (), {})
 
     def _table(self, table: Any, data: Any, path: DataPath, tables: Mapping[str, Any]) -> Any:
-        """Return `data` as a dataclass `table`; `known` are the values that were read before."""
+        """Return `data` as a dataclass `table`; `tables` are the values that were read before."""
         if not isinstance(data, Mapping):
             raise self._refusal(path, data, "a table")
         entries = {entry.name: entry for entry in keys(table)}
@@ -266,7 +266,7 @@ class Reader:
         return f"{name} is one table, must be a list of tables: write [[{name}]]{others}"
 
     def _keys(self) -> dict[str, str]:
-        """Return for the last part of every key the whole key.
+        """Return the last part of each key → the whole key.
 
         Of several keys with the same last part, the first one counts; keys in tables by name are left out.
         """

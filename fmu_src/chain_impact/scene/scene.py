@@ -158,7 +158,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
 
 def _path_of_first_name(text: str, scene: Scene) -> DataPath:
-    """Return the path of the value with whose name a text begins; () if it begins with no name."""
+    """Return the path of the value that the first word of a text names; () if it names no value."""
     name = text.partition(" ")[0]
     return _paths_by_name(scene).get(name, ())
 

@@ -61,7 +61,7 @@ def without_corners(data: Any) -> Any:
 
 
 def among_all_points(path: DataPath, data: Any) -> DataPath:
-    """Return the path in the scene of what is at a path of its plain data, where boxes have no corners."""
+    """Return the path in the scene for a path in its plain data, in which boxes have no corners."""
     match path:
         case "chain", "links", int(i), "points", int(j), *following if "shape" in data["chain"]["links"][i]:
             return ("chain", "links", i, "points", j + CORNERS, *following)

@@ -199,7 +199,8 @@ def _members(
 ) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[DataPath]]]:
     """Return three functions for the path of a kind of parameter in a scene.
 
-    They return what has values of the kind, in order; the value of one of these; and the paths of all values.
+    The functions return the elements that have values of the kind, in order; the value of one element; and
+    the paths of all values.
     """
     if ENTRY_AT in path:  # points of links
         key = path[-1]

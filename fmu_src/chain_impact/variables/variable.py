@@ -46,7 +46,8 @@ class Variable:
             value in use (kernel/chain/inertia.py); None for all other variables.
         rule: the rule by which the scene derives the value; None if the value is given.
         scene_path: path of a parameter in the scene file, for ``scene.with_values``; None for all other
-            variables. minimum: value >= minimum, if any.
+            variables.
+        minimum: value >= minimum, if any.
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
         held: whether the variable belongs to a point that a base at rest holds.

@@ -366,5 +366,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns of values: all but the time, the place of an impact, and standard deviations."""
+    """Return the columns of values: all columns except time, place of an impact and standard deviations."""
     return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

@@ -26,7 +26,7 @@ WIDE_RANGE = 1e3  # the ratio of values above which an axis is logarithmic
 # the ratio of values above which their colours are logarithmic: with linear colours, values below a hundredth
 # of the largest one look the same
 WIDE_COLOURS = 100.0
-MOST = 0.95  # the part of the values that such a ratio considers
+MOST = 0.95  # the part of the values for which these ratios are computed; the rest are extremes
 LONGEST = 1e4  # the number from which on numbers at a bar of logarithmic colours are powers of ten
 MOST_COLOURS = 12  # the largest number of colours of counts; more counts share colours
 NEVER = "no run has a finite value"

@@ -89,10 +89,10 @@ class Results:
 
 
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
-    """Return the quantities of a sweep; those at walls and at stops only if the scene has these.
+    """Return the quantities of a sweep; a scene without walls or stops has no quantities at these.
 
-    Those that differ between the runs are drawn, or all if none differs; with ``panels``, the columns that
-    these name.
+    The quantities that differ between the runs are drawn, or all if none differs; with ``panels``, the named
+    columns are drawn.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
@@ -164,6 +164,6 @@ def _in_unit(runs: Runs, quantity: Quantity) -> Quantity:
 
 
 def _differs(values: np.ndarray) -> bool:
-    """Return whether finite values differ by more than round-off, or there is none."""
+    """Return whether finite values differ by more than round-off, or no value is finite."""
     finite = values[np.isfinite(values)]
     return not finite.size or bool(np.ptp(finite) > ROUND_OFF * np.abs(finite).max())

@@ -134,7 +134,7 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """If the sweep is interrupted, keep its finished runs as a table, and so that the sweep can continue."""
+    """Store the finished runs of an interrupted sweep: as a table, and in a file for its continuation."""
     try:
         yield
     except BaseException:
