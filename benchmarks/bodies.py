@@ -62,7 +62,7 @@ def compared(friction: float, rounds: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Measure."""
+    """Time the contact of both bricks, and write the results."""
     rounds, started = common.rounds(__doc__, ROUNDS), common.environment()
     results = [compared(friction, rounds) for friction in FRICTIONS]
     for row in results:

@@ -106,7 +106,7 @@ def off(
     if not derivatives:
         return errors, None
     slopes = [[result.sensitivity(f"link[{i}].angle", name) for i in (1, 2)] for name in names]
-    # where no derivative exists, for example when a joint almost stops, the fit leaves the row out
+    # the fit leaves a row out if a derivative does not exist, for example when a joint almost stops
     return errors, np.nan_to_num(np.stack([joints(*pair) for pair in slopes], axis=1))
 
 

@@ -41,7 +41,9 @@ def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
     n, k = contact.exponent, contact.stiffness
     depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))
-    stop = (2.0 * HEIGHT + LONGEST * depth) / speed  # also for a depth comparable with the height
+    stop = (
+        2.0 * HEIGHT + LONGEST * depth
+    ) / speed  # the formula also holds for a depth comparable with the height
     data = {
         "name": "FreeImpact",
         "gravity": [0.0, 0.0],

@@ -86,7 +86,7 @@ def test_signs_that_the_console_does_not_have_do_not_end_the_program(monkeypatch
     print("λ = 3 …")
     sys.stdout.flush()
     assert sys.stdout.buffer.getvalue() == "? = 3 …\n".encode("cp1252")
-    monkeypatch.setattr(sys, "stdout", io.StringIO())  # as in a notebook
+    monkeypatch.setattr(sys, "stdout", io.StringIO())  # a notebook replaces the output stream
     system.prepare_console()
 
 

@@ -27,7 +27,7 @@ class OnInstance:
 
     def __init__(self, scene: Scene, stop: float) -> None:
         self.instance, self.stop = Instance(scene), stop
-        # as bytes, because the copy of a record copies its fields one by one
+        # the record is copied as bytes, because a copy of a record copies its fields one by one
         self.block = self.instance._block.view(np.uint8)
         self.fresh = self.block.copy()
         self.kernel, self.address = self.instance._kernel, self.instance._address

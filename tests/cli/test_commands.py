@@ -120,7 +120,7 @@ def test_the_list_of_impacts_is_written(run, here, suffix):
     if suffix == ".csv":
         with file.open(newline="", encoding="utf-8") as lines:
             rows = list(csv.DictReader(lines))
-        assert {row["joint_force"] for row in rows} == {""}  # not known
+        assert {row["joint_force"] for row in rows} == {""}  # an unknown value is an empty cell
     else:
         read = json.loads(file.read_text("utf-8")) if suffix == ".json" else None
         rows = read or import_module("pyarrow.parquet").read_table(file).to_pylist()

@@ -67,7 +67,7 @@ def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, te
     compiling(monkeypatch)
     assert run("simulate", "rod_drop")[0] == 0
     assert "compiling the kernel (about 17 s" in text.getvalue()
-    assert text.getvalue().endswith("\x1b[2K")  # and is wiped out
+    assert text.getvalue().endswith("\x1b[2K")  # the line is erased at the end
 
 
 def test_the_bar_returns_to_the_simulation_after_a_second_compilation(monkeypatch, terminal):

@@ -25,7 +25,7 @@ MODELS = ["four_link_box", "kneed_leg", "sliding_rod", "triple_pendulum"]
 WAYS = 16  # traps on or off, denormal numbers on or off, four rounding modes
 USUAL = "1f80"
 STACK = 64  # KiB, of the thread in which the host calls the FMU
-STEPS = 300  # of 1/512 s
+STEPS = 300  # number of steps of 1/512 s
 
 
 @pytest.fixture(scope="module")

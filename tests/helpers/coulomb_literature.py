@@ -101,7 +101,7 @@ def siconos_stick(stiffness: float = FIRM) -> tuple[Table, SiconosStick]:
     slip of the end reverses in the impact, where this scheme increases the energy.
     """
     friction, weight, spin = 0.01, 10.0, 0.1
-    velocity, angle = np.array([-0.5, 0.1]), math.pi / 4  # of the centre; angle from the vertical
+    velocity, angle = np.array([-0.5, 0.1]), math.pi / 4  # velocity of the centre; angle from the vertical
     centre = np.array([0.5 * math.sin(angle), 0.5 * math.cos(angle) + 0.01])
 
     def arm(time: float) -> np.ndarray:

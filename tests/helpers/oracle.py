@@ -333,7 +333,7 @@ def elastic_scale(run: Account) -> float:
 def expected(run: Account) -> tuple[np.ndarray, np.ndarray]:
     """Return v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀².
 
-    0 for rigid ones.
+    Both are 0 for a rigid contact.
     """
     law = run.laws_of_impacts
     v0, n = np.maximum(run.impacts["impact_speed"], law.slowest), law.exponent

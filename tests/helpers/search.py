@@ -48,7 +48,7 @@ class Verdict:
     law: str
     method: str
     findings: list[Finding]
-    status: int | None = OK  # None: the run did not end
+    status: int | None = OK  # None if the run did not end
     cpu: float = 0.0  # s
     closeness: dict[str, float] = field(default_factory=dict)  # kind of check → largest value over its bound
 

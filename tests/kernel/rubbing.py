@@ -43,7 +43,7 @@ def rubbing_chain(
     first = 1 if base == "free" else 0
     candidates = [first + 5 * k for k in range(contacts)]
     touch(d, candidates)
-    d.touch.onset[:] = -1.0  # they began long ago
+    d.touch.onset[:] = -1.0  # the contacts began long ago
     d.touch.impact_speed[:], d.touch.damping[:], d.touch.depth_scale[:] = 1.0, 0.0, 1.0
     for c in candidates:
         press_in(d, c, 1e-4)

@@ -89,7 +89,7 @@ def test_a_run_that_ends_in_a_contact_has_its_peaks_so_far():
     _, rows = runs.run([STIFFNESS], [runs.word("peaks", name) for name in ("force", "penetration")])
     d = alone(STIFFNESS, 2e-3)
     assert d.touch.active_count == 1
-    assert rows[0, 0] == pytest.approx(d.output.force[0], rel=1e-9)  # it still rises
+    assert rows[0, 0] == pytest.approx(d.output.force[0], rel=1e-9)  # the force still rises
     assert rows[0, 1] == pytest.approx(d.output.penetration[0], rel=1e-9)
 
 

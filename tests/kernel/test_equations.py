@@ -31,10 +31,10 @@ def prepared(base, count, touching=(), **more):
     scene, d = chain(rng, count, base, **options)
     y = struck(rng, d, touching)
     d.inputs.joint_torque[:], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
-    d.work.moment[:] = 9.0  # of another state
+    d.work.moment[:] = 9.0  # moments of another state
     joints = relative_motion(count)[:, 2:]
     if base == "free":
-        joints[0] = 0.0  # there is no joint
+        joints[0] = 0.0  # a free base has no joint
     return scene, d, y, joints
 
 

@@ -185,7 +185,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
     shape = prepared()[1][record]._record.dtype[field].shape
     for i in range(shape[0]) if shape else [None]:
         _, d = prepared()
-        # of derived parameters, first the effective value and then the given value
+        # a derived parameter has first the effective value and then the given value
         for name in (field, f"given_{field}")[: 1 + (f"given_{field}" in d[record]._record.dtype.names)]:
             if i is None:
                 d[record][name] = value

@@ -48,7 +48,7 @@ def test_a_communication_step_may_take_as_much_as_twenty_seconds_may(d):
     assert status.check_work(d) == STEP_TOO_LONG
     status.allow_any_length(d)
     assert status.check_work(d) == OK
-    d.limits.other_work = 101  # but no second may
+    d.limits.other_work = 101  # no second may take more work
     assert status.check_work(d) == TOO_MUCH_WORK
 
 

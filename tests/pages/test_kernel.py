@@ -316,7 +316,7 @@ def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
         {"link[1].length": 0.6, "link[2].mass": 0.2},
         {"contact.restitution": 0.45, "contact.exponent": 1.25},
         {"link[1].length": 0.6, "link[1].inertia": 0.02, "stop.restitution": 0.9, "contact.restitution": 0.4},
-        {"link[1].length": 0.6, "link[1].center_of_mass": 0.25},  # as in the scene
+        {"link[1].length": 0.6, "link[1].center_of_mass": 0.25},  # the value of the scene
     ],
     ids=str,
 )

@@ -93,7 +93,9 @@ def test_of_many_parameters_the_most_important_have_colours():
     order = [name for _, name in sorted(zip(-matter, found.parameters, strict=True))]
     told = [line.get_label().partition(" + ")[0] for line in curves]
     assert {*told} == {*order[: len(PALETTE)]}
-    (band,) = [one for one in page.axes[1].collections if one.get_label()[:1].isdigit()]  # of the others
+    (band,) = [
+        one for one in page.axes[1].collections if one.get_label()[:1].isdigit()
+    ]  # the band of the other parameters
     grey = found.changes("point[1].y")[:, [k for k, one in enumerate(found.parameters) if one not in told]]
     ends = band.get_datalim(page.axes[1].transData).intervaly
     np.testing.assert_allclose(ends, (np.nanmin(grey), np.nanmax(grey)))

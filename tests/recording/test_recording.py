@@ -134,7 +134,7 @@ NONE, FIRST, SECOND = (0, 0.0, -1, 0, 0.0), (1, 0.15, 4, 3, 2.5), (2, 0.35, 0, 1
     ("rows", "impacts"),
     [
         ([NONE, NONE, FIRST, FIRST, SECOND, SECOND], [(0.15, 4, 2, 2.5), (0.35, 0, 0, 0.5)]),
-        # of several impacts between two rows, only the last is known
+        # only the last of several impacts between two rows is known
         ([NONE, (3, 0.19, 2, 4, 1.0)], [(0.19, 2, 3, 1.0)]),
         ([(1, 0.0, 0, 2, 1.0)], [(0.0, 0, 1, 1.0)]),  # at the start
         ([NONE] * 3, []),

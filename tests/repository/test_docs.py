@@ -175,7 +175,7 @@ def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
         elif title:
             (folder / title).write_text(text, encoding="utf-8")
         elif language == "python":
-            # as a separate program, as a reader would run the snippet
+            # the snippet runs as a separate program, as for a reader
             (folder / "snippet.py").write_text(text, encoding="utf-8")
             code, printed, errors = run(folder, "snippet.py")
             assert code == 0, f"{text}\n{errors}"

@@ -22,7 +22,7 @@ MODULES = sorted(
 )
 # fields with several writers: work space and results of a method's functions (ode/control.py)
 SHARED = {
-    "candidate.offset",  # of a wall at rest, and of a moving wall
+    "candidate.offset",  # one module sets walls at rest, the other sets moving walls
     "step.dense",
     "search.curvature",
     "trial.state",

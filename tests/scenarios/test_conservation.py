@@ -43,7 +43,9 @@ def test_energy_never_rises_and_the_ledger_closes(law):
     assert start == pytest.approx(61.6630096858, abs=1e-9)
     assert len(result.impacts) >= 5
     assert (np.diff(energy["total"]) < 1e-8 * start).all()
-    assert (np.diff(energy["dissipated"]) >= -1e-11 * start).all()  # but for round-off
+    assert (
+        np.diff(energy["dissipated"]) >= -1e-11 * start
+    ).all()  # dissipated energy may fall by round-off only
     assert (result.outputs["force"] >= 0.0).all()
     assert np.ptp(ledger(result)) < 1e-6 * start
 

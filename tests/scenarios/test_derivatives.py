@@ -267,7 +267,7 @@ def test_derivatives_are_those_of_differences(name):
     positive = ("joint_damping", "joint_stiffness", "radius")
     for parameter in tried:
         if parameter.endswith(positive) and case.value(parameter) == 0.0:
-            continue  # it cannot be negative
+            continue  # the value cannot be negative
         k, by_state = case.parameters.index(parameter), differences(case, parameter)[0]
         for t in range(len(case.times)):
             expected = np.array([right.slopes[one][t, k] for one in names])

@@ -199,7 +199,7 @@ def test_an_arm_at_a_rigid_stop_leans_on_a_rough_floor_from_the_start():
     assert np.abs(tip - tip[0]).max() < 1e-3
     normal, tangential = (result[f"contact[2].y_min.{name}"][-1] for name in ("force", "friction_force"))
     assert tangential == pytest.approx(0.5 * normal, rel=1e-12)
-    assert 1e6 * (-tip[-1, 1]) ** 1.5 == pytest.approx(normal, rel=1e-5)  # it still creeps
+    assert 1e6 * (-tip[-1, 1]) ** 1.5 == pytest.approx(normal, rel=1e-5)  # the point still creeps
     # the moments about joint 2
     weight = mass * 9.81 * math.cos(angle) / 2.0
     assert normal * math.cos(angle) - tangential * math.sin(angle) == pytest.approx(weight, rel=1e-6)

@@ -17,7 +17,7 @@ from tests.helpers.problems import build, contact_table
 
 pytestmark = pytest.mark.full("takes long")
 
-CASES = 500  # of each motion
+CASES = 500  # number of cases of each motion
 ROUND_OFF = 2e-14  # m, of positions of some metres
 # minimal share of cases that can be judged, because the error of the run is small enough
 JUDGED = {"thrown": 0.95, "spinning": 0.6}

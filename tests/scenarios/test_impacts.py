@@ -125,7 +125,7 @@ def test_a_rods_end_is_struck_as_in_the_textbook(tilt, restitution):
     scene, exact = struck_rod(tilt, restitution, 1e8)
     scene = rigid(with_values(scene, {("initial", "velocity"): (0.8, -1.0)}))
     before, after = around_first_impact(scene)
-    spin = math.copysign(exact.spin, -tilt)  # which end is hit
+    spin = math.copysign(exact.spin, -tilt)  # the sign tells which end is hit
     assert after["angular_velocity"][0] == pytest.approx(spin, abs=1e-10)
     moves = [row["point_velocity"].mean(axis=0) for row in (before, after)]
     assert moves[1][1] == pytest.approx(exact.speed, abs=1e-10)

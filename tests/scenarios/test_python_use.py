@@ -96,6 +96,6 @@ def test_what_is_no_saved_state_of_the_scene_is_refused(chain):
         chain.restore(b"x")
     state = chain.save()
     Chain(chain.scene.with_values({})).restore(state)
-    other = Chain(chain.scene.with_values({"gravity.y": -9.80665}))  # of an equal repr
+    other = Chain(chain.scene.with_values({"gravity.y": -9.80665}))  # a scene whose repr is equal
     with pytest.raises(SceneError, match="no state of this scene"):
         other.restore(state)

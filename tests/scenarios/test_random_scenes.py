@@ -43,7 +43,7 @@ BLOCKS.append(range(LONG, LONG + BLOCK // 2))
 
 
 def broken(one):
-    """Return the findings of a run, except a stop with a status and a duration over 2 s."""
+    """Return the findings of a run, but accept a run that ends with a status or takes longer than 2 s."""
     return [finding for finding in one.findings if finding.kind not in {"stopped", "slow"}]
 
 

@@ -62,7 +62,7 @@ def test_loose_tolerances_see_the_same_contacts_and_sound_outputs(stiffness, res
         result = simulate(scene, stop_time=1.5, output_step=5e-4)
         onsets[tolerance] = len(result.impacts)
         assert balance(result) < max(1e-6, tolerance)
-    # of 29 to 81 onsets, the last bounces before rest are below the resolution of the tolerance
+    # a run has 29 to 81 onsets; the last bounces before rest are below the resolution of the tolerance
     assert onsets[1e-4] == pytest.approx(onsets[1e-8], abs=2)
     assert onsets[1e-3] == pytest.approx(onsets[1e-8], abs=2, rel=0.05)
 

@@ -78,7 +78,7 @@ def test_these_are_all_that_take_a_scene():
 def first_parameter(thing):
     try:
         parameters = inspect.signature(thing).parameters.values()
-    except ValueError:  # of an exception
+    except ValueError:  # a class of exceptions may have no signature
         return None
     return next(iter(parameters), None)
 

@@ -4,7 +4,7 @@ from chain_impact import Scene, load_scene, model_names
 from tests.helpers.friction import pendulum, sled
 from tests.helpers.stops import knee
 
-LINES, COLUMNS = 8, 120  # of a repr
+LINES, COLUMNS = 8, 120  # the largest size of a repr
 
 
 def is_short(text):

@@ -144,7 +144,9 @@ def test_a_centre_of_mass_beyond_the_link_is_allowed_and_pointed_at():
         scene = parse_scene(text, "rod.toml")
     assert [(str(one.message), one.filename) for one in caught] == [(hint, __file__)]
     assert scene.chain.links[0].center_of_mass == 25.0
-    parse_scene(SCENE, "rod.toml").with_values({"link[1].center_of_mass": 2.0})  # no more than the end
+    parse_scene(SCENE, "rod.toml").with_values(
+        {"link[1].center_of_mass": 2.0}
+    )  # without a comment, only the end of the text differs
 
 
 def test_a_step_longer_than_the_simulation_is_allowed_and_pointed_at():

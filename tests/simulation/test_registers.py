@@ -47,7 +47,7 @@ def test_a_kernel_gives_the_same_bits_whatever_rounds_its_caller(library, model)
         try:
             instance.initialize()
             count = instance.trajectory(times, rows, spans)
-            assert library.registers() == value  # and no flag is raised
+            assert library.registers() == value  # the kernel raises no flag
         finally:
             library.set_registers(USUAL)
         assert count == len(times)

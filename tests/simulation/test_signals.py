@@ -179,7 +179,7 @@ def test_the_checks_of_a_start_know_what_signals_make_of_it(name):
     scene = driven(name)
     assert at_start(scene, one) == simulate(scene, 1e-3)[one][0]
     if name in ("smooth", "trapezoid", "chirp"):
-        for start in (-0.02, -0.17, -1.0):  # it has begun before
+        for start in (-0.02, -0.17, -1.0):  # the signal began before the run
             begun = scene.with_values({"signal.drive.start": start})
             assert at_start(begun, one) == simulate(begun, 1e-3)[one][0]
 

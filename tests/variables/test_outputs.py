@@ -139,7 +139,7 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
             field = field[step]
         assert field["slope"].tolist() == [float(k == number % DIRECTIONS) for k in range(DIRECTIONS)]
         slopes[t, number % DIRECTIONS] = 1.0
-    # no other slope
+    # no other output has derivatives
     reals = sum(int(total_slopes(behind[t])) for t in range(count))
     assert reals == slopes.sum() == len(names)
 

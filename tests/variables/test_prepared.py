@@ -61,7 +61,10 @@ def test_what_the_scene_says_in_words_becomes_a_number():
     assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
     assert (held["model"]["pinned"], held["model"]["driven"]) == (0, 0)
     arm = PreparedScene(load_scene("pinned_arm")).new_instance()[0]
-    assert {point for point, _ in candidates(load_scene("pinned_arm"))} == {1, 2}  # but for the base
+    assert {point for point, _ in candidates(load_scene("pinned_arm"))} == {
+        1,
+        2,
+    }  # all points except the base
     assert (arm["model"]["pinned"], arm["model"]["driven"]) == (1, 1)
 
 

@@ -239,7 +239,7 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
             value = stored = -1.0
         elif variable.name == "initial.angle[3]":  # the start must stay within the stop of a knee
             value = stored = stored - 0.01
-        elif variable.name in ("contact.exponent", "stop.exponent"):  # no less than 1
+        elif variable.name in ("contact.exponent", "stop.exponent"):  # the exponent is at least 1
             value = stored = 1.25
         elif variable.name.endswith(".static_friction"):  # at least the kinetic friction
             value = stored = 1.1

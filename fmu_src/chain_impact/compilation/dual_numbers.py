@@ -41,7 +41,7 @@ class Dual(types.Type):
         return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
 
     def unify(self, _context: Any, other: types.Type) -> types.Type | None:
-        """Return this type for a variable that is sometimes a dual number and sometimes an ordinary number."""
+        """Return this type for a variable that may be a dual number or an ordinary number."""
         return self if isinstance(other, types.Number | types.Boolean) else None
 
 

@@ -168,7 +168,7 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether two pieces are as long as the halves of an interval that no accurate piece covers."""
+        """Return whether two pieces are as long as the halves of an interval that no single piece fits."""
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]
 

@@ -13,7 +13,7 @@ from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.plain import record_of
 
-PLACES = (0.0, 0.4, 1.0, 1.3)  # of the centre of mass, over the length
+PLACES = (0.0, 0.4, 1.0, 1.3)  # positions of the centre of mass, over the length
 
 
 def links(shapes):

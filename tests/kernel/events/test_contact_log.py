@@ -148,7 +148,7 @@ def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, la
         [0.0, -0.5, 1.0, 1.0, 1.0],
         [0.0, -0.05, 0.4],  # at its start
         [0.0, -0.9, 0.5],  # near its end
-        [0.0, -0.5, -0.2],  # no top
+        [0.0, -0.5, -0.2],  # samples without a maximum
         [0.0, -0.7, 0.1],
         [0.0, 0.2, -0.1],
     ],

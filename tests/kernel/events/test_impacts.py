@@ -330,7 +330,7 @@ def test_contacts_with_a_force_take_the_rates_after_it_and_the_side_of_their_kin
     y = struck(rng, d, touched)
     make_rigid(d, np.arange(d.candidates) == 5)
     d.step.state_end[:] = y
-    d.work.velocity.x[:] = 1e9  # of before
+    d.work.velocity.x[:] = 1e9  # velocities of an earlier state
     d.touch.speed[:], d.touch.force_rate[:] = 77.0, -5.0
     monkeypatch.setattr(impacts, "set_kink_side", lambda _, c: sides.append(int(c)))
     impacts.follow_jump(d)

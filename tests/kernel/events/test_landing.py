@@ -71,7 +71,7 @@ def test_a_touch_at_the_very_start_has_to_agree_with_the_motion_there(gap, clear
         (0.1, -0.6, 4.0, True),  # + ½ 4 (0.1)² = 0.02
         (0.1, -0.4, -4.0, False),
         (0.0, 0.4, 0.0, True),
-        (-0.1, 3.0, 0.0, False),  # it is inside
+        (-0.1, 3.0, 0.0, False),  # the point is inside the wall
     ],
 )
 def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clear, active):

@@ -39,7 +39,7 @@ def in_contact(law="zhang_sharf", touching=3):
 def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     """Q = Σ F ∇g + f_tip·∇p_tip; the dissipated power is the walls' power minus the stored power."""
     scene, d, y, candidates, jacobian = in_contact(law, touching)
-    d.work.load.x[:] = d.work.load.y[:] = 9.0  # of another state
+    d.work.load.x[:] = d.work.load.y[:] = 9.0  # loads of another state
     rates = jacobian @ y[5:10]
     forces = np.array([contact.contact_force(d, c, *geometry.clearance(d, c)) for c in candidates])
     lost = contact.apply_contacts(d)

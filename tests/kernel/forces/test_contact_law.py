@@ -96,7 +96,7 @@ def test_a_users_law_has_no_factor(given, monkeypatch):
         *(({"restitution": e}, RANGE) for e in (-1e-9, 1.0 + 1e-9, math.nan)),
         *(({"stiffness": stiffness}, RANGE) for stiffness in (0.0, math.nan)),
         *(({"restitution": 1.0}, OK), ({"stiffness": 1e-3}, OK)),
-        ({"law": NUMBER["kelvin_voigt"]}, status.EXPONENT_NOT_ALLOWED),  # it is linear
+        ({"law": NUMBER["kelvin_voigt"]}, status.EXPONENT_NOT_ALLOWED),  # this law is linear
         ({"restitution": 0.0}, status.RESTITUTION_NOT_ALLOWED),  # the damping of this law would be infinite
         ({"restitution": 0.0, "law": NUMBER["newton_impact"]}, OK),
     ],
@@ -184,7 +184,7 @@ def test_a_wall_may_give_its_own_stiffness_or_restitution_and_a_stop_those_of_st
 
 
 def test_candidates_of_one_origin_have_one_law():
-    """``same_as`` is the first candidate of them; the material of a wall may change during a run."""
+    """``same_as`` is the first candidate of an origin; the material of a wall may change during a run."""
     d = stopped_chain(2)[1]
     wall = d.candidate.wall[1]
     d.walls.restitution[wall] = 0.2

@@ -70,7 +70,7 @@ def test_damping_factor_is_that_of_the_literature(law, e):
     # accuracy of an iterative root, or of a formula
     accuracy = {"zhang_sharf": 1e-9, "kuwabara_kono": 1e-8}.get(law.id, 1e-14)
     assert factor_of(law, e) == pytest.approx(expected, rel=accuracy, abs=1e-15)
-    assert law.damping_factor(e) == pytest.approx(factor_of(law, e), rel=1e-15)  # as plain Python
+    assert law.damping_factor(e) == pytest.approx(factor_of(law, e), rel=1e-15)  # the factor in plain Python
 
 
 @LAWS

@@ -96,7 +96,7 @@ def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_miss
     """Where W is nearly singular a small gap needs large rotations; then separate points stay in place."""
     d, _, _, response, _ = problem(pressed=(1, 1))
     own, size = d.rigid, d.model.size
-    if bad:  # the same point, at two walls with an angle of 1e-3 rad
+    if bad:  # one point touches two walls with an angle of 1e-3 rad
         first, second = d.touch.active_index[:2]
         d.candidate.point[second] = d.candidate.point[first]
         d.candidate.place[second] = d.candidate.place[first]

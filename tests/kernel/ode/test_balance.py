@@ -81,7 +81,7 @@ def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_to
     [
         (0.0, 0.09, 0.1),  # less than a tenth, and less than the error of the step
         (0.0, 0.2, 0.2),
-        (0.5, 0.2, 0.4),  # of what is left
+        (0.5, 0.2, 0.4),  # a part of the remaining budget
         (2.0, 0.001, 0.2),  # equal to the growth of the budget in a step of that size
         (0.9, 0.2, 2.0),  # a step that would lose more is refused
         (2.0, 0.1, None),

@@ -124,8 +124,8 @@ def at_start(tolerance=1e-8, **tables):
         (-0.5, 1.0, 0.5 * collocation.PAST_END),  # s, in which it leaves
         (-0.99, 1.0, 1.0),  # the contact began in this step, shortly before its end
         (-2.0, 1.0, 1.0),
-        (-0.5, -1.0, 1.0),  # it goes in
-        (-0.9 * collocation.FORCELESS, 1.0, 1.0),  # it has all but left
+        (-0.5, -1.0, 1.0),  # the point moves inward
+        (-0.9 * collocation.FORCELESS, 1.0, 1.0),  # the point has almost left
         (-1.1 * collocation.FORCELESS, 1.0, 1.1 * collocation.FORCELESS * collocation.PAST_END),
         (0.1, 1.0, 1.0),
     ],
@@ -164,7 +164,9 @@ def stiff_joint(damping, tolerance=1e-8):
 def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, damping, h):
     """DECAY_TIMES time constants for an error of the tolerance, and fewer for a larger error of the step."""
     d, rho, fast = stiff_joint(damping, tolerance)
-    taken = 1.0 - 1.0 / (1.0 + rho * h * REAL_EIGENVALUE)  # one linear solution with the real shift
+    taken = 1.0 - 1.0 / (
+        1.0 + rho * h * REAL_EIGENVALUE
+    )  # the result of one linear solution with the real shift
     expected = collocation.DECAY_TIMES / rho * (rho / (taken * fast)) ** (1.0 / (ORDER[IMPLICIT] - 1))
     assert collocation.prepare(d, h) == pytest.approx(expected, rel=1e-6)
     collocation.attempt(d, expected)
@@ -178,7 +180,7 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
     d.solver.tolerance = 1e6  # does not see it
     assert collocation.prepare(d, 0.1) == 0.1
     d.solver.tolerance = 1e-8
-    d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # as one body
+    d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # the chain turns as one body
     equations.state_rate(d, d.step.state_end, d.work.rate_start)
     d.work.rate_start[velocity_at(N) :] = 0.0
     assert collocation.prepare(d, 0.1) == 0.1

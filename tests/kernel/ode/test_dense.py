@@ -82,7 +82,7 @@ def test_of_two_moments_the_one_before_time_runs_back_is_it_and_what_comes_after
     time = falling(d, 0.3, -0.2)  # back from θ = 0.6 on
     for theta in (0.05, 0.3, 0.59):
         assert dense.regularized_fraction(d, time(theta)) == pytest.approx(theta, rel=1e-6)
-        # also if the time there exceeds the time at the end of the step
+        # the time within the step may exceed the time at the end of the step
         assert time(theta) > time(1.0) or theta < 0.1
     assert dense.regularized_fraction(d, 2.0 * time(0.6)) == pytest.approx(0.6, rel=1e-3)
     time = falling(d, 0.1, 0.3)

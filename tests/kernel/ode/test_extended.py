@@ -54,7 +54,7 @@ def normal_accelerations(scene, d, y, rate, touched):
 def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at_end):
     scene, d, touched, y = touching
     gaps = [geometry.clearance(d, c) for c in touched]
-    d.work.acceleration.x[:] = d.work.acceleration.y[:] = 1e9  # of something else
+    d.work.acceleration.x[:] = d.work.acceleration.y[:] = 1e9  # accelerations of another state
     if not at_end:
         kinematics.locate_points(d, y + 0.1)
     d.work.at_end = at_end
@@ -92,7 +92,7 @@ def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
     _, d, touched, _ = touching
     extended.extend_start(d)
     z = d.implicit.start.copy()
-    z[gap_at(d, 0)], z[gap_at(d, 1)] = -3e-3, 1e-3  # one has left its wall
+    z[gap_at(d, 0)], z[gap_at(d, 1)] = -3e-3, 1e-3  # the second point has left its wall
     extended.extended_slopes(d, z)
     for k, depth in enumerate((3e-3, 0.0)):
         right = contact_force.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])

@@ -164,7 +164,7 @@ def assert_adjoint(d, rows, change):
         power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
         response.no_impedance(d, own)
-        own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # which nothing reads
+        own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # no function reads these numbers
         add_impedance(row, own, 1.0)
         add_impedance(row, own, 1.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2

@@ -117,7 +117,7 @@ WAVES = [0.9 * FALLS, *PAUSE, 0.8 * FALLS**2, *PAUSE, 0.0]
     ("corrections", "right"),
     [
         ([1.0, 1e-2, 1.01 * FAST, 0.99 * FAST, 0.0], (True, 4)),  # a small part of the tolerance
-        ([LARGE] * MOST, (False, END)),  # they fall no more
+        ([LARGE] * MOST, (False, END)),  # the corrections do not fall any more
         # a fall counts from the lowest earlier value
         ([1.0, *[SLOW] * STALLED, *[0.0] * MOST], (False, END)),
         ([1.0, *[SLOW] * (STALLED - 1), 0.0], (True, END)),

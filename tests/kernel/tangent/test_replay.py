@@ -63,7 +63,7 @@ def test_values_are_those_of_the_run(name):
 
 
 LINKS = 1
-SIZE = 2 * (LINKS + 2) + 4  # of a state
+SIZE = 2 * (LINKS + 2) + 4  # the length of a state
 
 
 def parts(number):

@@ -120,7 +120,7 @@ def test_few_values_give_wide_intervals_that_hold_the_truth():
         held += low < TRUE[0] < high
         widths.append(math.log(high / low) / (2 * found.standard_errors[FREE[0]] / found.values[FREE[0]]))
     assert min(widths) > 3.0
-    assert held >= 35  # of 40 runs at 95 %; fewer occur by chance once in 200 times
+    assert held >= 35  # 40 runs at 95 %; fewer than 35 occur by chance once in 200 times
     assert any(note.startswith("peak_force has 3 values: a σ that is estimated") for note in found.notes)
 
 

@@ -84,9 +84,8 @@ def test_very_many_samples_are_latin_hypercubes_one_after_another():
     for cube, first, size in ((0, 0, CUBE), (15000, 15000 * CUBE, CUBE), (15258, 15258 * CUBE, 10**9 % CUBE)):
         values = design.values(first, first + size)
         parts = (values[:, 0] - 0.2) / 0.6
-        assert (np.sort((parts * size).astype(int)) == np.arange(size)).mean() > 0.99, (
-            cube
-        )  # but for rounding
+        # rounding may put a few samples into the next part
+        assert (np.sort((parts * size).astype(int)) == np.arange(size)).mean() > 0.99, cube
         assert (design.values(first + 5, first + 9) == values[5:9]).all()
         across = design.values(first - 3, first + 3)[3:] if first else values[:3]
         assert (across == values[:3]).all()

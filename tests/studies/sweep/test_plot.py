@@ -205,7 +205,9 @@ def test_outputs_that_were_asked_for_have_panels():
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4"}, outputs=["point[4].x", "impact.last_wall"])
     page = drawn(found)
     assert [axes.get_ylabel() for axes in page.axes][4:] == ["point[4].x at the end [m]"]
-    assert "the same in all runs: impact.last_wall at the end 3" in page.texts[1].get_text()  # no panel
+    assert (
+        "the same in all runs: impact.last_wall at the end 3" in page.texts[1].get_text()
+    )  # the quantity has no panel
 
 
 def test_results_that_never_change_still_have_a_picture():
