@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene
+from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.models import model_names, models_folder
 from chain_impact.variables.prepared import PreparedScene
 from tests.cli.results import program
@@ -25,7 +26,7 @@ def info(run, source):
     values, listing = said.split("\nVariables of the FMU\n")
     head, *rows = listing.splitlines()
     assert head.split() == ["name", "causality", "variability", "unit", "meaning"]
-    return values, {line.split()[0]: line for line in rows}
+    return values, {line.split()[0]: line for line in rows if not line.startswith("   ")}
 
 
 FACTS = {
@@ -55,7 +56,15 @@ def test_info_has_values_and_every_variable(run, fmu, scene):
     for variable in variables:
         line = lines[variable.name]
         assert line.split()[1:3] == [variable.causality, variable.variability]
-        assert line.endswith(variable.description)
+        assert line.endswith(variable.description.partition(": 0 no fault")[0])
+
+
+def test_each_number_of_a_status_has_its_own_line(run):
+    _, said, _ = run("info", "rod_drop")
+    told = said[said.index("status of the solver\n") :].splitlines()
+    assert [line.split()[:3] for line in told[1:4]] == [
+        [str(code), *STATUS_TEXT[code].split()[:2]] for code in range(3)
+    ]
 
 
 @pytest.mark.full("more cases", but=1)

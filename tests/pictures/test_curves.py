@@ -18,9 +18,9 @@ def result():
 def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
     page = result.plot(curves=[FORCES, "point[4].*", "impact.count"], size=(10.0, 9.0))
     units = [axes.get_ylabel() for axes in page.axes]
-    assert units == ["force [N]", "[m]", "[m/s]", "[m/s²]", "count"]
+    assert units == ["force [kN]", "[m]", "[m/s]", "[m/s²]", "count"]
     forces, places = page.axes[:2]
-    peaks = [line.get_ydata().max() for line in forces.lines]
+    peaks = [1e3 * line.get_ydata().max() for line in forces.lines]
     assert sorted(peaks)[-2:] == pytest.approx(sorted(result.impacts["peak_force"]), rel=1e-3)
     assert result["contact[2].y_min.force"].max() < 0.99 * max(peaks)  # the rows miss it
     (x, _) = places.lines
@@ -49,9 +49,9 @@ def test_around_an_impact_time_is_that_after_its_onset(result):
 
 
 def test_a_curve_that_lies_on_another_is_dashed(result):
-    forces = ["contact[0].y_max.force", "contact[1].y_max.force", "contact[2].y_min.force"]
-    (axes,) = result.plot(curves=forces).axes  # the first two are always zero
-    assert [line.get_linestyle() for line in axes.lines] == ["-", "--", "-"]
+    forces = ["contact[0].y_max.force", "contact[1].y_max.force"]
+    (axes,) = result.plot(curves=forces).axes  # both are always zero
+    assert [line.get_linestyle() for line in axes.lines] == ["-", "--"]
 
 
 def test_a_title_of_ones_own_or_none(result):
@@ -72,9 +72,25 @@ def test_curves_go_into_axes_that_are_there(result):
 def test_what_cannot_be_drawn_is_refused(result):
     with pytest.raises(UnknownNameError, match="the nearest is"):
         result.plot(curves="point[4].z")
-    with pytest.raises(ValueError, match="around = 3 must be 1 to 2"):
+    with pytest.raises(ValueError, match="around = 3 must be from 1 to 2"):
         result.plot(curves=FORCES, around=3)
     with pytest.raises(ValueError, match="only curves are drawn around an impact"):
         result.plot(around=1)
     with pytest.raises(ValueError, match="must be <= "):
         result.plot(curves="*")
+
+
+def test_outputs_that_are_always_zero_are_told_at_the_foot_and_large_forces_have_a_prefix(result):
+    page = result.plot(curves="contact[*].*.force")
+    (axes,) = page.axes
+    named = [text.get_text() for text in axes.get_legend().get_texts()]
+    hit = [f"contact[{impact['point']}].{impact['wall_name']}.force" for impact in result.impacts]
+    assert named == sorted(set(hit))
+    (told,) = [text.get_text() for text in page.texts if text.get_text().startswith("0 in the whole view")]
+    assert "contact[0].x_min.force" in told
+    assert axes.get_ylabel() == "force [kN]"
+    assert max(line.get_ydata().max() for line in axes.lines) == pytest.approx(
+        1e-3 * result.impacts["peak_force"].max(), rel=1e-2
+    )
+    alone = result.plot(curves="contact[0].x_min.force").axes[0]
+    assert len(alone.lines) == 1

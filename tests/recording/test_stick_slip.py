@@ -139,14 +139,15 @@ def test_a_table_of_outputs_has_them_again(tmp_path):
 
 def test_the_screen_shows_the_first_ones():
     result = simulate(pendulum(), output_step=0.5)
-    (table,) = stick_slip_table(result)
+    table, mode = stick_slip_table(result)
+    assert mode.startswith("mode     slip + along +x")
     assert (table.row_count, [column.header for column in table.columns][2]) == (
         len(result.stick_slip),
         "dry friction",
     )
     count = 4 * len(result.stick_slip)
     vars(result)["stick_slip"] = np.concatenate([result.stick_slip] * 4)
-    table, more = stick_slip_table(result)
+    table, more, _ = stick_slip_table(result)
     assert table.row_count == 20
     assert more == f"and {count - 20} more phases of dry friction"
 

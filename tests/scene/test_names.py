@@ -51,3 +51,9 @@ def test_the_key_that_makes_an_input():
 def test_a_link_that_there_is_needs_no_hint():
     assert [parameter_hint(f"link[{i}].massa", 3, ()) for i in (1, 3)] == [None, None]
     assert [parameter_hint(f"link[{i}].mass", 3, ()) for i in (0, 4)] == ["links count from 1 to 3"] * 2
+
+
+def test_a_name_with_the_same_last_part_is_nearer():
+    names = ["point[1].y", "contact[1].y_min.force", "contact[1].y_min.friction_force"]
+    assert nearest("joint[1].force", names) == "contact[1].y_min.force"
+    assert nearest("point[1].force", ["point[1].y"]) == "point[1].y"

@@ -27,6 +27,7 @@ Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
 INTERPOLATIONS = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
+SETTING = "contact.stiffness=1e9"  # the example for a setting that has no value
 MILLIMETRES = (51, 1500)  # the least and the largest width and height of a picture [mm]
 
 
@@ -71,7 +72,7 @@ def complete_scenes(argument: argparse.Action) -> None:
 def add_set(command: argparse.ArgumentParser) -> None:
     """Add ``--set``, and a short form of one setting."""
     what = "set a value by a name that `info` lists"
-    complete(add_repeated(command, "--set", "NAME=VALUE", what), settings, valued=True)
+    complete(add_repeated(command, "--set", "NAME=VALUE", what, type=setting), settings, valued=True)
     command.add_argument(
         "--stop-time",
         action="append",
@@ -117,12 +118,18 @@ def driven(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene
 
 
 def add_repeated(
-    command: argparse.ArgumentParser, option: str, metavar: str, what: str, *, alias: str | None = None
+    command: argparse.ArgumentParser,
+    option: str,
+    metavar: str,
+    what: str,
+    *,
+    alias: str | None = None,
+    type: Callable[[str], str] = str,
 ) -> argparse.Action:
     """Add an option that can be given several times, optionally with a second name."""
     names = [option, *([alias] if alias else [])]
     return command.add_argument(
-        *names, action="append", default=[], metavar=metavar, help=f"{what}; can be repeated"
+        *names, action="append", default=[], metavar=metavar, type=type, help=f"{what}; can be repeated"
     )
 
 
@@ -211,16 +218,26 @@ def ending(*suffixes: str) -> Callable[[str], Path]:
     return file
 
 
+def setting(text: str) -> str:
+    """Return the text of an argument ``NAME=VALUE``.
+
+    A text without ``=`` is refused here, because a value after a space would be taken for another argument.
+    """
+    if "=" not in text:
+        raise argparse.ArgumentTypeError(f"{text} must be NAME=VALUE without spaces, for example {SETTING}")
+    return text
+
+
 def settings_of(texts: Sequence[str]) -> dict[str, str]:
     """Return name → value for every ``--set NAME=VALUE``."""
-    return dict(name_and_value("--set", text, "contact.stiffness=1e9") for text in texts)
+    return dict(name_and_value("--set", text, SETTING) for text in texts)
 
 
 def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
     """Return the two sides of one ``NAME=VALUE`` of an option."""
     name, equals, value = (part.strip() for part in text.partition("="))
     if not (name and equals and value):
-        raise UsageError(f"{option} {text}: must be NAME=VALUE, for example {example}")
+        raise UsageError(f"{option} {text}: must be NAME=VALUE without spaces, for example {example}")
     return name, value
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
 from io import StringIO
@@ -12,15 +13,17 @@ from rich.markup import escape
 from rich.table import Table
 
 from chain_impact.cli.progress import out, say
+from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import phase_cells
-from chain_impact.recording.summary import LISTED, energy_lines, impact_list, load_lines
+from chain_impact.recording.summary import LISTED, energy_lines, impact_list, load_lines, passing_lines
 from chain_impact.recording.text import Table as TextTable, plural
 from chain_impact.scene.tables import Box
 from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
+CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")  # the text before each number in the description of a status
 PHASES = 20  # the largest number of phases of dry friction in the table
 RELATIVE = {
     "impact_speed": "speed",
@@ -66,8 +69,10 @@ def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
     yield "\n[bold]Variables of the FMU[/]"
     table = table_of(("name", "causality", "variability", "unit", "meaning"))
     for v in variables:
-        cells = (v.name, v.causality, v.variability, unit_text(v.unit), v.description or "")
-        table.add_row(*map(escape, cells))
+        meaning, *codes = CODES.split(v.description or "")
+        table.add_row(*map(escape, (v.name, v.causality, v.variability, unit_text(v.unit), meaning)))
+        for code in codes:
+            table.add_row("", "", "", "", escape(f"  {code}"))
     yield table
 
 
@@ -81,6 +86,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     for part in tabulated(impact_list(recording, LISTED)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
     yield from meanings(recording)
+    yield from passing_lines(recording)
     yield from stick_slip_table(recording)
     yield from load_lines(recording)
     yield from energy_lines(recording.energies)
@@ -125,6 +131,8 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
     yield table
     if len(phases) > PHASES:
         yield f"and {plural(len(phases) - PHASES, 'more phase')} of dry friction"
+    if (phases["mode"] != STICKS).any():
+        yield "mode     slip + along +x at a floor, in a joint with a positive rate; slip - against it"
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:

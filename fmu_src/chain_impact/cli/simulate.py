@@ -240,13 +240,13 @@ def report(
     elif canvas:
         shown = recording if sensitivities or fault else source.with_rows(recording)
         draw(canvas, shown, has_derivatives=bool(sensitivities))
-    show(summary(recording))
+    parts = summary(recording)
+    if ranking:
+        show([next(parts), *tabulated(ranking.parts()), ""])
+    show(parts)
     if tighter:
         say(f"check    {difference_text(tighter.differences(recording))}")
-    if ranking:
-        say("")
-        show(tabulated(ranking.parts()))
-    elif sensitivities:
+    if sensitivities and not ranking:
         show(sensitivity_tables(recording))
     if fault:
         raise fault

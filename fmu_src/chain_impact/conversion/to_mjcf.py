@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.conversion.mjcf import CARRIED, UNLIMITED
+from chain_impact.recording.text import few
 from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.scene.tables import Link, Slider
 
@@ -233,6 +234,9 @@ def _left_out(scene: Scene) -> Iterator[str]:
     for name, limit in _limits(scene):
         if limit == 0.0:
             yield f"{name} = 0: MuJoCo has no such limit"
+    if scene.signals:
+        told = few([f"signals.{name}" for name in scene.signals], 3)
+        yield f"{told}: MuJoCo has no signals over time: a program must set what they drive"
     for key in ("joint_targets", "tip_force", "base_motion", "wall_motion"):
         if getattr(scene.inputs, key):
             yield f"inputs.{key}: is no input of the MuJoCo model"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.names import AXES
+from chain_impact.scene.names import AXES, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.signal import Samples, Signal
 from chain_impact.scene.signal_checks import check_table
@@ -51,10 +51,14 @@ def driven_rows(
     """
     stop, step = experiment
     times, columns = samples_of(read_table(file), stop)
-    input_names = [variable.name for variable in description.modelVariables if variable.causality == "input"]
+    variables = description.modelVariables
+    input_names, output_names = (
+        [one.name for one in variables if one.causality == kind] for kind in ("input", "output")
+    )
     for name in columns:
         if name not in input_names:
-            raise UnknownNameError(str(file), name, input_names, f"no input of {description.modelName}")
+            hint = "a signal of the FMU drives it" if name in output_names and input_key(name) else None
+            raise UnknownNameError(str(file), name, input_names, f"no input of {description.modelName}", hint)
     signal = Signal(
         input=tuple(columns),
         form="table",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,10 +16,10 @@ from chain_impact.pictures.message import hit, write_head
 from chain_impact.pictures.over_time import impact_lines, mark_impacts
 from chain_impact.pictures.pages import settle
 from chain_impact.pictures.rest import shade_rests, shown_time
-from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled
+from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled, write_foot
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import plural
+from chain_impact.recording.text import few, plural, prefixed
 from chain_impact.scene.unit_text import in_brackets, unit_text
 
 DASHES = ("-", "--", ":")
@@ -26,7 +27,11 @@ DASHES = ("-", "--", ":")
 MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
 SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
+WIDEST = 28  # the largest number of characters of a name at the side of the panel
+# the units that get a prefix, if the largest value is outside of the interval from SMALL to LARGE
+PREFIXED, SMALL, LARGE = ("N", "N.m", "N.s", "N.m.s", "J", "W"), 1e-2, 1e4
 END = 0.5  # the fraction of the text colour in the line at an impact's end
+TOLD = 4  # the largest number of outputs that are always 0 and named at the foot
 SIDE = 8  # the largest number of curves whose names are at the side of the panel
 
 
@@ -44,7 +49,7 @@ def check_curves(curves: Curves) -> None:
     panels = curves.panels
     if len(panels) > MOST_PANELS:
         raise ValueError(f"curves: {len(panels)} units need as many panels; must be <= {MOST_PANELS}")
-    for names in panels:
+    for names in map(partial(drawn_in, curves), panels):
         if len(names) > MOST:
             unit = curves.units[names[0]]
             raise ValueError(
@@ -66,7 +71,9 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
         seen = in_view(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
         write_head(page, recording, title or summary, seen if title else "")
-    panels = curves.panels
+    panels, zero = curves.panels, always_zero(curves)
+    if zero:
+        write_foot(page, f"0 in the whole view: {few(zero, TOLD)}")
     grid = page.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     draw_all(list(grid), recording, curves)
     for axes in grid:
@@ -117,25 +124,38 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
         is_known = np.isfinite(recording.impacts["end"][curves.number - 1])
         others = impact_lines(recording, *(start + ends / factor))
         label = "; ".join(filter(None, (label, others, "dotted: the end" if is_known else "")))
-    for axes, names in zip(grid, curves.panels, strict=True):
+    for axes, names in zip(grid, (drawn_in(curves, names) for names in curves.panels), strict=True):
         mark_impacts(axes, recording, start, factor)
         if curves.number:
             mark_end(axes, recording, curves.number, start, factor)
-        hidden = hides([curves.values[name] for name in names])
+        drawn = [curves.values[name] for name in names]
+        hidden, (scale, unit) = hides(drawn), axis_unit(curves.units[names[0]], drawn)
         for k, name in enumerate(names):
             look = DASHES[min(k // len(PALETTE) + hidden[k], len(DASHES) - 1)]
-            axes.plot(time, curves.values[name], look, color=PALETTE[k % len(PALETTE)], label=name)
-        axes.set_ylabel(axis_label(names, curves.units[names[0]]))
+            axes.plot(time, scale * drawn[k], look, color=PALETTE[k % len(PALETTE)], label=name)
+        axes.set_ylabel(axis_label(names, unit))
         if curves.onset is None:
             shade_rests(axes, shown)
         axes.set_xlim(*ends)
         axes.set_xlabel(label)
         axes.margins(y=0.08)
         give_ticks(axes)
-        if wide and len(names) <= SIDE:
+        widest = max(map(len, names))
+        if wide and len(names) <= SIDE and widest <= WIDEST:
             axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
         else:
             legend_above(axes)
+
+
+def always_zero(curves: Curves) -> list[str]:
+    """Return the outputs that are not drawn: of panels with other curves, two or more that are always 0."""
+    return [name for names in curves.panels for name in names if name not in drawn_in(curves, names)]
+
+
+def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
+    """Return the outputs of a panel that are drawn."""
+    moving = [name for name in names if curves.values[name].any()]
+    return moving if moving and len(moving) < len(names) - 1 else list(names)
 
 
 def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor: float) -> None:
@@ -154,6 +174,13 @@ def hides(curves: Sequence[np.ndarray]) -> list[int]:
         sum(bool(np.all(np.abs(curve - other) <= seen)) for other in curves[:k])
         for k, curve in enumerate(curves)
     ]
+
+
+def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
+    """Return the factor to the unit of an axis, and this unit: kN for forces from LARGE on."""
+    largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
+    is_usual = SMALL <= largest < LARGE or largest == 0.0 or unit not in PREFIXED
+    return (1.0, unit) if is_usual else prefixed(largest, unit)
 
 
 def axis_label(names: Sequence[str], unit: str) -> str:

@@ -78,8 +78,8 @@ def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: 
     shown = chosen(recording, panels)
     if title is not None:
         write_head(page, recording, title)
-    if names := full_names(recording):
-        write_foot(page, names)
+    for told in filter(None, (full_names(recording), SEPARATOR.join(recording.passing))):
+        write_foot(page, told)
     found = axes_of(page, recording, shown)
     for name, axes in found.items():
         if name in shown:

@@ -103,14 +103,20 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
         return None, start, end
     count = len(recording.impacts)
     if not 1 <= around <= count:
-        there = f"1 to {count}" if count else "left out: there is no impact"
-        raise ValueError(f"{recording.name}: around = {around!r} must be {there}")
+        raise ValueError(f"{recording.name}: around = {around!r} must be {impact_numbers(count)}")
     impact = recording.impacts[around - 1]
     onset, run = float(impact["onset"]), end - start
     lasting = LONGEST * run if lasts(impact) else float(impact["end"]) - onset
     if not lasting > 0.0:
         lasting = LEAST * run
     return onset, max(start, onset - BEFORE * lasting), min(end, onset + (1.0 + AFTER) * lasting)
+
+
+def impact_numbers(count: int) -> str:
+    """Return words for the numbers that an impact can have."""
+    if count <= 1:
+        return "1: there is one impact" if count else "left out: there is no impact"
+    return f"from 1 to {count}, the number of an impact"
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:

@@ -120,6 +120,11 @@ class Recording:
         """Return a hint for a name that is no column; None if none is known."""
         return output_hint(name, self.inputs, self.parameters)
 
+    @property
+    def passing(self) -> list[str]:
+        """Sentences on points that pass through walls that they cannot touch; none if this is unknown."""
+        return []
+
     def walls_at(self, time: float) -> dict[str, HalfPlane]:
         """Return the walls in their positions at a time [s]."""
         walls = dict(self.walls)

@@ -56,6 +56,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
     """
     yield _headline(result, outputs)
     yield from impact_list(result, most)
+    yield from passing_lines(result)
     yield from _friction_lines(result)
     yield from load_lines(result)
     yield from facts
@@ -69,6 +70,11 @@ def impact_list(result: Recording, most: int) -> Iterator[str | Table]:
         yield Table(("#", *impact_heads(result)), rows)
     if (more := len(result.impacts) - most) > 0:
         yield f"… and {plural(more, 'more impact')}"
+
+
+def passing_lines(result: Recording) -> Iterator[str]:
+    """Yield a line for each wall that points pass through without touching it."""
+    yield from (f"note     {sentence}" for sentence in result.passing)
 
 
 def _headline(result: Recording, outputs: int) -> str:

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.recording.course import Rerun, course_of
-from chain_impact.recording.curves import Curves, curves_of
+from chain_impact.recording.curves import Curves, curves_of, impact_numbers
 from chain_impact.recording.pacing import impact_ends
+from chain_impact.recording.passing import passing
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.reading import UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
 
@@ -40,6 +43,17 @@ class Pictured(Recording):
     def scene(self) -> Scene:
         """The scene as it was simulated."""
         return self.prepared.scene
+
+    @property
+    def passing(self) -> list[str]:
+        """Sentences on points that pass through walls that they cannot touch."""
+        moved, numbers = self.moved_walls, {name: k for k, name in enumerate(self.wall_names)}
+        walls = {numbers[name]: (name, wall, moved.get(name, 0.0)) for name, wall in self.walls.items()}
+        try:
+            places = self.all_points
+        except UnknownNameError:  # positions were left out of the result
+            return []
+        return passing(places, walls, set(point_wall_pairs(self.scene)))
 
     def plot(
         self,
@@ -144,8 +158,7 @@ class Pictured(Recording):
         from chain_impact import pictures
 
         if not 1 <= number <= len(self.impacts):
-            there = f"1 to {len(self.impacts)}" if len(self.impacts) else "left out: there is no impact"
-            raise ValueError(f"{self.name}: the number of an impact = {number!r} must be {there}")
+            raise ValueError(f"{self.name}: number = {number!r} must be {impact_numbers(len(self.impacts))}")
         impact = self.impacts[number - 1]
         stop = float(self.time[-1])
         near = float(impact_ends(self.impacts, stop)[number - 1] - impact["onset"])

@@ -4,7 +4,9 @@ Modules that check, change or describe a scene use ``Contents``; users get ``Sce
 """
 
 import math
-from collections.abc import Mapping
+import re
+from collections import Counter
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
@@ -225,6 +227,25 @@ class Contents:
         """The free side of each existing wall, by its name."""
         box = {name: at for name in WALLS if (at := getattr(self.box, name)) is not None}
         return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
+
+
+def named_point_hint(scene: Contents, name: str, known: Collection[str]) -> str | None:
+    """Return a hint for a name that has the name of a point in place of a number: the right name.
+
+    For example "toe is point[4]: point[4].x" for ``toe.x`` or ``point[toe].x``. None if there is no such
+    name in ``known``.
+    """
+    entries = Counter[int]()
+    for number, (link, site) in enumerate(scene.chain.sites, len(scene.chain.links) + 1):
+        entries[link] += 1
+        if not site.name or site.name not in name:
+            continue
+        typed = rf"(?:(?:link\[\d+\]\.)?points?\[{re.escape(site.name)}\]|{re.escape(site.name)})(?=\.)"
+        for owner in (f"point[{number}]", f"link[{link + 1}].point[{entries[link]}]"):
+            right = re.sub(typed, owner, name, count=1)
+            if right in known:
+                return f"{site.name} is the name of a point: {right}"
+    return None
 
 
 AnyScene = TypeVar("AnyScene", bound=Contents)

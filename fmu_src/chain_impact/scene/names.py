@@ -200,11 +200,21 @@ def signal_hint(name: str, signals: Collection[str]) -> str | None:
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
-    """Return the name that is most similar to another name.
+    """Return the name that is most similar to another name; first among names with the same last part.
 
-    Returns None if no name has at least the similarity ``at_least`` (0 to 1).
+    For example ``contact[1].y_min.force`` for ``joint[1].force``. Returns None if no name has at least the
+    similarity ``at_least`` (0 to 1), or SAME_LAST if the last part is the same.
     """
-    return next(iter(get_close_matches(name, list(names), n=1, cutoff=at_least)), None)
+    every, (owner, _, last) = list(names), name.rpartition(".")
+    same = [one for one in every if owner and len(last) > 1 and one.rpartition(".")[2] == last]
+    found = get_close_matches(name, every, n=1, cutoff=at_least)
+    if not found or found[0] not in same:
+        found = get_close_matches(name, same, n=1, cutoff=SAME_LAST) or found
+    return next(iter(found), None)
+
+
+SAME_LAST = 0.45
+"""The least similarity, 0 to 1, of the nearest name if its last part is the same."""
 
 
 def _dotted(path: DataPath) -> str:

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.scene import checks, completion, drawing, scene_text, shapes
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import Contents, named_point_hint
 from chain_impact.scene.derived import above, of_every_link, rule_at, rule_of, without_derived
 from chain_impact.scene.limits import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
@@ -277,6 +277,7 @@ def _path_and_value(scene: Scene, change: str | DataPath, given: Any) -> tuple[D
     typed, change = change, change if change in names else fmu_name(change)
     if change not in names:
         hint = parameter_hint(change, len(scene.chain.links), scene.signals)
+        hint = hint or named_point_hint(scene, change, names)
         raise UnknownNameError(scene.name, typed, names, "no parameter", hint)
     return names[change], _chosen(scene, change, given)
 

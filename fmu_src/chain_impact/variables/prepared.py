@@ -14,6 +14,7 @@ import numpy as np
 
 from chain_impact.compilation.compilers import GENERAL
 from chain_impact.scene.candidates import candidates
+from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import DataPath, input_asked, parameter_hint
 from chain_impact.scene.reading import matches, matching
@@ -261,11 +262,19 @@ class PreparedScene:
             return f"the scene does not have this input: it needs {asked}"
         if matches(name, self._own_outputs):
             return None
+        named = named_point_hint(self.scene, name, self._own_outputs)
+        return named or parts_hint(name, self._own_outputs) or self._hint_on_more(name)
+
+    def _hint_on_more(self, name: str) -> str | None:
+        """Return a hint for a name of an output that the scene does not ask for; None for another name."""
         for key in keys(Outputs):
             if getattr(self.scene.outputs, key.name) is False:
-                more = self.scene.with_values({f"outputs.{key.name}": True})
-                if matches(name, all_outputs(more)):
-                    return f"it needs outputs.{key.name} = true"
+                asked = f"outputs.{key.name} = true"
+                more = all_outputs(self.scene.with_values({f"outputs.{key.name}": True}))
+                if matches(name, more):
+                    return f"it needs {asked}"
+                if parts := parts_hint(name, more):
+                    return f"with {asked} {parts}"
         return None
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
@@ -323,6 +332,12 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
     if matches(name, parameters):
         return "parameters are no outputs: they stay constant during a run"
     return None
+
+
+def parts_hint(name: str, names: Iterable[str]) -> str | None:
+    """Return a hint: the components of the vector with a name, "there are force.x, force.y"; None if none."""
+    parts = [one for one in names if one.startswith(f"{name}.")]
+    return f"there are {', '.join(parts[:3])}" if parts else None
 
 
 def of_series(hint: Hint) -> Hint:

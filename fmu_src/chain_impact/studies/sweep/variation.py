@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.checks import warn
+from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.names import fmu_name, parameter_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.scene.scene import Scene
@@ -21,6 +23,8 @@ Values = str | float | Sequence[float | str] | np.ndarray
 STOP_TIME = Variable.of(EXPERIMENT[0], {}, {}, variability="fixed")
 LOG = "log"
 MOST_VALUES = 10**7  # largest number of values of a range
+RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")
+"""A range as some people write it: 0.1-0.9."""
 FORMS = (
     "a list (0.1,0.5,0.9), a range with a number of values (0.1:0.9:9, or 1e6:1e9:4:log), "
     "or for samples an interval (0.1:0.9, or 1e6:1e9:log)"
@@ -88,6 +92,7 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
         if name not in parameters:
             what = "no parameter that can be varied"
             hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links), scene.signals)
+            hint = hint or named_point_hint(scene, name, parameters)
             raise UnknownNameError(scene.name, typed, parameters, what, hint)
         with as_typed([typed]):
             variation = _read(parameters[name], values, scene.name)
@@ -144,6 +149,8 @@ def _number(variable: Variable, value: object, source: str) -> float:
         return float(in_radians(value, variable.unit))
     except (TypeError, ValueError):
         needed = variable.allowed + or_degrees(variable.unit) + nearest_choice(value, names)
+        if RANGE.fullmatch(str(value)):
+            needed += "; a range is written 0.1:0.9:9, with the number of its values"
         raise SceneError(f"{source}: {variable.name} = {value} must be {needed}") from None
 
 

@@ -1,0 +1,43 @@
+"""Points that pass through walls that they cannot touch, because the scene does not let them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from chain_impact.recording.text import few
+from chain_impact.scene.half_planes import HalfPlane
+
+# the distance on both sides of a wall from which on a point passes through it, relative to the size of the
+# motion
+THROUGH = 1e-3
+SHOWN = 4  # the largest number of points that a sentence names
+
+
+def passing(
+    places: np.ndarray,
+    walls: Mapping[int, tuple[str, HalfPlane, np.ndarray | float]],
+    pairs: Collection[tuple[int, int]],
+) -> list[str]:
+    """Return a sentence for each wall that points pass through without touching it.
+
+    Args:
+        places: positions of the points, shape (T, P, 2) [m].
+        walls: number of a wall → its name, its free side, and its displacement, shape (T,) or one number [m].
+        pairs: the pairs of a point and a wall that can touch, by their numbers.
+    """
+    told = []
+    for number, (name, plane, moved) in walls.items():
+        free = [k for k in range(places.shape[1]) if (k, number) not in pairs]
+        if not free or not len(places):
+            continue
+        # the distance of each point from the wall, negative beyond it
+        gaps = places[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
+        least = THROUGH * float(np.ptp(places, axis=(0, 1)).max())
+        through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]
+        if len(through):
+            points = few([str(k) for k in through.tolist()], SHOWN)
+            which = f"point {points} passes" if len(through) == 1 else f"points {points} pass"
+            told.append(f"{which} through {name} without touching it: see contact.points")
+    return told
