@@ -28,13 +28,13 @@ SLOWEST = (
     "tests/fmu/test_platforms.py",
     "tests/studies/sweep/test_cluster.py",
     "tests/compilation/test_browser.py",
-    "tests/pages/test_in_browser.py",
+    "tests/pages/test_edit_dialog.py",
     "tests/scenarios/test_law_file.py",
     "tests/fmu/test_fuzzer.py",
     "tests/cli/test_commands.py",
     "tests/fmu/test_build.py",
     "tests/scenarios/test_models.py",
-    "tests/pages/test_browser.py",
+    "tests/pages/test_sliders.py",
     "tests/kernel/test_soundness.py",
 )
 # file → other file with which the file shares a process, because both use the same results

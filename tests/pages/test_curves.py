@@ -5,8 +5,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.pages.recorded import program
-from tests.pages.conftest import packed_module, page_contents, until, until_told
-from tests.pages.test_in_browser import ROWS
+from tests.pages.conftest import ROWS, packed_module, page_contents, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

@@ -117,7 +117,7 @@ DROP = """([name, text]) => {
 }"""
 
 
-def test_a_dropped_file_is_the_scene_of_the_page_with_its_own_knobs_link_and_map(show, open_page, address):
+def test_a_dropped_file_is_the_scene_of_the_page_with_its_own_sliders_link_and_map(show, open_page, address):
     page = show()
     text = scene_path("sliding_rod").read_text(encoding="utf-8")
     page.evaluate(DROP, ["sliding_rod.toml", text])

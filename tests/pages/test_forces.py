@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import animate
 from chain_impact.studies.animate import record_slowly
-from tests.pages.test_browser import go_to, press
+from tests.pages.conftest import go_to, press
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

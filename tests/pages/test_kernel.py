@@ -61,7 +61,7 @@ def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
     scene = load_scene(model)
     found = kernel(scene)
     assert_same_bits(found, simulate(scene))
-    assert found["places"] == places(scene)  # the words for the reasons of a refusal
+    assert found["reasons"] == places(scene)  # the words for the reasons of a refusal
 
 
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)

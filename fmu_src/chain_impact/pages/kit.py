@@ -29,6 +29,7 @@ from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.pages.signals import kit_of_signals
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.joint_stops import OPEN
+from chain_impact.scene.contents import PARALLEL
 from chain_impact.scene.limits import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
@@ -88,12 +89,18 @@ def kit(scene: Scene) -> dict[str, Any]:
         "outputs": [_group(block, _output) for block in OUTPUTS],
         "signals": kit_of_signals(scene),
         "driven": [words(("output", "signal", AT, order)) for order in range(3)],
-        "places": {name: {"word": words(path), "real": _is_real(path)} for name, path in PATHS.items()},
+        "fields": {name: {"word": words(path), "real": _is_real(path)} for name, path in PATHS.items()},
         "sizes": COUNTS,
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
         "points": [words(("output", "point_position", AT, axis)) for axis in (0, 1)],
-        "constants": {"derived": DERIVED, "noContact": NO_CONTACT, "openArc": OPEN, "atOnce": AT_ONCE},
+        "constants": {
+            "derived": DERIVED,
+            "noContact": NO_CONTACT,
+            "openArc": OPEN,
+            "inputsJump": AT_ONCE,
+            "parallel": PARALLEL,
+        },
         "boxWalls": WALLS,
         "rigidWithFriction": FRICTION_WITH_RIGID_WALLS,
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
@@ -219,14 +226,14 @@ def _layout() -> dict[str, Any]:
     statistics = record["statistics"].names or ()
     return {
         "status": words(("statistics", "status")),
-        "place": words(("fault", "place")),
+        "reason": words(("fault", "place")),
         "time": words(("step", "time")),
         "impulses": words(("quadrature", "wanted")),
         "loads": words(("loads",)),
         "finished": {
             "count": words(("finished", "count")),
             "collected": words(("finished", "collected")),
-            "room": [*_affine(lambda record: record["finished"]["point"].shape[0]), 0],
+            "capacity": [*_affine(lambda record: record["finished"]["point"].shape[0]), 0],
             "fields": {name: words(("finished", name, 0)) for name in LOG_DTYPE.names or ()},
         },
         "peaks": {name: words(path) for name, path in (PEAKS | STOP_PEAKS).items()},

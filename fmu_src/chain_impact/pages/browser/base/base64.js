@@ -1,4 +1,4 @@
-// The reader of bytes that `packed` of `explore.py` has compressed, and of numbers in base64.
+// Bytes and numbers from text in base64, as Python packs them for the pages.
 
 /** Return the bytes of a text in base64. */
 export function bytesIn(text) {
@@ -11,7 +11,7 @@ export function numbersIn(text) {
 }
 
 /** Return the bytes of a compressed text. */
-export async function unpacked(text) {
+export async function decompressed(text) {
   const stream = new Blob([bytesIn(text)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }

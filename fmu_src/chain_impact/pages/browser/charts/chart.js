@@ -34,7 +34,7 @@ export function labelledWidth(plot, labels, index, cycle) {
 
 /** A chart with a vertical line at the present time: the base class of all charts. */
 export class Chart {
-  others = []; // recordings for comparison: {recording, colour}
+  compared = []; // recordings for comparison: {recording, colour}
 
   constructor(element, height) {
     this.element = element;
@@ -74,7 +74,7 @@ export class Chart {
     this.mark();
   }
 
-  /** Put the line at a place of the x-axis; without a place, at its present place. */
+  /** Put the line at a value of x; without a value, at its present value. */
   mark(x = this.at) {
     this.at = x;
     if (x === undefined) return;
@@ -84,7 +84,7 @@ export class Chart {
   }
 }
 
-/** Draw a curve through places of a chart, filled or dashed. */
+/** Draw a curve through points of a chart, filled or dashed. */
 export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
   ctx.save();
   ctx.beginPath();

@@ -19,15 +19,15 @@ class UnitChart extends TimeChart {
     return this.close ?? super.span;
   }
 
-  get behind() {
-    return this.others.flatMap(({ recording, colour: stroke }) => {
-      const { time, curves } = this.of(recording) ?? { curves: [] };
-      return curves.filter(({ name }) => this.names.includes(name)).map(({ values }) => ({ places: [time, values], stroke }));
+  get comparedCurves() {
+    return this.compared.flatMap(({ recording, colour: stroke }) => {
+      const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
+      return curves.filter(({ name }) => this.names.includes(name)).map(({ values }) => ({ points: [time, values], stroke }));
     });
   }
 
   show(recording, curves) {
-    const { time } = this.of(recording);
+    const { time } = this.curvesOf(recording);
     const data = [time, ...curves.map(({ values }) => values)];
     Object.assign(this, { recording, curves, time });
     if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
@@ -44,38 +44,38 @@ class UnitChart extends TimeChart {
     const share = Math.min(Math.max((now - this.time[row]) / (this.time[row + 1] - this.time[row]), 0), 1);
     this.values.forEach(([, value], k) => {
       const { values, unit, isStepped } = this.curves[k];
-      const given = isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
-      value.textContent = [Number(given.toPrecision(DIGITS)), unitText(unit)].filter((text) => text !== "").join("\u202f");
+      const number = isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
+      value.textContent = [Number(number.toPrecision(DIGITS)), unitText(unit)].filter((text) => text !== "").join("\u202f");
     });
   }
 }
 
 export class CurveCharts {
-  #others = [];
+  #compared = [];
 
-  /** `of` returns the curves of a recording, if it has any; `closer` is a button for the view of one impact. */
-  constructor(element, seek, { of, label, closer }) {
-    Object.assign(this, { element, seek, of, label, closer, charts: new Map() });
-    closer?.addEventListener("click", () => {
-      closer.setAttribute("aria-pressed", closer.getAttribute("aria-pressed") !== "true");
+  /** `curvesOf` returns the curves of a recording, if it has any; `zoomButton` is a button for the view of one impact. */
+  constructor(element, seek, { curvesOf, label, zoomButton }) {
+    Object.assign(this, { element, seek, curvesOf, label, zoomButton, charts: new Map() });
+    zoomButton?.addEventListener("click", () => {
+      zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
       this.draw(this.frame, this.contact);
     });
   }
 
   show(recording) {
     this.recording = recording;
-    const { curves } = this.of(recording);
+    const { curves } = this.curvesOf(recording);
     const units = [...new Set(curves.map(({ unit }) => unit))];
     if (units.join() !== [...this.charts.keys()].join()) {
       this.charts = new Map(units.map((unit) => [unit, this.#chartOf()]));
       const parts = [...this.charts].flatMap(([unit, { element, entries }]) => [make("small", { className: "curve-unit", textContent: unitText(unit) }), element, entries]);
       this.element.replaceChildren(...parts);
-      this.compare(this.#others);
+      this.compare(this.#compared);
     }
-    if (this.closer) this.closer.hidden = recording.impacts.length === 0;
+    if (this.zoomButton) this.zoomButton.hidden = recording.impacts.length === 0;
     this.charts.forEach((chart, unit) => {
-      const own = curves.filter((curve) => curve.unit === unit);
-      chart.show(recording, own.map((curve, k) => ({
+      const curvesInUnit = curves.filter((curve) => curve.unit === unit);
+      chart.show(recording, curvesInUnit.map((curve, k) => ({
         ...curve, stroke: `input-${(k % INPUT_COLOURS) + 1}`, dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
       })));
     });
@@ -85,20 +85,20 @@ export class CurveCharts {
     const [element, entries] = [make("div", { className: "chart curve-chart" }), make("dl", { className: "entries" })];
     element.setAttribute("role", "img");
     element.setAttribute("aria-label", `${this.label} over time; click to go to a time`);
-    return Object.assign(new UnitChart(element, 104, entries, this.seek), { of: this.of });
+    return Object.assign(new UnitChart(element, 104, entries, this.seek), { curvesOf: this.curvesOf });
   }
 
-  compare(others) {
-    this.#others = others;
+  compare(recordings) {
+    this.#compared = recordings;
     this.charts.forEach((chart) => {
-      chart.others = others;
+      chart.compared = recordings;
       chart.plot?.setData(chart.plot.data);
     });
   }
 
   draw(frame, contact) {
     Object.assign(this, { frame, contact });
-    const isClose = contact && this.closer?.getAttribute("aria-pressed") === "true";
+    const isClose = contact && this.zoomButton?.getAttribute("aria-pressed") === "true";
     const margin = isClose && (BESIDE_IMPACT * (contact.impactEnd - contact.onset) || MOMENT);
     const close = isClose ? [contact.onset - margin, contact.impactEnd + margin] : undefined;
     this.charts.forEach((chart) => chart.draw(this.recording.timeAt(frame), close));

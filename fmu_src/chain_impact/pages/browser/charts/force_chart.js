@@ -15,15 +15,15 @@ function highest(...all) {
 /**
  * Return the rows around a contact: times since its onset [s] and, during the contact, force, penetration and dry friction.
  */
-function around(recording, contact) {
+function courseAround(recording, contact) {
   const { onset, end } = contact;
   const margin = AROUND * Math.max(end - onset, 1e-6);
-  const { time, ...course } = recording.courseOf(contact);
+  const { time, ...columns } = recording.courseOf(contact);
   const first = lastBefore(time, onset - margin);
   const last = lastBefore(time, end + margin) + 2;
   const times = Array.from(time.slice(first, last), (now) => now - onset);
   const during = (all) => all && times.map((now, index) => (now >= 0 && now <= end - onset ? all[first + index] : 0));
-  const [force, depth, friction] = [course.force, course.depth, course.friction].map(during);
+  const [force, depth, friction] = [columns.force, columns.depth, columns.friction].map(during);
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
 }
 
@@ -41,9 +41,9 @@ function depthText(tick, ticks) {
 
 /** The chart of the force of the present contact, over the time of the contact or over its penetration. */
 export class ForceChart extends Chart {
-  constructor(element, what, over) {
+  constructor(element, title, loopButton) {
     super(element, 120);
-    Object.assign(this, { what, over });
+    Object.assign(this, { title, loopButton });
     this.unit = { ...unitsOf({}) }; // the units of the shown contact
     this.make(
       {
@@ -56,7 +56,7 @@ export class ForceChart extends Chart {
         hooks: {
           draw: [(plot) => {
             if (this.loop) drawCurve(plot, this.loop, "force", "force-fill");
-            this.curves?.forEach(({ places, stroke }) => drawCurve(plot, places, stroke));
+            this.curves?.forEach(({ points, stroke }) => drawCurve(plot, points, stroke));
           }],
         },
         axes: [
@@ -69,8 +69,8 @@ export class ForceChart extends Chart {
     this.dot = document.createElement("div");
     Object.assign(this.dot, { className: "loop-now", hidden: true });
     this.plot.over.append(this.dot);
-    over.addEventListener("click", () => {
-      over.setAttribute("aria-pressed", over.getAttribute("aria-pressed") !== "true");
+    loopButton.addEventListener("click", () => {
+      loopButton.setAttribute("aria-pressed", loopButton.getAttribute("aria-pressed") !== "true");
       const { frame, shown } = this;
       this.shown = null;
       this.draw(frame, shown);
@@ -82,8 +82,8 @@ export class ForceChart extends Chart {
     this.shown = null;
   }
 
-  compare(others) {
-    this.others = others;
+  compare(recordings) {
+    this.compared = recordings;
     this.shown = null;
   }
 
@@ -108,29 +108,29 @@ export class ForceChart extends Chart {
     const { wall, onset, end, number } = contact;
     this.shown = contact;
     Object.assign(this.unit, unitsOf(contact));
-    const { times, margin, force: inside, friction: along, depth } = around(recording, contact);
+    const { times, margin, force: inside, friction: along, depth } = courseAround(recording, contact);
     const rubs = along?.some((force) => force !== 0);
     const friction = rubs ? along : times.map(() => null);
-    this.over.hidden = !depth;
-    this.loop = depth && this.over.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
-    this.curves = this.others.flatMap(({ recording: other, colour: stroke }) => {
+    this.loopButton.hidden = !depth;
+    this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
+    this.curves = this.compared.flatMap(({ recording: other, colour: stroke }) => {
       const same = other.impacts[number - 1];
-      const found = same && same.atStop === contact.atStop && around(other, same);
-      const x = found && (this.loop ? found.depth : found.times);
-      return x ? [{ places: [x, found.force], stroke }] : [];
+      const course = same && same.atStop === contact.atStop && courseAround(other, same);
+      const x = course && (this.loop ? course.depth : course.times);
+      return x ? [{ points: [x, course.force], stroke }] : [];
     });
-    const most = highest(this.loop?.[0] ?? [], ...this.curves.map(({ places: [x] }) => x));
+    const most = highest(this.loop?.[0] ?? [], ...this.curves.map(({ points: [x] }) => x));
     this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
       if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
-      const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ places: [, y] }) => y));
+      const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ points: [, y] }) => y));
       this.plot.setScale("y", { min: Math.min(0, ...friction), max: high > NO_FORCE ? high : 1 });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
     const legend = rubs ? "; brown: friction" : "";
-    this.what.textContent = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
+    this.title.textContent = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
   }
 }

@@ -20,8 +20,8 @@ export class TimeChart extends Chart {
     return [this.recording.start, this.recording.end];
   }
 
-  /** Return curves of the recordings for comparison: `places`, times and values, and `stroke`. */
-  get behind() {
+  /** Return curves of the recordings for comparison: `points`, times and values, and `stroke`. */
+  get comparedCurves() {
     return [];
   }
 
@@ -46,7 +46,7 @@ export class TimeChart extends Chart {
         hooks: {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
           draw: [(plot) => {
-            this.behind.forEach(({ places, stroke }) => drawCurve(plot, places, stroke));
+            this.comparedCurves.forEach(({ points, stroke }) => drawCurve(plot, points, stroke));
             if (plot === this.plot) this.mark(); // the scale of the time may be new
           }],
         },
@@ -70,7 +70,7 @@ export class TimeChart extends Chart {
   #range(least, most) {
     const [from, to] = this.span;
     let [low, high] = [least, most];
-    for (const { places: [times, values] } of this.behind) {
+    for (const { points: [times, values] } of this.comparedCurves) {
       values.forEach((value, k) => {
         if (times[k] < from || times[k] > to) return;
         low = Math.min(low, value);
@@ -89,8 +89,8 @@ export class EnergyChart extends TimeChart {
     super(element, 180, energies, seek);
   }
 
-  get behind() {
-    return this.others.map(({ recording: { time, energies }, colour: stroke }) => ({ places: [time, energies.total ?? []], stroke }));
+  get comparedCurves() {
+    return this.compared.map(({ recording: { time, energies }, colour: stroke }) => ({ points: [time, energies.total ?? []], stroke }));
   }
 
   show(recording) {
@@ -103,8 +103,8 @@ export class EnergyChart extends TimeChart {
     this.decimals = Math.min(Math.max(3 - Math.floor(Math.log10(largest || 1)), 0), 9);
   }
 
-  compare(others) {
-    this.others = others;
+  compare(recordings) {
+    this.compared = recordings;
     if (this.recording) this.show(this.recording);
   }
 

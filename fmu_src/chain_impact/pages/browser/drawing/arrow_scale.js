@@ -30,7 +30,7 @@ export class ArrowScale {
     return this.#lengthOnScale(force) >= LEAST_ARROW;
   }
 
-  /** Return the powers of ten on the ruler that have room: `at`, the distance [pixels] from its foot, and `text`. */
+  /** Return the powers of ten on the ruler whose numbers fit: `at`, the distance [pixels] from its foot, and `text`. */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));
     let free = Infinity;

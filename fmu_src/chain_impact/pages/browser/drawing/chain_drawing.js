@@ -1,23 +1,23 @@
-// The drawing of a scene: walls, chain, trace of the tip, arrows of forces; drawn by SVG.js, with colours from the style
+// The drawing of a chain: walls, chain, trace of the tip, arrows of forces; drawn by SVG.js, with colours from the style
 // sheet.
 
 import { forceText, unitsOf } from "../base/format.js";
-import { roomWithin } from "../recording/half_planes.js";
+import { freeRegionWithin } from "../recording/half_planes.js";
 import { lastBefore } from "../recording/recording.js";
 import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
-import { anchorOf, candidatesAround, Places } from "./label_positions.js";
+import { anchorOf, LabelSpace, positionsAround } from "./label_positions.js";
 import { traceOf } from "./trace.js";
 
 const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
 const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of forces and of numbers
 const TAIL = 0.3; // [s] simulated time in which the bright end of the trace fades
 const TAIL_PARTS = 10;
-const RING_TIME = 0.25; // [s] simulated time for which the place of an impact is marked
-// [pixels] width of a ring, and difference in width between successive rings at one place
+const RING_TIME = 0.25; // [s] simulated time for which the position of an impact is marked
+// [pixels] width of a ring, and difference in width between successive rings at one position
 const [RING, RINGS_APART] = [20, 7];
-const SAME = 12; // [pixels] largest distance of rings that count as being at one place
+const SAME = 12; // [pixels] largest distance of rings that count as being at one position
 const NUMBERS = 8; // largest number of recent impacts with a number
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const STRIP = 30; // [pixels] height of the strip at the top for the scale bar, which the chain never covers
@@ -32,9 +32,9 @@ const NUMBERED = 12; // largest number of links with which points have numbers
 const MANY_LINKS = 60; // number of links from which on the chain is one line, without joints
 
 /** Return the direction on the screen from a point of the chain to the outside of the bend at this point. */
-function outOfChain(places, point) {
-  const [x, y] = places[point];
-  const ways = [places[point - 1], places[point + 1]].filter(Boolean).map(([x1, y1]) => {
+function outOfChain(positions, point) {
+  const [x, y] = positions[point];
+  const ways = [positions[point - 1], positions[point + 1]].filter(Boolean).map(([x1, y1]) => {
     const length = Math.hypot(x1 - x, y1 - y) || 1;
     return [(x1 - x) / length, (y1 - y) / length];
   });
@@ -44,8 +44,8 @@ function outOfChain(places, point) {
 }
 
 /** Return the direction on the screen from a point of a body away from the middle of the rectangle around its corners. */
-function outOfBody(place, corners) {
-  const way = place.map((at, axis) => {
+function outOfBody(position, corners) {
+  const way = position.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);
     const [low, high] = [Math.min(...reach), Math.max(...reach)];
     return (2 * at - low - high) / (high - low || 1);
@@ -61,7 +61,7 @@ function belowStrip([[x0, y0], [x1, y1]]) {
   return ends.map((share) => [x0 + share * (x1 - x0), y0 + share * (y1 - y0)]);
 }
 
-export class Scene {
+export class ChainDrawing {
   constructor(element) {
     this.drawing = SVG(element);
     this.showTrace = true;
@@ -99,7 +99,7 @@ export class Scene {
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
-    this.discs = radius > 0 ? touching.map(([point, own]) => [point, own, this.circles.circle().addClass("disc")]) : [];
+    this.discs = radius > 0 ? touching.map(([point, ownRadius]) => [point, ownRadius, this.circles.circle().addClass("disc")]) : [];
     this.outlines = [...bodies.map(() => "body"), ...(rail ? ["carriage"] : [])].map((kind) => this.bodies.polygon().addClass(kind));
     this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
       this.numbers.plain(names.get(point) ?? String(point)).addClass("point-number"));
@@ -134,35 +134,35 @@ export class Scene {
     this.camera = new Camera(this.recording, width, height, STRIP);
     this.arrowScale = new ArrowScale(this.recording.peakForce, width, height);
     this.ground.clear();
-    this.ground.rect(width, height).addClass("outside");
-    this.room = this.ground.group();
-    this.#drawRoom(0);
+    this.ground.rect(width, height).addClass("beyond-walls");
+    this.walls = this.ground.group();
+    this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
-    this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#places(line))).addClass("pin"));
+    this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#toScreen(line))).addClass("pin"));
     this.#drawScaleBar(width);
     if (this.recording.forces.length || this.recording.loads.length) this.#drawRuler();
     if (this.recording.loads.length) this.#drawKey(width);
-    this.discs.forEach(([, own, disc]) => disc.radius(own * this.camera.scale));
-    ({ frames: this.traceFrames, places: this.tracePlaces } = traceOf(this.recording, this.camera));
+    this.discs.forEach(([, ownRadius, disc]) => disc.radius(ownRadius * this.camera.scale));
+    ({ frames: this.traceFrames, positions: this.tracePositions } = traceOf(this.recording, this.camera));
   }
 
-  #places(points) {
-    return points.map(([x, y]) => this.camera.place(x, y));
+  #toScreen(points) {
+    return points.map(([x, y]) => this.camera.toScreen(x, y));
   }
 
-  /** Draw the walls, and the room between them, at a frame. */
-  #drawRoom(frame) {
-    const { corners, edges } = roomWithin(this.recording.wallsAt(frame), this.camera.rectangle);
-    this.room.clear();
-    if (corners.length) this.room.polygon(this.#places(corners)).addClass("room");
-    this.edges = edges.map((ends) => this.#places(ends));
-    this.edges.forEach((ends) => this.room.polyline(ends).addClass("wall"));
+  /** Draw the walls, and the free region between them, at a frame. */
+  #drawWalls(frame) {
+    const { corners, edges } = freeRegionWithin(this.recording.wallsAt(frame), this.camera.rectangle);
+    this.walls.clear();
+    if (corners.length) this.walls.polygon(this.#toScreen(corners)).addClass("free-region");
+    this.edges = edges.map((ends) => this.#toScreen(ends));
+    this.edges.forEach((ends) => this.walls.polyline(ends).addClass("wall"));
   }
 
   /** Draw the ground mark of a pinned base at the position of the base in a frame. */
   #drawPin(frame) {
     const [[x0, y0], [x, y]] = [0, frame].map((at) => this.recording.pointAt(at, 0));
-    this.pin.forEach(([line, mark]) => mark.plot(this.#places(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
+    this.pin.forEach(([line, mark]) => mark.plot(this.#toScreen(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
   }
 
   /** Draw a bar of a round length, about a sixth of the width. */
@@ -193,46 +193,46 @@ export class Scene {
 
   /** Draw the legend of the two kinds of arrows. */
   #drawKey(width) {
-    [["joint", "load"], ["wall", "force"]].forEach(([name, kind], place) => {
-      this.ground.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * place, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);
+    [["joint", "load"], ["wall", "force"]].forEach(([name, kind], column) => {
+      this.ground.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * column, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);
     });
   }
 
   /** Draw a frame. */
   draw(frame) {
     const { recording, camera } = this;
-    const all = Array.from({ length: recording.pointCount }, (_, point) => camera.place(...recording.pointAt(frame, point)));
-    const places = all.slice(0, recording.links + 1);
-    this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
-    const bodies = recording.bodiesAt(frame).map((corners) => this.#places(corners));
+    const all = Array.from({ length: recording.pointCount }, (_, point) => camera.toScreen(...recording.pointAt(frame, point)));
+    const chain = all.slice(0, recording.links + 1);
+    this.lines.forEach(([range, line]) => line.plot(chain.slice(...range)));
+    const bodies = recording.bodiesAt(frame).map((corners) => this.#toScreen(corners));
     bodies.forEach((corners, k) => this.outlines[k].plot(corners));
     this.dots.forEach(([point, dot]) => dot.center(...all[point]));
     this.discs.forEach(([point, , disc]) => disc.center(...all[point]));
-    if (recording.moved.length) this.#drawRoom(frame);
+    if (recording.moved.length) this.#drawWalls(frame);
     this.#drawPin(frame);
     this.#drawRanges(frame);
-    this.#drawTrace(frame, places.at(-1));
-    this.places = new Places(...this.size, STRIP);
-    [places, ...this.edges, ...this.pin.map(([, mark]) => mark.array())].forEach((line) => this.places.takeLine(line));
-    bodies.forEach((corners) => this.places.takeLine([...corners, corners[0]]));
-    this.dots.forEach(([point]) => this.places.takeAround(all[point]));
+    this.#drawTrace(frame, chain.at(-1));
+    this.labelSpace = new LabelSpace(...this.size, STRIP);
+    [chain, ...this.edges, ...this.pin.map(([, mark]) => mark.array())].forEach((line) => this.labelSpace.reserveLine(line));
+    bodies.forEach((corners) => this.labelSpace.reserveLine([...corners, corners[0]]));
+    this.dots.forEach(([point]) => this.labelSpace.reserveAround(all[point]));
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
     texts.forEach((text) => this.#label(...text)); // after the arrows, because names must not cover them
     this.#drawNames(all, bodies);
     this.#drawRings(frame);
   }
 
-  /** Draw numbers and names of points; a name without room is left out. */
+  /** Draw numbers and names of points; a name without a free position is left out. */
   #drawNames(all, bodies) {
     const { links } = this.recording;
     this.names.forEach((name, point) => {
       const corners = bodies[this.bodyOf[point]];
       const way = corners ? outOfBody(all[point], corners) : outOfChain(all.slice(0, links + 1), point);
       const text = name.text();
-      const beside = candidatesAround(all[point], way, BESIDE).map((one) => (corners ? one : { ...one, anchor: "middle" }));
-      const place = this.places.find(text, NUMBER_TEXT, beside);
-      name.css("visibility", place ? "visible" : "hidden");
-      if (place) name.attr({ x: place.at[0], y: place.at[1] + 4 }).css({ "text-anchor": place.anchor });
+      const beside = positionsAround(all[point], way, BESIDE).map((candidate) => (corners ? candidate : { ...candidate, anchor: "middle" }));
+      const position = this.labelSpace.findPosition(text, NUMBER_TEXT, beside);
+      name.css("visibility", position ? "visible" : "hidden");
+      if (position) name.attr({ x: position.at[0], y: position.at[1] + 4 }).css({ "text-anchor": position.anchor });
     });
   }
 
@@ -240,12 +240,12 @@ export class Scene {
     const { recording } = this;
     const now = recording.timeAt(frame);
     const end = this.showTrace ? lastBefore(this.traceFrames, frame) + 1 : 0;
-    this.trace.plot([...this.tracePlaces.slice(0, end), tip]);
+    this.trace.plot([...this.tracePositions.slice(0, end), tip]);
     this.tail.forEach((line, part) => {
       const [from, to] = [TAIL_PARTS - part, TAIL_PARTS - part - 1].map((share) =>
         lastBefore(this.traceFrames, recording.frameAt(now - (TAIL * share) / TAIL_PARTS)));
       const last = part === TAIL_PARTS - 1 ? [tip] : [];
-      line.plot(this.showTrace ? [...this.tracePlaces.slice(from, Math.max(to, from) + 1), ...last] : []);
+      line.plot(this.showTrace ? [...this.tracePositions.slice(from, Math.max(to, from) + 1), ...last] : []);
     });
   }
 
@@ -256,34 +256,34 @@ export class Scene {
       const [centre, end, before] = [at(joint - 1), at(joint), joint > 1 ? at(joint - 2) : undefined];
       const along = before ? Math.atan2(centre[1] - before[1], centre[0] - before[0]) : 0;
       const radius = ARC * Math.hypot(end[0] - centre[0], end[1] - centre[1]);
-      const place = (angle, share) => this.camera.place(
+      const onArc = (angle, share) => this.camera.toScreen(
         centre[0] + share * radius * Math.cos(along + angle), centre[1] + share * radius * Math.sin(along + angle));
       const angles = Array.from({ length: ARC_CORNERS }, (_, k) => from + ((to - from) * k) / (ARC_CORNERS - 1));
       const [line, ...ticks] = this.ranges[index];
-      line.plot(angles.map((angle) => place(angle, 1)));
-      marks.forEach((angle, k) => ticks[k].plot([1 - TICK / 2, 1 + TICK / 2].map((share) => place(angle, share))));
+      line.plot(angles.map((angle) => onArc(angle, 1)));
+      marks.forEach((angle, k) => ticks[k].plot([1 - TICK / 2, 1 + TICK / 2].map((share) => onArc(angle, share))));
     });
   }
 
   /**
-   * Return the place on the screen where a point touches a wall, or a link the arc of its range, and the direction away from
-   * the wall.
+   * Return the position on the screen where a point touches a wall, or a link the arc of its range, and the direction away
+   * from the wall.
    */
-  #spot(frame, point, wall) {
+  #contactPosition(frame, point, wall) {
     const side = this.recording.sidesAt(frame)[wall];
-    if (!side) return this.#stopSpot(frame, point);
+    if (!side) return this.#stopPosition(frame, point);
     const { normal: [nx, ny], offset } = side;
     const [x, y] = this.recording.pointAt(frame, point);
     const gap = nx * x + ny * y - offset;
-    return { place: this.camera.place(x - gap * nx, y - gap * ny), away: [nx, -ny] };
+    return { position: this.camera.toScreen(x - gap * nx, y - gap * ny), away: [nx, -ny] };
   }
 
-  #stopSpot(frame, joint) {
+  #stopPosition(frame, joint) {
     const [[x0, y0], [x1, y1]] = [joint - 1, joint].map((point) => this.recording.pointAt(frame, point));
     const length = Math.hypot(x1 - x0, y1 - y0) || 1;
     const [dx, dy] = [(x1 - x0) / length, (y1 - y0) / length];
     // the label of the moment is at a right angle to the link
-    return { place: this.camera.place(x0 + ARC * (x1 - x0), y0 + ARC * (y1 - y0)), away: [dy, dx] };
+    return { position: this.camera.toScreen(x0 + ARC * (x1 - x0), y0 + ARC * (y1 - y0)), away: [dy, dx] };
   }
 
   /** Return whether a contact can be drawn: its wall is known, or it is at a stop. */
@@ -293,7 +293,7 @@ export class Scene {
   }
 
   /**
-   * Draw rings at recent impacts: rings widen and fade, each around the ring before at the same place, with numbers beside
+   * Draw rings at recent impacts: rings widen and fade, each around the ring before at the same position, with numbers beside
    * them.
    */
   #drawRings(frame) {
@@ -304,17 +304,17 @@ export class Scene {
     const drawn = [];
     recent.forEach(({ onset, point, wall, number }, k) => {
       const age = (now - onset) / RING_TIME;
-      const { place, away } = this.#spot(recording.frameAt(onset), point, wall);
-      const same = drawn.filter((other) => Math.hypot(other[0] - place[0], other[1] - place[1]) < SAME).length;
-      drawn.push(place);
+      const { position, away } = this.#contactPosition(recording.frameAt(onset), point, wall);
+      const same = drawn.filter((other) => Math.hypot(other[0] - position[0], other[1] - position[1]) < SAME).length;
+      drawn.push(position);
       const width = RING + RINGS_APART * same + RING * Math.sqrt(age);
-      this.rings.circle(width).center(...place).addClass("ring").opacity((1 - age) ** 2);
+      this.rings.circle(width).center(...position).addClass("ring").opacity((1 - age) ** 2);
       if (recent.length - k > NUMBERS) return;
       const text = `#${number}`;
-      const found = this.places.find(text, NUMBER_TEXT, candidatesAround(place, [-away[1], away[0]], RING / 2 + BESIDE / 2));
-      if (!found) return;
-      const [x, y] = found.at;
-      this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": found.anchor }).addClass("ring-number").opacity(1 - age);
+      const label = this.labelSpace.findPosition(text, NUMBER_TEXT, positionsAround(position, [-away[1], away[0]], RING / 2 + BESIDE / 2));
+      if (!label) return;
+      const [x, y] = label.at;
+      this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass("ring-number").opacity(1 - age);
     });
   }
 
@@ -325,13 +325,13 @@ export class Scene {
     this.labels.clear();
     const texts = [];
     recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force: normal, friction, sticks }) => {
-      const { place: [x, y], away: [nx, ny] } = this.#spot(frame, point, wall);
+      const { position: [x, y], away: [nx, ny] } = this.#contactPosition(frame, point, wall);
       const force = Math.hypot(normal, friction);
       // on the screen, where y points down, the direction of dry friction along t is (−ny, nx)
       const [dx, dy] = [(normal * nx - friction * ny) / force, (normal * ny + friction * nx) / force];
       if (STOPS.includes(wall)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
-        this.places.takeAround([x, y], STOP_DOT / 2);
+        this.labelSpace.reserveAround([x, y], STOP_DOT / 2);
         texts.push([[x, y], [dx, dy], 2 * STOP_DOT, forceText(force, 3, unitsOf({ atStop: true }).force), "force"]);
         return;
       }
@@ -341,7 +341,7 @@ export class Scene {
       texts.push(...this.#arrow([x, y], [dx, dy], force, "force"));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
-      this.arrows.circle(STUCK_DOT).center(...this.camera.place(...recording.pointAt(frame, Math.max(joint - 1, 0)))).addClass("stuck-joint");
+      this.arrows.circle(STUCK_DOT).center(...this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)))).addClass("stuck-joint");
     });
     return texts;
   }
@@ -355,28 +355,28 @@ export class Scene {
     const sized = recording.loadsAt(frame).map(({ joint, force: [x, y] }) => ({ joint, x, y, size: Math.hypot(x, y) }));
     const most = Math.max(...sized.map(({ size }) => size));
     return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ joint, x, y, size }) => {
-      const place = camera.place(...recording.pointAt(frame, joint - 1));
-      return this.#arrow(place, [x / size, -y / size], size, "load", size === most);
+      const position = camera.toScreen(...recording.pointAt(frame, joint - 1));
+      return this.#arrow(position, [x / size, -y / size], size, "load", size === most);
     });
   }
 
-  /** Draw the arrow of a force [N] from a place in a direction; with `told`, return its size in the form for `#label`. */
-  #arrow([x, y], [dx, dy], force, kind, told = true) {
+  /** Draw the arrow of a force [N] from a position in a direction; with `hasLabel`, return its size in the form for `#label`. */
+  #arrow([x, y], [dx, dy], force, kind, hasLabel = true) {
     const length = this.arrowScale.lengthOf(force);
     const head = Math.min(14, 0.6 * length);
     const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
     this.arrows.line([at(0, 0), at(length - head, 0)]).addClass(`arrow ${kind}`);
     this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
       .addClass(`arrow-head ${kind}`);
-    this.places.takeLine([at(0, 0), at(length, 0)]);
-    return told && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, forceText(force), kind]] : [];
+    this.labelSpace.reserveLine([at(0, 0), at(length, 0)]);
+    return hasLabel && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, forceText(force), kind]] : [];
   }
 
-  /** Write a text near a place, ahead of it if there is room. */
-  #label(place, way, distance, text, kind) {
-    const found = this.places.find(text, FORCE_TEXT, candidatesAround(place, way, distance)) ??
-      { at: place.map((part, axis) => part + distance * way[axis]), anchor: anchorOf(way[0]) };
-    const [x, y] = found.at;
-    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": found.anchor }).addClass(`force-text ${kind}`);
+  /** Write a text near a position, ahead of it if nothing is there. */
+  #label(position, way, distance, text, kind) {
+    const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, way, distance)) ??
+      { at: position.map((value, axis) => value + distance * way[axis]), anchor: anchorOf(way[0]) };
+    const [x, y] = label.at;
+    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass(`force-text ${kind}`);
   }
 }

@@ -1,4 +1,4 @@
-// Places for texts on the screen at which a text covers neither another text nor anything that is drawn.
+// Positions for labels, at which a label covers neither another label nor anything that is drawn.
 
 // approximate width of a letter and height of a line, over the size of the letters
 const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
@@ -28,30 +28,30 @@ function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   return from < to;
 }
 
-export class Places {
+export class LabelSpace {
   #taken = []; // the used boxes
-  #lines = []; // the used lines: pairs of places
+  #lines = []; // the used lines: pairs of positions
 
   /** An empty scene of some width and height, in which texts stay below a strip. */
   constructor(width, height, strip) {
     this.limits = [0, strip, width, height];
   }
 
-  /** Keep texts away from the surroundings of a place. */
-  takeAround([x, y], half = HALF) {
+  /** Keep labels away from the surroundings of a position. */
+  reserveAround([x, y], half = HALF) {
     this.#taken.push([x - half, y - half, x + half, y + half]);
   }
 
-  /** Keep texts away from the lines that connect successive places. */
-  takeLine(places) {
-    places.slice(1).forEach((to, k) => this.#lines.push([places[k], to]));
+  /** Keep labels away from the lines that connect successive positions. */
+  reserveLine(positions) {
+    positions.slice(1).forEach((to, k) => this.#lines.push([positions[k], to]));
   }
 
   /**
    * Return the first of some candidates {at, anchor} at which a text of a size covers nothing, and mark it as used;
    * undefined if there is none.
    */
-  find(text, size, candidates) {
+  findPosition(text, size, candidates) {
     const [left, top, right, bottom] = this.limits;
     return candidates.find(({ at, anchor }) => {
       const box = boxOf(text, at, size, anchor);
@@ -65,10 +65,10 @@ export class Places {
 }
 
 /**
- * Return candidates around a place at a distance, first in a direction, then in directions farther from it, and then at
+ * Return candidates around a position at a distance, first in a direction, then in directions farther from it, and then at
  * twice the distance.
  */
-export function candidatesAround([x, y], [dx, dy], distance) {
+export function positionsAround([x, y], [dx, dy], distance) {
   const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);
   return [1, 2].flatMap((times) => turns.map((turn) => {
     const [c, s] = [Math.cos(turn), Math.sin(turn)];
@@ -77,7 +77,7 @@ export function candidatesAround([x, y], [dx, dy], distance) {
   }));
 }
 
-/** Return at which side of a place a text begins, by the horizontal component of the direction to the text. */
+/** Return at which side of a position a text begins, by the horizontal component of the direction to the text. */
 export function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
 }

@@ -1,34 +1,34 @@
 // The trace of the tip on the screen: a smooth curve through the frames, with corners at impacts.
 
-const APART = 1.5; // [pixels] distance between places of the trace
+const APART = 1.5; // [pixels] distance between positions of the trace
 const OFF = 0.05; // [pixels] largest distance from the curve to the straight lines that are drawn for it
 // largest distance of a curve from its chord, over the difference between the curve's slope and the chord's slope
 const BEND = 4 / 27;
 const MOST_PARTS = 16; // largest number of parts of the curve between two frames
-const MOST = 20_000; // largest number of places of a trace
+const MOST = 20_000; // largest number of positions of a trace
 
 /**
- * Return the places of the tip on the screen, without places that coincide, and the frame of each place, which may have a
- * fraction.
+ * Return the positions of the tip on the screen, without positions that coincide, and the frame of each position, which may
+ * have a fraction.
  */
 export function traceOf(recording, camera) {
   const count = recording.time.length;
   const most = Math.min(MOST_PARTS, Math.max(1, Math.floor(MOST / count)));
-  const at = Array.from(recording.time, (_, frame) => camera.place(...recording.pointAt(frame, recording.links)));
+  const at = Array.from(recording.time, (_, frame) => camera.toScreen(...recording.pointAt(frame, recording.links)));
   const slopes = slopesOf(at, recording);
-  const [frames, places] = [[0], [at[0]]];
+  const [frames, positions] = [[0], [at[0]]];
   for (let frame = 0; frame < count - 1; frame += 1) {
     const curve = curveBetween(at[frame], at[frame + 1], ...slopes[frame]);
     const parts = Math.min(most, Math.max(1, Math.ceil(Math.sqrt(curve.bend / OFF))));
     for (let part = 1; part <= parts; part += 1) {
-      const [here, before] = [curve.at(part / parts), places.at(-1)];
+      const [here, before] = [curve.at(part / parts), positions.at(-1)];
       if (Math.hypot(here[0] - before[0], here[1] - before[1]) >= APART) {
         frames.push(frame + part / parts);
-        places.push(here);
+        positions.push(here);
       }
     }
   }
-  return { frames, places };
+  return { frames, positions };
 }
 
 /**
@@ -45,25 +45,25 @@ function slopesOf(at, recording) {
     const [h0, h1] = [steps[k - 1], steps[k]];
     if (!(h0 > 0 && h1 > 0)) return undefined;
     const [before, after] = [speed(k - 1), speed(k)];
-    return before.map((one, axis) => (h1 * one + h0 * after[axis]) / (h0 + h1));
+    return before.map((value, axis) => (h1 * value + h0 * after[axis]) / (h0 + h1));
   });
   return steps.map((h, k) => {
     if (!(h > 0)) return [];
     const chord = speed(k);
     // if the slope at one end is unknown, the curve is a parabola
-    const other = (slope) => slope && chord.map((one, axis) => 2 * one - slope[axis]);
+    const other = (slope) => slope && chord.map((value, axis) => 2 * value - slope[axis]);
     const [from, to] = [within[k] ?? other(within[k + 1]), within[k + 1] ?? other(within[k])];
-    return [from, to].map((slope) => (slope ?? chord).map((one) => h * one));
+    return [from, to].map((slope) => (slope ?? chord).map((value) => h * value));
   });
 }
 
 /**
- * Return the cubic curve with given slopes between two places, and its distance from the straight line; without slopes, the
+ * Return the cubic curve with given slopes between two positions, and its distance from the straight line; without slopes, the
  * straight line.
  */
 function curveBetween(from, to, first, last) {
   const chord = [0, 1].map((axis) => to[axis] - from[axis]);
-  const [start, end] = [first, last].map((slope) => (slope ?? chord).map((one, axis) => one - chord[axis]));
+  const [start, end] = [first, last].map((slope) => (slope ?? chord).map((value, axis) => value - chord[axis]));
   return {
     bend: BEND * (Math.hypot(...start) + Math.hypot(...end)),
     at: (u) => chord.map((way, axis) => from[axis] + u * way + u * (1 - u) * ((1 - u) * start[axis] - u * end[axis])),

@@ -1,4 +1,4 @@
-// The other motions behind the present motion, the motion before the last change and pinned motions, and their impacts.
+// Motions behind the present motion: the motion before the last change, and pinned motions with a list of their impacts.
 
 import { make } from "../base/dom.js";
 import { durationText, forceText, unitsOf } from "../base/format.js";
@@ -7,7 +7,7 @@ const GESTURE = 800; // [ms] changes that follow each other faster count as one 
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LISTED = 40; // largest number of impacts that are listed side by side
 
-export class Ghosts {
+export class ComparedMotions {
   #last = -Infinity;
 
   constructor(player, panel, table) {
@@ -35,26 +35,26 @@ export class Ghosts {
     this.player.drawSoon();
   }
 
-  unpin(one) {
-    this.pinned = this.pinned.filter((other) => other !== one);
+  unpin(motion) {
+    this.pinned = this.pinned.filter((other) => other !== motion);
     this.show();
     this.player.drawSoon();
   }
 
   /** Draw the other motions at the present time. */
   draw() {
-    const { scene, clock, recording: shown } = this.player;
-    scene.behind.clear();
-    const others = [{ recording: this.before, kind: "before" }, ...this.pinned.map((one) => ({ ...one, kind: `pin-${one.colour}` }))];
+    const { drawing, clock, recording: shown } = this.player;
+    drawing.behind.clear();
+    const others = [{ recording: this.before, kind: "before" }, ...this.pinned.map((motion) => ({ ...motion, kind: `pin-${motion.colour}` }))];
     for (const { recording, kind } of others) {
       if (!recording || recording === shown) continue;
       const frame = recording.frameAt(clock.time);
-      const places = Array.from({ length: recording.links + 1 }, (_, point) => scene.camera.place(...recording.pointAt(frame, point)));
+      const positions = Array.from({ length: recording.links + 1 }, (_, point) => drawing.camera.toScreen(...recording.pointAt(frame, point)));
       recording.bodiesAt(frame).forEach((corners) => {
-        scene.behind.polygon(corners.map((place) => scene.camera.place(...place))).addClass(`ghost ${kind}`).fill("none");
+        drawing.behind.polygon(corners.map((corner) => drawing.camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });
-      scene.behind.polyline(places).addClass(`ghost ${kind}`).fill("none");
-      scene.behind.circle(8).center(...places.at(-1)).addClass(`ghost-tip ${kind}`);
+      drawing.behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
+      drawing.behind.circle(8).center(...positions.at(-1)).addClass(`compared-tip ${kind}`);
     }
   }
 
@@ -63,7 +63,7 @@ export class Ghosts {
     const { pinned, panel, table, player } = this;
     player.panels.forEach(([, , chart]) => chart.compare(pinned.map(({ recording, colour }) => ({ recording, colour: `pin-${colour}` }))));
     panel.hidden = pinned.length === 0;
-    // if the panel is hidden, the charts leave room for the list of impacts
+    // if the panel is hidden, the charts leave space for the list of impacts
     document.body.classList.toggle("with-pins", !panel.hidden);
     if (panel.hidden) return;
     const all = [{ recording: player.recording, text: "present" }, ...pinned];
@@ -72,20 +72,20 @@ export class Ghosts {
     const head = make("tr", {}, make("th", { scope: "col", textContent: "Impact" }), ...numbers);
     const more = Math.max(...all.map(({ recording }) => recording.impacts.length)) - count;
     if (more > 0) head.append(make("th", { scope: "col", textContent: `and ${more} more` }));
-    const rows = all.map((one) => make("tr", {}, this.#title(one),
-      ...numbers.map((_, k) => cellOf(one.recording.impacts[k]))));
+    const rows = all.map((motion) => make("tr", {}, this.#title(motion),
+      ...numbers.map((_, k) => cellOf(motion.recording.impacts[k]))));
     table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
   }
 
-  #title(one) {
-    const { text, colour, recording } = one;
+  #title(motion) {
+    const { text, colour, recording } = motion;
     const count = `${recording.impacts.length} impact${recording.impacts.length === 1 ? "" : "s"}`;
     const cell = make("th", { scope: "row", title: text });
     cell.append(make("span", { className: `dot ${colour ? `pin-${colour}` : "present"}` }));
     cell.append(make("span", { className: "pin-text", textContent: text }));
     if (colour) {
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
-      button.addEventListener("click", () => this.unpin(one));
+      button.addEventListener("click", () => this.unpin(motion));
       cell.append(button);
     }
     cell.append(make("small", { textContent: count }));

@@ -13,16 +13,16 @@ function like(text, columns) {
 
 /** Return the names in a text with commas, as for `simulate --curves`; an error says which name is not possible. */
 function namesIn(text, columns) {
-  const found = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
+  const all = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
     const names = like(part, columns);
     if (!names.length) throw new RangeError(part.includes("*") ? `no output is like ${part}` : `${part} is no output`);
     return names;
   });
-  const names = [...new Set(found)];
+  const names = [...new Set(all)];
   const units = columns.filter(({ name }) => names.includes(name)).map(({ unit }) => unit);
   const kinds = [...new Set(units)];
   kinds.forEach((unit) => {
-    const count = units.filter((one) => one === unit).length;
+    const count = units.filter((other) => other === unit).length;
     if (count > MOST_CURVES) throw new RangeError(`${count} outputs in ${unitText(unit) || "no unit"}; must be at most ${MOST_CURVES}`);
   });
   if (kinds.length > MOST_UNITS) throw new RangeError(`outputs in ${kinds.length} units; must be at most ${MOST_UNITS}`);
@@ -59,7 +59,7 @@ export class CurveChoice {
     this.rows = this.#columns.map(({ name, unit }) => {
       const box = make("input", { type: "checkbox" });
       box.setAttribute("aria-label", name);
-      box.addEventListener("change", () => this.#choose([...this.names.filter((one) => one !== name), ...(box.checked ? [name] : [])].join()));
+      box.addEventListener("change", () => this.#choose([...this.names.filter((other) => other !== name), ...(box.checked ? [name] : [])].join()));
       return { name, box, row: make("label", {}, box, make("span", { textContent: breakable(name) }), make("small", { textContent: unitText(unit) })) };
     });
     this.list.replaceChildren(...this.rows.map(({ row }) => row));

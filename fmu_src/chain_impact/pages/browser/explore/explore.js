@@ -1,22 +1,23 @@
 // The page that simulates: each change of a parameter gives another motion.
 
-import { unpacked } from "../base/base64.js";
+import { decompressed } from "../base/base64.js";
 import { find, make } from "../base/dom.js";
 import { Player } from "../player/player.js";
 import { Recording } from "../recording/recording.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { Changes } from "../scene/changes.js";
-import { heldAmong, heldTexts, inputSignals } from "../scene/held_inputs.js";
+import { inputSignals, inputStepsIn, inputStepTexts } from "../scene/input_steps.js";
 import { describe } from "../scene/model.js";
-import { asWritten, complete } from "../scene/scene_file.js";
+import { asWritten, complete, contentsIn } from "../scene/scene_file.js";
 import { Engine } from "../solver/engine.js";
-import { Ghosts } from "./compared_motions.js";
+import { ComparedMotions } from "./compared_motions.js";
 import { CurveChoice } from "./curve_choice.js";
-import { contentsIn, Editor } from "./editor.js";
+import { Editor } from "./editor.js";
 import { changesIn, commandOf, csvOf, hashOf, pictureOf, save } from "./export.js";
 import { Handles } from "./handles.js";
 import { GridMap } from "./map.js";
-import { showKnobs, showList } from "./sliders.js";
+import { showParameterList } from "./parameter_list.js";
+import { showMainParameters } from "./sliders.js";
 
 const WAITING = 120; // [ms] the time after which an old motion becomes grey
 const PATIENCE = 250; // [ms] the time after which the next change ends a run: a slider shows its effect while it is dragged
@@ -24,19 +25,19 @@ const REST = 300; // [ms] the time without a change after which the address gets
 const KEPT = 0.5; // the least part of the view, in size, that a motion must fill for the view to stay
 
 const { file, kit, command, module: packedModule } = JSON.parse(find("data").textContent);
-const own = describe(kit, complete(file, kit), command);
-const changes = new Changes(own);
+const pageScene = describe(kit, complete(file, kit), command);
+const changes = new Changes(pageScene);
 const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) => !(name in window));
 if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
-const module = unpacked(packedModule).then((bytes) => WebAssembly.compile(bytes));
+const module = decompressed(packedModule).then((bytes) => WebAssembly.compile(bytes));
 const program = URL.createObjectURL(new Blob([find("worker").textContent], { type: "text/javascript" }));
 const begin = () => new Engine(program, changes.scene, module);
 let engine = begin();
 let opened = ""; // the text of the open scene file; empty for the page's own scene
 const player = new Player(1);
-const ghosts = new Ghosts(player, find("pins"), find("pin-table"));
+const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
-player.further.push(ghosts, handles);
+player.layers.push(comparedMotions, handles);
 const choice = new CurveChoice(changes, () => {
   remember();
   update();
@@ -53,11 +54,11 @@ function steady(next) {
   return isKept || (isWithin && size(next) > KEPT * size(before)) ? { ...next, view: before.view, anchor: before.anchor } : next;
 }
 
-/** Return a sentence on the fault of a run; "" without a fault. `found`: whether there is a motion. */
-function sentenceOf({ status, place, reached }, found) {
+/** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether there is a motion. */
+function sentenceOf({ status, reason, reached }, hasMotion) {
   if (status === 0) return "";
-  const text = [changes.scene.statuses[status], changes.scene.places[place - 1]].filter(Boolean).join(": ");
-  return found ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
+  const text = [changes.scene.statuses[status], changes.scene.reasons[reason - 1]].filter(Boolean).join(": ");
+  return hasMotion ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
 }
 
 let remembering; // the timer of `remember`
@@ -96,10 +97,10 @@ function update() {
 async function simulateNow() {
   [begun, next] = [performance.now(), 0];
   find("reset-all").hidden = changes.count === 0;
-  const text = [...changes.texts(), ...heldTexts(changes)].map(([name, one]) => `${name} = ${one}`).join(", ");
+  const text = [...changes.texts(), ...inputStepTexts(changes)].map(([name, value]) => `${name} = ${value}`).join(", ");
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
   const result = await engine
-    .ask("motion", changes.values, { replaces: true, curves: choice.names, held: changes.held }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
+    .ask("motion", changes.values, { replaces: true, curves: choice.names, inputSteps: changes.inputSteps }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
     .catch((error) => ({ parts: null, fault: `The solver cannot work in this browser: ${error.message}.` }));
   clearTimeout(waiting);
   if (!result) return;
@@ -110,7 +111,7 @@ async function simulateNow() {
   say(result.fault ?? sentenceOf(result, result.parts));
   if (result.parts) {
     player.show(Object.assign(new Recording(steady(result.parts)), { text }));
-    ghosts.show();
+    comparedMotions.show();
   } else if (player.recording) {
     player.drawSoon();
   }
@@ -150,12 +151,12 @@ function showWords() {
   document.title = `${name} – chain-impact`;
   find("description").textContent = text;
   find("description").hidden = !text;
-  const told = [
+  const notes = [
     inputs.length && "While the motion plays, the slider of an input acts from that moment on.",
     still.length && `These inputs keep their start values here: ${still.join(", ")}.`,
   ].filter(Boolean);
-  find("inputs").hidden = told.length === 0;
-  find("inputs").textContent = told.join(" ");
+  find("inputs").hidden = notes.length === 0;
+  find("inputs").textContent = notes.join(" ");
   find("edit-first").hidden = !opened;
 }
 
@@ -165,12 +166,12 @@ function takeAddress() {
     const { scene: text = "", curves = "", ...parts } = changesIn(location.hash);
     if (text !== opened) {
       if (text) open(contentsIn(text));
-      else show(own, "");
+      else show(pageScene, "");
     }
-    const { others, held } = heldAmong(parts, changes);
+    const { others, inputSteps } = inputStepsIn(parts, changes);
     const values = new Changes(changes.scene).with(others);
     choice.take(curves);
-    changes.replace(values, held);
+    changes.replace(values, inputSteps);
   } catch (error) {
     notice = `The link cannot be used: ${error.message}.`;
     remember();
@@ -194,7 +195,7 @@ function connectExport() {
     setTimeout(() => Object.assign(button, { textContent: "Copy" }), 1500);
   }));
   connectFile("csv", async () => {
-    const result = await engine.ask("rows", { ...changes.values }, { held: changes.held });
+    const result = await engine.ask("rows", { ...changes.values }, { inputSteps: changes.inputSteps });
     save(new Blob([csvOf(result)], { type: "text/csv" }), `${changes.scene.name}.csv`);
     return sentenceOf(result, result.time.length > 0);
   });
@@ -235,12 +236,12 @@ window.chainImpact = {
     const result = await engine.ask("rows", values, { names: output });
     const { time, columns, impacts, statistics, status, reached } = result;
     const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));
-    const found = { time, columns, impacts: named, statistics };
+    const run = { time, columns, impacts: named, statistics };
     if (status !== 0) {
       const fault = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${changes.scene.statuses[status]}`;
-      throw Object.assign(new Error(fault), { status, time: reached, result: found });
+      throw Object.assign(new Error(fault), { status, time: reached, result: run });
     }
-    return found;
+    return run;
   },
   /** Let the page show the scene with some more parameters changed. */
   show(given = {}) {
@@ -256,24 +257,24 @@ find("map-open").addEventListener("click", () => {
 changes.onOpen(() => {
   engine = begin();
 });
-new Editor(changes, open, () => show(own, ""));
+new Editor(changes, open, () => show(pageScene, ""));
 showWords();
 const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
-player.further.push({ draw: showKnobs(find("main-knobs"), changes, presentTime) });
-showList(find("list-of-parameters"), changes);
+player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });
+showParameterList(find("list-of-parameters"), changes);
 connectExport();
 find("reset-all").addEventListener("click", () => changes.replace({}, {}));
-find("pin").addEventListener("click", () => player.recording && ghosts.pin());
+find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
 find("by-hand").addEventListener("click", () => player.clock.set({ frame: 0, playing: false }));
 if (location.hash) takeAddress();
 changes.onChange(() => {
   notice = "";
 });
-let [known, held] = [hashOf(changes), null]; // the parameters, and the dragged handle, at the last change
+let [known, inputSteps] = [hashOf(changes), null]; // the parameters, and the dragged handle, at the last change
 changes.onChange(() => {
   const now = hashOf(changes);
-  if (now !== known) ghosts.change(handles.dragged !== null && handles.dragged === held);
-  [known, held] = [now, handles.dragged];
+  if (now !== known) comparedMotions.change(handles.dragged !== null && handles.dragged === inputSteps);
+  [known, inputSteps] = [now, handles.dragged];
 });
 changes.onChange(remember);
 changes.onChange(update);

@@ -1,6 +1,6 @@
 // The exports of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
 
-import { heldTexts, inputSignals } from "../scene/held_inputs.js";
+import { inputSignals, inputStepTexts } from "../scene/input_steps.js";
 
 /** Return a word of a command for a shell, if necessary in double quotes, which shells of Windows also accept. */
 function quoted(word) {
@@ -8,20 +8,20 @@ function quoted(word) {
   return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
-/** Return the command that gives the same motion; inputs can be given only in Python, as signals if any input is held. */
+/** Return the command that gives the same motion; inputs can be given only in Python, as signals if any input is inputSteps. */
 export function commandOf(changes) {
   const { inputs, command: [source, ...settings] } = changes.scene;
-  const [own, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
-  const isHeld = Object.keys(changes.held).length > 0;
-  const given = isHeld ? [] : own;
-  const signals = Object.entries(isHeld ? inputSignals(changes) : {}).map(([name, signal]) => `("signals", "${name}"): ${JSON.stringify(signal)}`);
+  const [changedInputs, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
+  const hasSteps = Object.keys(changes.inputSteps).length > 0;
+  const constant = hasSteps ? [] : changedInputs;
+  const signals = Object.entries(hasSteps ? inputSignals(changes) : {}).map(([name, signal]) => `("signals", "${name}"): ${JSON.stringify(signal)}`);
   const set = others.flatMap(([name, text]) => ["--set", `${name}=${text}`]);
-  if (!given.length && !signals.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
+  if (!constant.length && !signals.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
   const after = (option) => [...settings, ...set].filter((_, k, words) => words[k - 1] === option);
   const pairs = after("--set").map((word) => word.split(/=(.*)/s));
-  const held = signals.length ? `.with_values({${signals.join(", ")}})` : "";
-  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})${tableOf(changes.scene.file, after("--inputs"))}${held}`;
-  const program = `from chain_impact import load_scene, simulate; print(simulate(${scene}, inputs=${dictionary(given)}))`;
+  const driven = signals.length ? `.with_values({${signals.join(", ")}})` : "";
+  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})${tableOf(changes.scene.file, after("--inputs"))}${driven}`;
+  const program = `from chain_impact import load_scene, simulate; print(simulate(${scene}, inputs=${dictionary(constant)}))`;
   return ["python", "-c", program].map(quoted).join(" ");
 }
 
@@ -47,7 +47,7 @@ function dictionary(pairs) {
  * is not the page's own, and `curves`, the names of the outputs in the chart.
  */
 export function hashOf(changes, shown = {}) {
-  const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(), ...heldTexts(changes)];
+  const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(), ...inputStepTexts(changes)];
   return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
 }
 

@@ -1,7 +1,7 @@
 // The handles with which the reader changes the start: joints, arrows of velocity and walls, which can be dragged while the
 // clock shows the start.
 
-import { roomWithin } from "../recording/half_planes.js";
+import { freeRegionWithin } from "../recording/half_planes.js";
 import { discOf, wallsAt } from "../scene/geometry.js";
 
 const ARROW_TIME = 0.1; // [s] the length of an arrow of velocity is the distance covered in this time
@@ -58,15 +58,15 @@ export class Handles {
   get #start() {
     // a signal that drives the base determines its position
     const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
-    const place = [isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")]];
+    const positions = [isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")]];
     const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
     for (let link = 1; link <= this.changes.scene.links; link += 1) {
       const [length, angle, rate] = [`link[${link}].length`, `initial.angle[${link}]`, `initial.angular_velocity[${link}]`].map((name) => this.#value(name));
       const [x, y] = [length * Math.cos(angle), length * Math.sin(angle)];
-      place.push([place.at(-1)[0] + x, place.at(-1)[1] + y]);
+      positions.push([positions.at(-1)[0] + x, positions.at(-1)[1] + y]);
       velocity.push([velocity.at(-1)[0] - rate * y, velocity.at(-1)[1] + rate * x]);
     }
-    return { place, velocity };
+    return { positions, velocity };
   }
 
   /** Return the time [s] for which the arrows show the distance; the time is constant while something is dragged. */
@@ -82,7 +82,7 @@ export class Handles {
    * edge.
    */
   get #walls() {
-    const { camera } = this.player.scene;
+    const { camera } = this.player.drawing;
     const walls = wallsAt(this.changes.scene, (name) => this.changes.valueOf(name));
     return Object.entries(walls).flatMap(([name, wall]) => {
       const movable = this.changes.valueOf(`box.${name}`) !== undefined || this.changes.valueOf(`wall.${name}.x`) !== undefined;
@@ -96,47 +96,47 @@ export class Handles {
 
   /** Draw the handles, if the clock shows the start. */
   draw() {
-    const { scene } = this.player;
-    const held = gripOf({ target: document.activeElement });
-    scene.above.clear();
+    const { drawing } = this.player;
+    const focused = gripOf({ target: document.activeElement });
+    drawing.above.clear();
     if (!this.areShown) return;
-    const { place, velocity } = this.#start;
+    const { positions, velocity } = this.#start;
     const time = this.#arrowTime(velocity);
-    const screen = (point) => scene.camera.place(...point);
-    const group = scene.above;
-    group.polyline(place.map(screen)).addClass("pose").fill("none");
+    const screen = (point) => drawing.camera.toScreen(...point);
+    const group = drawing.above;
+    group.polyline(positions.map(screen)).addClass("pose").fill("none");
     this.#walls.forEach(({ name, middle, isSeen }) => {
       const [x, y] = screen(middle);
       group.rect(WALL, WALL).radius(5).center(x, y).addClass(isSeen ? "wall-grip" : "wall-grip wall-beyond").attr(gripFor("wall", name));
     });
-    place.forEach((point, k) => {
+    positions.forEach((point, k) => {
       if (k === 0 && !this.changes.parameters.has("initial.vx")) return;
       const from = screen(point);
-      this.#arrow(group, from, wayTo(from, screen(tipOf(point, velocity[k], time))), k);
+      this.#arrow(group, from, vectorTo(from, screen(tipOf(point, velocity[k], time))), k);
     });
-    this.#sites(place).forEach(({ number, at }) => {
+    this.#sites(positions).forEach(({ number, at }) => {
       group.circle(13).center(...screen(at)).addClass("joint-ring");
       group.circle(GRIP).center(...screen(at)).addClass("grip").attr(gripFor("site", number));
     });
-    place.forEach((point, k) => {
+    positions.forEach((point, k) => {
       group.circle(15).center(...screen(point)).addClass("joint-ring");
       group.circle(GRIP).center(...screen(point)).addClass("grip").attr(gripFor("joint", k));
     });
-    if (held) this.element.querySelector(`[data-grip="${held}"]`)?.focus({ preventScroll: true });
+    if (focused) this.element.querySelector(`[data-grip="${focused}"]`)?.focus({ preventScroll: true });
   }
 
   /**
    * Return the points of links that can be moved, and their positions at the start [m]; corners of boxes move with their
    * links.
    */
-  #sites(place) {
+  #sites(positions) {
     const { scene } = this.changes;
     return scene.sites.flatMap((site, s) => {
       if (site.corner) return [];
       const [x, y] = discOf(site, (name) => this.#value(name));
       const angle = this.#value(`initial.angle[${site.link + 1}]`);
       const [c, sin] = [Math.cos(angle), Math.sin(angle)];
-      const [x0, y0] = place[site.link];
+      const [x0, y0] = positions[site.link];
       return [{ number: scene.links + 1 + s, site, at: [x0 + c * x - sin * y, y0 + sin * x + c * y] }];
     });
   }
@@ -197,28 +197,28 @@ export class Handles {
     this.draw(); // so that the next key finds the grip at its new position
   }
 
-  /** Move the dragged handle to a place on the screen. */
+  /** Move the dragged handle to a position on the screen. */
   #move(left, top) {
-    const at = this.player.scene.camera.at(left, top);
+    const at = this.player.drawing.camera.toMetres(left, top);
     const { kind, index } = this.dragged;
     try {
       this.changes.set(this[kind](at, index));
     } catch {
-      // this place is not possible: the handle stays where it was
+      // this position is not possible: the handle stays where it was
     }
   }
 
   /** Return the size of a pixel [m]. */
   get #pixel() {
-    const { camera } = this.player.scene;
-    return Math.abs(camera.at(1, 0)[0] - camera.at(0, 0)[0]);
+    const { camera } = this.player.drawing;
+    return Math.abs(camera.toMetres(1, 0)[0] - camera.toMetres(0, 0)[0]);
   }
 
   /** Move the base, or for another joint turn the link before it, to a position. */
   joint([x, y], index) {
     const k = Number(index);
     if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };
-    const [x0, y0] = this.#start.place[k - 1];
+    const [x0, y0] = this.#start.positions[k - 1];
     const name = `initial.angle[${k}]`;
     const angle = Math.atan2(y - y0, x - x0);
     const turns = Math.round((this.#value(name) - angle) / (2 * Math.PI));
@@ -227,10 +227,10 @@ export class Handles {
 
   /** Move a point of a link on the link. */
   site([x, y], number) {
-    const { place } = this.#start;
-    const { site: { link, entry } } = this.#sites(place).find((one) => one.number === Number(number));
+    const { positions } = this.#start;
+    const { site: { link, entry } } = this.#sites(positions).find(({ number: other }) => other === Number(number));
     const angle = this.#value(`initial.angle[${link + 1}]`);
-    const [dx, dy] = wayTo(place[link], [x, y]);
+    const [dx, dy] = vectorTo(positions[link], [x, y]);
     const along = { x: dx * Math.cos(angle) + dy * Math.sin(angle), y: dy * Math.cos(angle) - dx * Math.sin(angle) };
     return Object.fromEntries(Object.entries(along).map(([key, value]) =>
       [`link[${link + 1}].point[${entry + 1}].${key}`, byHand(value, this.#pixel)]));
@@ -239,13 +239,13 @@ export class Handles {
   /** Set a velocity by its arrow: of the base the velocity, of another joint the angular velocity of the link before it. */
   velocity([x, y], index) {
     const k = Number(index);
-    const { place, velocity } = this.#start;
+    const { positions, velocity } = this.#start;
     const pixel = this.#pixel / this.dragged.time;
-    const way = wayTo(place[k], [x, y]);
+    const way = vectorTo(positions[k], [x, y]);
     const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...way)); // the arrow without its stem
     const wanted = way.map((part) => (share * part) / this.dragged.time);
     if (k === 0) return { "initial.vx": byHand(wanted[0], pixel), "initial.vy": byHand(wanted[1], pixel) };
-    const link = [0, 1].map((axis) => place[k][axis] - place[k - 1][axis]);
+    const link = [0, 1].map((axis) => positions[k][axis] - positions[k - 1][axis]);
     const added = [0, 1].map((axis) => wanted[axis] - velocity[k - 1][axis]);
     const rate = (link[0] * added[1] - link[1] * added[0]) / (link[0] ** 2 + link[1] ** 2);
     return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
@@ -253,7 +253,7 @@ export class Handles {
 
   /** Move a wall along its normal. */
   wall([x, y], name) {
-    const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (one) => this.changes.valueOf(one))[name];
+    const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (parameter) => this.changes.valueOf(parameter))[name];
     const way = nx * x + ny * y - offset;
     if (this.changes.valueOf(`box.${name}`) !== undefined) {
       return { [`box.${name}`]: byHand(this.#value(`box.${name}`) + way * (nx + ny), this.#pixel) };
@@ -273,8 +273,8 @@ function gripFor(kind, index) {
   return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index) };
 }
 
-/** Return the vector from one place to another. */
-function wayTo([x0, y0], [x1, y1]) {
+/** Return the vector from one position to another. */
+function vectorTo([x0, y0], [x1, y1]) {
   return [x1 - x0, y1 - y0];
 }
 
@@ -283,19 +283,19 @@ function tipOf([x, y], [vx, vy], time) {
   return [x + vx * time, y + vy * time];
 }
 
-/** Return the place, `inside` the edge of the view, that is nearest to a wall beyond the view; undefined without a wall. */
+/** Return the position, `inside` the edge of the view, that is nearest to a wall beyond the view; undefined without a wall. */
 function edgeBefore({ normal, offset }, [low, high], inside) {
   const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
   if (!(normal[0] * middle[0] + normal[1] * middle[1] > offset)) return undefined;
   const halves = [0, 1].map((axis) => (high[axis] - low[axis]) / 2 - inside);
   const way = Math.min(...halves.map((half, axis) => half / Math.abs(normal[axis])));
-  return middle.map((place, axis) => place - way * normal[axis]);
+  return middle.map((coordinate, axis) => coordinate - way * normal[axis]);
 }
 
 /** Return the ends of the visible part of a wall; undefined if no part is visible. */
 function edgesOf(walls, name, rectangle) {
   const { normal: [nx, ny], offset } = walls[name];
-  const { edges } = roomWithin(walls, rectangle);
+  const { edges } = freeRegionWithin(walls, rectangle);
   const isOn = ([x, y]) => Math.abs(nx * x + ny * y - offset) < 1e-6 * (1 + Math.abs(offset));
   return edges.filter((ends) => ends.every(isOn));
 }

@@ -20,21 +20,21 @@ function rangeOf({ low, high }, value) {
 
 /** Return an output by its name, if the scene has it; its value is the largest of some words of the record. */
 function outputsLike({ columns }, name) {
-  return columns.filter((one) => one.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
+  return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
 }
 
 /** Return the largest values of a run, by their names in a sweep: at walls, at stops of joints, and in joints. */
 function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
   const atWalls = contactPoints.length || sliderStops.length ? { peak_force: "N", max_penetration: "m" } : {};
   const atStops = stops.length ? { "stop.peak_moment": "N.m", "stop.max_penetration": "rad" } : {};
-  const found = Object.entries({ ...atWalls, ...atStops }).map(([name, unit]) => ({ name, unit, integer: false, words: [peaks[name]] }));
+  const largest = Object.entries({ ...atWalls, ...atStops }).map(([name, unit]) => ({ name, unit, integer: false, words: [peaks[name]] }));
   const loads = columns.filter(({ name }) => /^joint\[\d+\]\.peak_force$/.test(name)).map(({ word }) => word);
-  return loads.length ? [...found, { name: "joint_force", unit: "N", integer: false, words: loads }] : found;
+  return loads.length ? [...largest, { name: "joint_force", unit: "N", integer: false, words: loads }] : largest;
 }
 
 export class GridMap {
   #engines = []; // the workers that are in use
-  #read; // the run at which a finger has pointed
+  #touched; // the run at which a finger has pointed
   #chosen; // the run that the keyboard has chosen
 
   /** `begin` is a function that makes an engine. */
@@ -55,7 +55,7 @@ export class GridMap {
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
     this.dialog.addEventListener("close", () => this.#stop());
     this.canvas.addEventListener("click", (event) => this.#choose(event));
-    this.canvas.addEventListener("pointermove", (event) => this.#tell(this.#at(event)));
+    this.canvas.addEventListener("pointermove", (event) => this.#describe(this.#runAt(event)));
     this.canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
@@ -80,7 +80,7 @@ export class GridMap {
     const tip = `point[${scene.links}]`;
     const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
     const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
-    return [...first, ...largestOf(scene), ...last].map((one) => ({ ...one, label: titleOf(one.name, unitText(one.unit)) }));
+    return [...first, ...largestOf(scene), ...last].map((output) => ({ ...output, label: titleOf(output.name, unitText(output.unit)) }));
   }
 
   /** Fill the lists with the parameters and outputs of the scene; the map of another scene is removed. */
@@ -116,16 +116,16 @@ export class GridMap {
    * Compute the map with a number of points along each axis, and draw it as it grows; a fault in the fields changes nothing.
    */
   async run(points = POINTS) {
-    let asked;
+    let request;
     try {
-      asked = this.#asked(points);
+      request = this.#requestOf(points);
     } catch (error) {
       this.#say(`${error.message}.`);
       return;
     }
     this.#stop();
-    this.#read = this.#chosen = undefined;
-    const shown = { ...asked, points, found: Array(points * points), rows: 0 };
+    this.#touched = this.#chosen = undefined;
+    const shown = { ...request, points, results: Array(points * points), rows: 0 };
     this.shown = shown;
     Object.assign(this.canvas, { width: points, height: points });
     find("map-files").hidden = true;
@@ -135,9 +135,9 @@ export class GridMap {
     if (shown !== this.shown) return;
     this.#stop();
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
-    const told = points === POINTS ? `${points * points} runs in ${seconds} s.` : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
-    const inputs = Object.keys(this.changes.held).length ? " Inputs keep their start values." : "";
-    const done = `${told}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
+    const summary = points === POINTS ? `${points * points} runs in ${seconds} s.` : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
+    const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
+    const done = `${summary}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
     this.#say(fault || (shown.rows === points ? done : `Stopped after ${shown.rows} of ${points} rows.`));
   }
 
@@ -146,7 +146,7 @@ export class GridMap {
   }
 
   /** Return the values of the fields: names, values along both axes, the other changes and the output. */
-  #asked(points) {
+  #requestOf(points) {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
     const axes = this.inputs.map(([name, from, to]) => {
@@ -169,7 +169,7 @@ export class GridMap {
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
         const result = await engine.ask("study", values, { names, each, words });
         if (!result) return; // if not equal, the worker was ended
-        if (shown === this.shown) this.#take(result.rows, row);
+        if (shown === this.shown) this.#store(result.rows, row);
       }
     };
     this.#engines = Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, this.begin);
@@ -184,14 +184,14 @@ export class GridMap {
   }
 
   /** Store the outputs at the ends of a row's runs; null for a run that has failed, or that the scene refuses. */
-  #take(rows, row) {
-    const { output, found, points } = this.shown;
+  #store(rows, row) {
+    const { output, results, points } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
     for (let column = 0; column < points; column += 1) {
       const status = (1 + output.words.length) * column;
       const index = row * points + column;
-      const given = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
-      found[index] = integers[status] === 0n && this.#isAllowed(index) ? given : null;
+      const largest = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
+      results[index] = integers[status] === 0n && this.#isAllowed(index) ? largest : null;
     }
     this.shown.rows += 1;
     this.#say(`${this.shown.rows} of ${points} rows`);
@@ -199,26 +199,26 @@ export class GridMap {
   }
 
   /** Return the values of both parameters in a run. */
-  #givenAt(index) {
+  #valuesAt(index) {
     const { names, axes, points } = this.shown;
     return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
   }
 
   #isAllowed(index) {
     try {
-      return Boolean(this.changes.with(this.#givenAt(index), this.shown.values));
+      return Boolean(this.changes.with(this.#valuesAt(index), this.shown.values));
     } catch {
       return false;
     }
   }
 
   #draw() {
-    const known = this.shown.found.filter((value) => Number.isFinite(value));
+    const known = this.shown.results.filter((value) => Number.isFinite(value));
     const [least, most] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
     const context = this.canvas.getContext("2d");
     const { points } = this.shown;
     const image = context.createImageData(points, points);
-    Array.from(this.shown.found, (value, index) => {
+    Array.from(this.shown.results, (value, index) => {
       const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
       const colour = !Number.isFinite(value) ? [128, 128, 128, 60] : [...colourAt((value - least) / (most - least || 1)), 255];
       image.data.set(colour, 4 * (row * points + column));
@@ -248,10 +248,10 @@ export class GridMap {
       const { factor, text } = units[k];
       const [low, high] = [axes[k][0] * factor, axes[k].at(-1) * factor].sort((a, b) => a - b);
       ticksBetween(low, high).forEach((tick) => {
-        const place = at(k, tick / factor);
-        scales.line(k ? [[EDGE.left - 5, place], [EDGE.left, place]] : [[place, bottom], [place, bottom + 5]]).addClass("map-tick");
-        if (k) write(numberText(tick), EDGE.left - 8, place + 4, "end");
-        else write(numberText(tick), place, bottom + 18, "middle");
+        const pixel = at(k, tick / factor);
+        scales.line(k ? [[EDGE.left - 5, pixel], [EDGE.left, pixel]] : [[pixel, bottom], [pixel, bottom + 5]]).addClass("map-tick");
+        if (k) write(numberText(tick), EDGE.left - 8, pixel + 4, "end");
+        else write(numberText(tick), pixel, bottom + 18, "middle");
       });
       const title = titleOf(quantityOf(name), text);
       if (k) write(title, 0, 0, "middle").attr({ transform: `translate(13 ${EDGE.top + height / 2}) rotate(-90)` });
@@ -284,13 +284,13 @@ export class GridMap {
   /** Return whether the present parameters differ from the runs of the map only in the two parameters of the map. */
   #isOfPresent() {
     const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
-    return !Object.keys(this.changes.held).length && others(this.shown.values) === others(this.changes.values);
+    return !Object.keys(this.changes.inputSteps).length && others(this.shown.values) === others(this.changes.values);
   }
 
   /** Return the runs as a table: both parameters and the output. */
   #table() {
-    const { names, output, found } = this.shown;
-    const lines = Array.from(found, (value, index) => [...Object.values(this.#givenAt(index)), value ?? ""].join(","));
+    const { names, output, results } = this.shown;
+    const lines = Array.from(results, (value, index) => [...Object.values(this.#valuesAt(index)), value ?? ""].join(","));
     return [[...names, output.name].join(","), ...lines, ""].join("\r\n");
   }
 
@@ -303,14 +303,14 @@ export class GridMap {
     save(picture, `${this.changes.scene.name}-map.png`);
   }
 
-  /** Return the run at a place of the canvas; undefined if there is none yet. */
-  #at({ clientX, clientY }) {
+  /** Return the run at a position on the canvas; undefined if there is none yet. */
+  #runAt({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const points = this.canvas.width;
-    const place = (share) => Math.min(Math.max(Math.floor(share * points), 0), points - 1);
-    const [column, row] = [place((clientX - left) / width), points - 1 - place((clientY - top) / height)];
+    const numberAt = (share) => Math.min(Math.max(Math.floor(share * points), 0), points - 1);
+    const [column, row] = [numberAt((clientX - left) / width), points - 1 - numberAt((clientY - top) / height)];
     const index = row * points + column;
-    return this.shown?.found[index] === undefined ? undefined : index;
+    return this.shown?.results[index] === undefined ? undefined : index;
   }
 
   /** Move from run to run with the arrow keys, first from the run in the middle; open a run with Enter. */
@@ -325,16 +325,16 @@ export class GridMap {
       return;
     }
     const [column, row] = this.#chosen === undefined ? [middle % points, Math.floor(middle / points)]
-      : [this.#chosen % points + right, Math.floor(this.#chosen / points) + up].map((place) => Math.min(Math.max(place, 0), points - 1));
+      : [this.#chosen % points + right, Math.floor(this.#chosen / points) + up].map((number) => Math.min(Math.max(number, 0), points - 1));
     this.#chosen = row * points + column;
-    this.#tell(this.#chosen);
+    this.#describe(this.#chosen);
     this.#drawScales();
   }
 
-  #tell(index) {
-    if (this.shown?.found[index] === undefined) return;
-    const value = this.shown.found[index];
-    const parameters = Object.entries(this.#givenAt(index)).map(([name, one]) => this.#valueText(name, one));
+  #describe(index) {
+    if (this.shown?.results[index] === undefined) return;
+    const value = this.shown.results[index];
+    const parameters = Object.entries(this.#valuesAt(index)).map(([name, given]) => this.#valueText(name, given));
     const result = value === null ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
     this.#say(`${parameters.join(", ")}: ${result}`);
   }
@@ -349,18 +349,18 @@ export class GridMap {
 
   /** Open a run; the first touch of a run with a finger only shows its values. */
   #choose(event) {
-    const index = this.#at(event);
+    const index = this.#runAt(event);
     if (index === undefined) return;
-    const isRead = event.pointerType !== "touch" || index === this.#read;
-    this.#read = index;
-    if (isRead) this.#open(index);
-    else this.#tell(index);
+    const isSecond = event.pointerType !== "touch" || index === this.#touched;
+    this.#touched = index;
+    if (isSecond) this.#open(index);
+    else this.#describe(index);
   }
 
   #open(index) {
-    if (this.shown.found[index] === undefined) return;
+    if (this.shown.results[index] === undefined) return;
     try {
-      this.changes.replace(this.changes.with(this.#givenAt(index), this.shown.values), {}); // its inputs are constant
+      this.changes.replace(this.changes.with(this.#valuesAt(index), this.shown.values), {}); // its inputs are constant
       this.dialog.close();
     } catch (error) {
       this.#say(`${error.message}.`);

@@ -1,7 +1,7 @@
 // The scales of the map: titles, units, ticks and colours of its axes.
 
 import { unitText } from "../base/format.js";
-import { KNOBS } from "./sliders.js";
+import { MAIN_PARAMETERS } from "./sliders.js";
 
 // the colour map viridis of matplotlib (CC0), at equal distances
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -31,9 +31,9 @@ export function ticksBetween(low, high) {
 
 /** Return the colour of a fraction from 0 to 1. */
 export function colourAt(share) {
-  const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
-  const at = Math.min(Math.floor(place), VIRIDIS.length - 2);
-  return VIRIDIS[at].map((part, k) => Math.round(part + (place - at) * (VIRIDIS[at + 1][k] - part)));
+  const position = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
+  const at = Math.min(Math.floor(position), VIRIDIS.length - 2);
+  return VIRIDIS[at].map((part, k) => Math.round(part + (position - at) * (VIRIDIS[at + 1][k] - part)));
 }
 
 /** The quantities that a map can show: name in a scene or a sweep → title. */
@@ -50,7 +50,7 @@ const QUANTITIES = {
 
 /** Return the quantity with a name, or the name if there is no quantity. */
 export function quantityOf(name) {
-  return QUANTITIES[name] ?? KNOBS.find((knob) => knob.name === name)?.label ?? name;
+  return QUANTITIES[name] ?? MAIN_PARAMETERS.find((parameter) => parameter.name === name)?.label ?? name;
 }
 
 /** Return a unit in which values up to a largest value are easy to read, and the factor to this unit. */

@@ -8,7 +8,7 @@ import { SPEEDS } from "./clock.js";
  * Connect buttons, slider and keys with the clock; without a recording they do nothing. Return a function that must be
  * called when the clock has another recording.
  */
-export function connect(clock, scene) {
+export function connect(clock, drawing) {
   const actions = {
     " ": () => clock.toggle(),
     ArrowLeft: () => clock.step(-1),
@@ -40,7 +40,7 @@ export function connect(clock, scene) {
   find("full").addEventListener("click", () =>
     (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()));
   find("trace").addEventListener("change", ({ target }) => {
-    scene.showTrace = target.checked;
+    drawing.showTrace = target.checked;
     clock.set({});
   });
   find("help-open").addEventListener("click", () => find("help").showModal());

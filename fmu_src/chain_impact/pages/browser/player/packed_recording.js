@@ -11,10 +11,10 @@ function numbers({ low, high, values }) {
 }
 
 /** Return numbers at every row, from numbers that are packed for some rows; the others are zero. */
-function whole(packed, places, count) {
+function atAllRows(packed, rows, count) {
   const values = new Float64Array(count);
   numbers(packed).forEach((value, k) => {
-    values[places[k]] = value;
+    values[rows[k]] = value;
   });
   return values;
 }
@@ -25,8 +25,8 @@ export function unpack(packed) {
   const [x, y] = [packed.x, packed.y].map(numbers);
   const energies = Object.entries(packed.energies).map(([name, values]) => [name, numbers(values)]);
   const touches = packed.touches.map(({ point, wall, rows, ...columns }) => {
-    const places = new Uint32Array(bytesIn(rows).buffer);
-    const known = Object.entries(columns).map(([name, values]) => [name, whole(values, places, time.length)]);
+    const rowNumbers = new Uint32Array(bytesIn(rows).buffer);
+    const known = Object.entries(columns).map(([name, values]) => [name, atAllRows(values, rowNumbers, time.length)]);
     return { point, wall, ...Object.fromEntries(known) };
   });
   const loads = packed.loads.map(({ joint, ...force }) => ({ joint, x: numbers(force.x), y: numbers(force.y) }));

@@ -5,7 +5,7 @@ import { rateText } from "../base/format.js";
 import { CurveCharts } from "../charts/curve_charts.js";
 import { ForceChart } from "../charts/force_chart.js";
 import { EnergyChart } from "../charts/time_chart.js";
-import { Scene } from "../drawing/chain_drawing.js";
+import { ChainDrawing } from "../drawing/chain_drawing.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { ImpactList, impactText } from "./impact_list.js";
@@ -15,25 +15,25 @@ const LONGEST_FRAME = 0.1;
 const SLOW = 0.5; // rate, over the chosen speed, below which the clock says slow motion
 
 export class Player {
-  further = []; // further functions that draw at each frame
-  #asked = false;
-  #before = undefined;
+  layers = []; // further objects that draw at each frame
+  #isDrawingDue = false;
+  #lastTick = undefined;
 
   constructor(speed) {
     this.clock = new Clock(speed);
-    this.scene = new Scene(find("scene"));
+    this.drawing = new ChainDrawing(find("scene"));
     this.panels = [
       [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
         new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
       [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
-        new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time), { of: ({ inputs }) => inputs, label: "Driven inputs" })],
+        new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time), { curvesOf: ({ inputs }) => inputs, label: "Driven inputs" })],
       [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
-        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time), { of: ({ outputs }) => outputs, label: "Outputs", closer: find("closer") })],
+        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time), { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("closer") })],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("close-what"), find("over"))],
     ];
     this.impacts = new ImpactList(find("impacts"), (number) => this.clock.toImpact(number));
-    this.hasChanged = connect(this.clock, this.scene);
+    this.showControls = connect(this.clock, this.drawing);
     this.clock.onChange(() => this.drawSoon());
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
@@ -44,13 +44,13 @@ export class Player {
     this.recording = recording;
     const [low, high] = recording.view;
     find("view").style.setProperty("--aspect", (high[0] - low[0]) / (high[1] - low[1]));
-    this.panels.forEach(([isThere, panel, part]) => {
-      panel.hidden = !isThere(recording);
+    this.panels.forEach(([hasContents, panel, part]) => {
+      panel.hidden = !hasContents(recording);
       if (!panel.hidden) part.show(recording);
     });
-    [this.scene, this.impacts].forEach((part) => part.show(recording));
+    [this.drawing, this.impacts].forEach((part) => part.show(recording));
     this.clock.show(recording);
-    this.hasChanged();
+    this.showControls();
     find("subtitle").textContent = subtitle(recording);
     if (first) this.#begin();
     else this.drawSoon();
@@ -65,25 +65,25 @@ export class Player {
   }
 
   #tick(now) {
-    const seconds = (now - (this.#before ?? now)) / 1000;
+    const seconds = (now - (this.#lastTick ?? now)) / 1000;
     if (this.clock.playing) this.clock.advance(Math.min(seconds, LONGEST_FRAME));
-    this.#before = now;
+    this.#lastTick = now;
     requestAnimationFrame((next) => this.#tick(next));
   }
 
   fit() {
     if (!this.recording) return;
     const { clientWidth, clientHeight } = find("view");
-    this.scene.resize(clientWidth, clientHeight);
+    this.drawing.resize(clientWidth, clientHeight);
     this.drawSoon();
   }
 
   /** Draw once, before the browser paints next. */
   drawSoon() {
-    if (this.#asked) return;
-    this.#asked = true;
+    if (this.#isDrawingDue) return;
+    this.#isDrawingDue = true;
     requestAnimationFrame(() => {
-      this.#asked = false;
+      this.#isDrawingDue = false;
       this.draw();
     });
   }
@@ -93,7 +93,7 @@ export class Player {
     const { clock, recording } = this;
     const { frame, time, contact } = clock;
     this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
-    [this.scene, this.impacts, ...this.further].forEach((part) => part.draw(frame, contact));
+    [this.drawing, this.impacts, ...this.layers].forEach((part) => part.draw(frame, contact));
     find("time").textContent = `${time.toFixed(5)} s`;
     const slow = clock.slow && recording.rateAt(frame) < SLOW;
     find("rate").textContent = rateText(clock.rate);

@@ -27,7 +27,7 @@ export function timesOf(contacts, start, stop, pointCount, impactTime, rate) {
 }
 
 /** Return for each time the row before it, and the fraction of the way from this row to the next row. */
-function placesIn(time, times) {
+function bracketsOf(time, times) {
   let row = 0;
   return Array.from(times, (now) => {
     while (row < time.length - 2 && time[row + 1] <= now) row += 1;
@@ -35,16 +35,16 @@ function placesIn(time, times) {
   });
 }
 
-/** Return values, in rows of some width, at some places between rows. */
-function columnAt(values, places, width) {
-  const found = new Float64Array(places.length * width);
-  places.forEach(([row, share], frame) => {
+/** Return values, in rows of some width, interpolated between rows. */
+function interpolatedColumn(values, brackets, width) {
+  const column = new Float64Array(brackets.length * width);
+  brackets.forEach(([row, share], frame) => {
     for (let k = 0; k < width; k += 1) {
       const first = values[row * width + k];
-      found[frame * width + k] = first + share * (values[(row + 1) * width + k] - first);
+      column[frame * width + k] = first + share * (values[(row + 1) * width + k] - first);
     }
   });
-  return found;
+  return column;
 }
 
 /** Return the first and last frame of each span in which numbers are above zero. */
@@ -75,20 +75,20 @@ function largest(values) {
  */
 export function framesOf(rows, { times, frameRate }) {
   const { name, links, pointCount, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
-  const places = times === rows.time ? null : placesIn(rows.time, times);
-  const at = (values, width = 1) => (places && values ? columnAt(values, places, width) : values);
-  const held = (values) => spansOf(places ? places.map(([row]) => values[row]) : values);
+  const brackets = times === rows.time ? null : bracketsOf(rows.time, times);
+  const at = (values, width = 1) => (brackets && values ? interpolatedColumn(values, brackets, width) : values);
+  const spansAbove = (values) => spansOf(brackets ? brackets.map(([row]) => values[row]) : values);
   const [x, y] = [rows.x, rows.y].map((all) => at(all, pointCount));
   const forces = rows.touches
     .filter(({ wall, force }) => wall && force.some((value) => value > 0))
     .map(({ point, wall, force, depth, friction, sticking }) =>
       ({
-        point, wall, values: at(force), depth: at(depth), friction: at(friction), spans: sticking ? held(sticking) : [],
+        point, wall, values: at(force), depth: at(depth), friction: at(friction), spans: sticking ? spansAbove(sticking) : [],
         course: { time: rows.time, force, depth, friction },
       }));
   const stuckJoints = rows.touches
     .filter(({ wall }) => !wall)
-    .map(({ point, sticking }) => ({ joint: point, spans: held(sticking) }));
+    .map(({ point, sticking }) => ({ joint: point, spans: spansAbove(sticking) }));
   const loads = rows.loads.map(({ joint, x: along, y: up }) => ({ joint, x: at(along), y: at(up) }));
   const energies = ENERGIES.filter((key) => rows.energies[key]?.some((value) => value !== 0))
     .map((key) => [key, at(rows.energies[key])]);

@@ -1,4 +1,4 @@
-// The room between the walls, on the screen.
+// The free region between walls, each of which is the edge of a half-plane n·p ≥ offset.
 
 /** Return the part of a polygon on the free side of a wall n·p ≥ offset (Sutherland & Hodgman, 1974). */
 function clipped(polygon, { normal: [nx, ny], offset }) {
@@ -13,8 +13,8 @@ function clipped(polygon, { normal: [nx, ny], offset }) {
   });
 }
 
-/** Return the room inside a rectangle: its corners, and the ends of the visible part of each wall. */
-export function roomWithin(walls, [[x0, y0], [x1, y1]]) {
+/** Return the free region inside a rectangle: its corners, and the ends of the visible part of each wall. */
+export function freeRegionWithin(walls, [[x0, y0], [x1, y1]]) {
   const all = Object.values(walls);
   const corners = all.reduce(clipped, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);
   const size = Math.hypot(x1 - x0, y1 - y0);

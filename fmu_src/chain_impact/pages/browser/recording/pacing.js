@@ -26,12 +26,12 @@ function between(from, to, count) {
   return Array.from({ length: count }, (_, k) => from + ((to - from) * k) / (count - 1));
 }
 
-/** Return the values at some places of a curve through increasing places. */
-function interpolated(wanted, places, values) {
+/** Return the values at some x of a curve through nodes, which increase; x increase, too. */
+function interpolated(allX, nodes, values) {
   let at = 0;
-  return wanted.map((place) => {
-    while (at < places.length - 2 && places[at + 1] < place) at += 1;
-    const share = (place - places[at]) / (places[at + 1] - places[at] || 1);
+  return allX.map((x) => {
+    while (at < nodes.length - 2 && nodes[at + 1] < x) at += 1;
+    const share = (x - nodes[at]) / (nodes[at + 1] - nodes[at] || 1);
     return values[at] + Math.min(Math.max(share, 0), 1) * (values[at + 1] - values[at]);
   });
 }
@@ -42,12 +42,12 @@ function interpolated(wanted, places, values) {
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = FRAME_RATE) {
   const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, SHORTEST), LONGEST)]) : [];
-  const places = between(start, stop, 2 + Math.min(Math.floor((stop - start) / FLIGHT_STEP), 2 * most));
+  const moments = between(start, stop, 2 + Math.min(Math.floor((stop - start) / FLIGHT_STEP), 2 * most));
   for (const [onset, end] of shown) {
-    for (const near of NEAR) places.push(onset - RAMP * near, end + RAMP * near);
-    for (const share of WITHIN) places.push(onset + (end - onset) * share);
+    for (const near of NEAR) moments.push(onset - RAMP * near, end + RAMP * near);
+    for (const share of WITHIN) moments.push(onset + (end - onset) * share);
   }
-  const clipped = Float64Array.from(places, (time) => Math.min(Math.max(time, start), stop)).sort();
+  const clipped = Float64Array.from(moments, (time) => Math.min(Math.max(time, start), stop)).sort();
   const grid = clipped.filter((time, k) => k === 0 || time > clipped[k - 1]);
   const slowness = grid.map((time) => 1 / shown.reduce((slowest, [onset, end]) => {
     const distance = Math.max(0, onset - time, time - end);

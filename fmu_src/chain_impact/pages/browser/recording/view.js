@@ -1,10 +1,10 @@
 // The view of a motion: the space that the motion needs, and the walls near it. `view.py` does the same for pictures and
 // films.
 
-import { roomWithin } from "./half_planes.js";
+import { freeRegionWithin } from "./half_planes.js";
 
 const NEAR_WALL = 0.2; // largest distance of a wall that is shown from the motion, over the width of the motion
-const ROOM = 1; // largest distance of walls that together close a room, over the width of the motion
+const ENCLOSING = 1; // largest distance of walls that together enclose the motion, over the width of the motion
 const MARGIN = 0.06; // margin around the view, over the size of the view
 const UPRIGHT = 0.5; // least component of a wall's normal along an axis with which the wall bounds the view on this axis
 const PIN = 0.08; // height of the mark of a pinned base, over the width of the motion
@@ -40,10 +40,10 @@ function pinLines(x, y, points) {
   return PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
 }
 
-/** Return the corners of the room between the walls, if they close it, and it ends within ROOM of the motion. */
-function closedRoom(walls, [low, high], width) {
-  const around = [low.map((end) => end - ROOM * width), high.map((end) => end + ROOM * width)];
-  const { corners } = roomWithin(walls, around);
+/** Return the corners of the free region between the walls, if it ends on all sides within ENCLOSING of the motion. */
+function enclosureOf(walls, [low, high], width) {
+  const around = [low.map((end) => end - ENCLOSING * width), high.map((end) => end + ENCLOSING * width)];
+  const { corners } = freeRegionWithin(walls, around);
   const isInside = (corner) => corner.every((value, axis) => value > around[0][axis] && value < around[1][axis]);
   return corners.every(isInside) ? corners : [];
 }
@@ -55,12 +55,12 @@ export function viewOf(x, y, points, walls, radius, pinned) {
   const width = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
   const pin = pinned ? pinLines(x, y, points) : [];
   const ways = [x, y].map((all) => ends(all.filter((_, k) => k % points === 0)).map((end) => end - all[0]));
-  const pins = pin.flat().flatMap((place) => [0, 1].map((end) => place.map((value, axis) => value + ways[axis][end])));
-  const room = closedRoom(walls, reach, width);
-  const corners = [...reach, ...pins, ...room];
+  const pins = pin.flat().flatMap((position) => [0, 1].map((end) => position.map((value, axis) => value + ways[axis][end])));
+  const enclosure = enclosureOf(walls, reach, width);
+  const corners = [...reach, ...pins, ...enclosure];
   const open = [[1, 1], [1, 1]]; // fractions to the left and below, to the right and above
   for (const { normal, offset } of Object.values(walls)) {
-    if (!room.length) {
+    if (!enclosure.length) {
       const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);
       const gap = normal[0] * corner[0] + normal[1] * corner[1] - offset;
       if (!(gap >= -width && gap <= NEAR_WALL * width)) continue;

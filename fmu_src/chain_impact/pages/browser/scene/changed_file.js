@@ -7,8 +7,8 @@ import { asWritten } from "./scene_file.js";
 export function contentsOf(changes, signals = {}) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {
-    const { place, items } = changes.parameters.get(name);
-    if (place) put(file, place, items.length ? items[value - 1][0] : value);
+    const { filePath, items } = changes.parameters.get(name);
+    if (filePath) put(file, filePath, items.length ? items[value - 1][0] : value);
   }
   Object.assign(file.signals, signals);
   return asWritten(file, changes.scene.forms);
@@ -25,10 +25,10 @@ function blocksOf(table, { kind, keys }, name, headline = "") {
   const isValue = ([key]) => !["table", "tables", "named"].includes(ruleOf(key).kind);
   const given = Object.entries(table).filter(([key, value]) => JSON.stringify(value) !== JSON.stringify(ruleOf(key).default));
   const lines = given.filter(isValue).map(([key, value]) => `${key} = ${tomlOf(value)}\n`);
-  const inner = given.filter((one) => !isValue(one)).flatMap(([key, value]) => {
+  const inner = given.filter((pair) => !isValue(pair)).flatMap(([key, value]) => {
     const path = name ? `${name}.${key}` : key;
     const title = Array.isArray(value) ? `[[${path}]]\n` : `[${path}]\n`;
-    return [value].flat().flatMap((one) => blocksOf(one, ruleOf(key), path, title));
+    return [value].flat().flatMap((inside) => blocksOf(inside, ruleOf(key), path, title));
   });
   return [...(lines.length ? [headline + lines.join("")] : []), ...inner];
 }

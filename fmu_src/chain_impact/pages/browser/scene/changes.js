@@ -17,15 +17,15 @@ export class Changes {
     this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
     this.values = {}; // the changed values: name → number
-    this.held = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
+    this.inputSteps = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
   }
 
   /** Use another scene, without changes except for changes `from` before of inputs that this scene also has. */
-  open(scene, from = { values: {}, held: {} }) {
+  open(scene, from = { values: {}, inputSteps: {} }) {
     this.#take(scene);
     this.#openers.forEach((opener) => opener());
-    const [values, held] = [from.values, from.held].map((table) => without(table, Object.keys(table).filter((name) => !scene.inputs.includes(name))));
-    this.replace(this.with(values), held);
+    const [values, inputSteps] = [from.values, from.inputSteps].map((table) => without(table, Object.keys(table).filter((name) => !scene.inputs.includes(name))));
+    this.replace(this.with(values), inputSteps);
   }
 
   /** Add a listener that is called when another scene is opened, before listeners for its values are called. */
@@ -38,7 +38,7 @@ export class Changes {
   }
 
   get count() {
-    return Object.keys({ ...this.values, ...this.held }).length;
+    return Object.keys({ ...this.values, ...this.inputSteps }).length;
   }
 
   valueOf(name) {
@@ -54,11 +54,11 @@ export class Changes {
 
   /** Return the value of an input at a time, or of any other parameter. */
   valueAt(name, time) {
-    return this.held[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
+    return this.inputSteps[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
   }
 
   isChanged(name) {
-    return name in this.values || name in this.held;
+    return name in this.values || name in this.inputSteps;
   }
 
   /** Return the number for a text or the name of a choice; an error says which values are allowed. */
@@ -82,8 +82,8 @@ export class Changes {
    */
   with(given, from = this.values) {
     const values = { ...from };
-    for (const [name, one] of Object.entries(given)) {
-      const value = this.numberOf(name, one);
+    for (const [name, text] of Object.entries(given)) {
+      const value = this.numberOf(name, text);
       if (value === this.starts[name] && !this.parameters.get(name).derived) delete values[name];
       else values[name] = value;
     }
@@ -93,22 +93,22 @@ export class Changes {
 
   /** Change some values: name → number, text, or the name of a choice. An input has this value all the time then. */
   set(given) {
-    this.replace(this.with(given), without(this.held, Object.keys(given)));
+    this.replace(this.with(given), without(this.inputSteps, Object.keys(given)));
   }
 
   /** Give an input a value from a time on; what it had later goes. */
-  hold(name, given, time) {
-    const before = (this.held[name] ?? []).filter(([from]) => from < time);
-    this.replace(this.values, { ...this.held, [name]: [...before, [time, this.numberOf(name, given)]] });
+  setFrom(name, given, time) {
+    const before = (this.inputSteps[name] ?? []).filter(([from]) => from < time);
+    this.replace(this.values, { ...this.inputSteps, [name]: [...before, [time, this.numberOf(name, given)]] });
   }
 
   reset(name) {
-    this.replace(this.with({}, without(this.values, [name])), without(this.held, [name]));
+    this.replace(this.with({}, without(this.values, [name])), without(this.inputSteps, [name]));
   }
 
   /** Replace all changes by these changes. */
-  replace(values, held = this.held) {
-    Object.assign(this, { values, held });
+  replace(values, inputSteps = this.inputSteps) {
+    Object.assign(this, { values, inputSteps });
     this.#listeners.forEach((listener) => listener());
   }
 

@@ -20,8 +20,8 @@ export function discOf({ link, entry, corner }, valueOf) {
 
 /** Return a derived value: the sum of products of some values, divided by a number. */
 export function sumOf({ terms, divisor }, valueOf) {
-  const products = terms.map((factors) => factors.reduce((found, factor) => found * valueOf(factor), 1) / divisor);
-  return products.reduce((sum, product) => sum + product, 0);
+  const products = terms.map((factors) => factors.reduce((product, factor) => product * valueOf(factor), 1) / divisor);
+  return products.reduce((sum, term) => sum + term, 0);
 }
 
 /** Return the words for a point in sentences: its number, and its name if `names` has one: "point 5 (heel)". */
@@ -31,7 +31,7 @@ export function pointText(names, point) {
 
 /** Return the free sides of the walls for the present parameters: name → normal and offset. */
 export function wallsAt(scene, valueOf) {
-  const found = Object.entries(scene.walls).map(([name, wall]) => {
+  const sides = Object.entries(scene.walls).map(([name, wall]) => {
     if (valueOf(`box.${name}`) !== undefined) {
       const [nx, ny] = NORMALS[name];
       return [name, { normal: [nx, ny], offset: (nx + ny) * valueOf(`box.${name}`) }];
@@ -41,5 +41,5 @@ export function wallsAt(scene, valueOf) {
     const [nx, ny] = [-Math.sin(angle), Math.cos(angle)];
     return [name, { normal: [nx, ny], offset: nx * valueOf(`wall.${name}.x`) + ny * valueOf(`wall.${name}.y`) }];
   });
-  return Object.fromEntries(found);
+  return Object.fromEntries(sides);
 }

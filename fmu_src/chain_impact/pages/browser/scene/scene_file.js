@@ -30,7 +30,7 @@ export function inRadians(value, unit) {
 
 /** Return whether a value keeps a rule. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
-  const is = { float: Number.isFinite, int: Number.isInteger, bool: (one) => typeof one === "boolean", str: (one) => typeof one === "string" };
+  const is = { float: Number.isFinite, int: Number.isInteger, bool: (other) => typeof other === "boolean", str: (other) => typeof other === "string" };
   return is[kind](value) && !(value < minimum) && !(value <= above) && !(value > maximum) &&
     (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
 }
@@ -46,14 +46,14 @@ class ContentsReader {
     const inner = (key) => (path ? `${path}.${key}` : key);
     const unknown = Object.keys(data).find((key) => !Object.hasOwn(keys, key));
     if (unknown !== undefined) refuse(inner(unknown), `is unknown; the keys here are ${Object.keys(keys).join(", ")}`);
-    const found = {};
+    const contents = {};
     for (const [key, rule] of Object.entries(keys)) {
       const given = data[key] ?? (rule.needed ? undefined : { table: {}, named: {}, tables: [] }[rule.kind] ?? rule.default);
       if (given === undefined && rule.needed) refuse(inner(key), `is missing (${rule.needed})`);
-      if (given !== undefined && given !== null) found[key] = this.value(given, this.#inUnitOf(found.input, rule), inner(key));
-      if (key === "links" && rule.kind === "tables") found.links = this.#each(found.links);
+      if (given !== undefined && given !== null) contents[key] = this.value(given, this.#inUnitOf(contents.input, rule), inner(key));
+      if (key === "links" && rule.kind === "tables") contents.links = this.#repeated(contents.links);
     }
-    return found;
+    return contents;
   }
 
   value(given, rule, path) {
@@ -61,7 +61,7 @@ class ContentsReader {
     if (rule.kind === "tables" || rule.kind === "list") return this.#list(given, rule, path);
     if (rule.kind === "named") {
       if (!isTable(given)) refuse(path, `= ${quotedValue(given)} must be a table of tables`);
-      return Object.fromEntries(Object.entries(given).map(([name, one]) => [name, this.table(one, rule.keys, `${path}.${name}`)]));
+      return Object.fromEntries(Object.entries(given).map(([name, table]) => [name, this.table(table, rule.keys, `${path}.${name}`)]));
     }
     const value = inRadians(given, rule.unit);
     const known = rule.choices?.includes(this.laws[0]) ? { ...rule, choices: this.laws } : rule;
@@ -74,30 +74,39 @@ class ContentsReader {
     if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
     if (!rule.hasUnitOfInput) return rule;
     const unit = this.units.get(names[0]?.replace(/\[\d+\]/, "[{n}]").replace(/^wall\.\w+/, "wall.{name}"));
-    const told = unitText(unit ?? "1");
-    return { ...rule, unit, allowed: told ? `${rule.allowed} [${told}]` : rule.allowed };
+    const text = unitText(unit ?? "1");
+    return { ...rule, unit, allowed: text ? `${rule.allowed} [${text}]` : rule.allowed };
   }
 
-  #list(asked, { kind, keys, entries, each, length, orTrue, orOne }, path) {
-    const given = orOne && typeof asked === "string" ? [asked] : asked;
+  #list(value, { kind, keys, entries, each, length, orTrue, orOne }, path) {
+    const given = orOne && typeof value === "string" ? [value] : value;
     if (orTrue && typeof given === "boolean") return given ? ["*"] : [];
     if (!Array.isArray(given)) refuse(path, `= ${quotedValue(given)} must be a list`);
-    const wanted = length === "links" ? this.links : length;
-    if (typeof wanted === "number" && given.length !== wanted) refuse(path, `has ${given.length} values, must have ${wanted}`);
+    const count = length === "links" ? this.links : length;
+    if (typeof count === "number" && given.length !== count) refuse(path, `has ${given.length} values, must have ${count}`);
     if (entries && !(given.length >= entries[0] && given.length <= entries[1])) {
       refuse(path, `has ${given.length} entries, must have ${entries.join(" to ")}`);
     }
-    const read = (one, k) => (kind === "tables" ? this.table(one, keys, `${path}[${k + 1}]`) : this.value(one, each, `${path}[${k + 1}]`));
+    const read = (entry, k) => (kind === "tables" ? this.table(entry, keys, `${path}[${k + 1}]`) : this.value(entry, each, `${path}[${k + 1}]`));
     return given.map(read);
   }
 
   /** Return one entry for each of the equal links of a `count`. */
-  #each(links) {
+  #repeated(links) {
     const all = links.flatMap(({ count = 1, ...link }) => Array.from({ length: count }, () => ({ ...link })));
     const [, most] = this.keys.chain.keys.links.entries;
     if (all.length > most) refuse("chain.links", `are ${all.length}, must be at most ${most}`);
     this.links = all.length;
     return all;
+  }
+}
+
+/** Return the contents of a scene file from its text; an error names the line. */
+export function contentsIn(text) {
+  try {
+    return TOML.parse(text.replace(/^\ufeff/, ""));
+  } catch (error) {
+    throw new RangeError(`not valid TOML: ${error.message.split("\n")[0].replace(/^Invalid TOML document: /, "")} (at line ${error.line})`);
   }
 }
 
@@ -167,13 +176,13 @@ function setBodies({ chain }, data) {
  * their `forms`.
  */
 export function asWritten(file, forms) {
-  const found = structuredClone(file);
-  found.signals = signalsAsWritten(found.signals, forms);
-  found.chain.links.filter(({ height }) => height !== undefined).forEach((link) => {
+  const written = structuredClone(file);
+  written.signals = signalsAsWritten(written.signals, forms);
+  written.chain.links.filter(({ height }) => height !== undefined).forEach((link) => {
     link.shape = "box";
     link.points = link.points.filter(({ corner }) => !corner);
   });
-  return found;
+  return written;
 }
 
 /** Replace joint angles, normals of walls and other forms of angles by absolute angles. */
@@ -193,11 +202,11 @@ function setAngles({ initial, chain, walls }) {
 
 /** Set the numbers of the stops' law that do not follow from other numbers, if there are stops. */
 function setStops(file, keys) {
-  const [found] = stopsOf(file);
+  const [first] = stopsOf(file);
   const [given] = Object.keys(file.stops);
-  if (!found && given) refuse(`stops.${given}`, "must be left out: no link has a joint_min or joint_max");
-  if (!found) return;
-  if (found[0] === 1 && file.chain.base === "free") refuse(`chain.links[1].${found[1]}`, "must be left out: a free base has no joint 1");
+  if (!first && given) refuse(`stops.${given}`, "must be left out: no link has a joint_min or joint_max");
+  if (!first) return;
+  if (first[0] === 1 && file.chain.base === "free") refuse(`chain.links[1].${first[1]}`, "must be left out: a free base has no joint 1");
   for (const [key, { ofStops }] of Object.entries(keys)) {
     if (ofStops !== undefined) file.stops[key] ??= ofStops;
   }

@@ -56,7 +56,7 @@ function checkSteps(what, { times, values }) {
 /** Refuse a table that the page does not have. */
 function checkTable(what, { file, interpolation = null, period = null, input }, table) {
   const isSame = table?.file === file.split(/[\\/]/).at(-1) && table.interpolation === interpolation && table.period === period;
-  if (isSame && input.every((one) => one in table.columns)) return;
+  if (isSame && input.every((name) => name in table.columns)) return;
   throw new RangeError(`${what}.file = "${file}": the page does not have this table as this signal needs it; chain-impact explore makes a page with it`);
 }
 
@@ -91,10 +91,10 @@ export function checkDriven(driven, units) {
       throw new RangeError(`${what} = "${input}" is no input of the scene; it has ${there || "none"}`);
     }
     const alone = isMotion(input) ? familyOf(input) : [input];
-    const owned = alone.find((one) => owners.has(one));
+    const owned = alone.find((quantity) => owners.has(quantity));
     if (owned) throw new RangeError(`${what} = "${input}" must be driven by one signal only: signals.${owners.get(owned)} drives ${owned}`);
-    alone.forEach((one) => owners.set(one, name));
-    const other = signal.form !== "table" && signal.input.find((one) => units.get(one) !== units.get(input));
+    alone.forEach((quantity) => owners.set(quantity, name));
+    const other = signal.form !== "table" && signal.input.find((member) => units.get(member) !== units.get(input));
     if (other) throw new RangeError(`${what} must name inputs of one unit: ${input} is in ${unitText(units.get(input))}, ${other} in ${unitText(units.get(other))}`);
   }
 }
@@ -103,28 +103,28 @@ export function checkDriven(driven, units) {
  * Return the driven quantities: name of an input, of its integral or derivative → row of its signal, and order of the
  * derivative.
  */
-export function drivenPlaces(driven) {
+export function drivenRows(driven) {
   return new Map(driven.flatMap(({ outputs }, row) => outputs.map((name, order) => [name, [row, order]])).filter(([name]) => name));
 }
 
 /** Return the elements of signals, each in the row of the first input that it drives, and of steps. */
 export function signalElements(driven, units) {
-  const first = driven.filter(({ name }, row) => driven.findIndex((one) => one.name === name) === row);
+  const first = driven.filter(({ name }, row) => driven.findIndex((other) => other.name === name) === row);
   return {
-    signal: first.map((one) => ({ name: one.name, at: driven.indexOf(one), unit: units.get(one.input) })),
+    signal: first.map((each) => ({ name: each.name, at: driven.indexOf(each), unit: units.get(each.input) })),
     step: first.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first: knot }) =>
       signal.times.map((_, k) => ({ name, n: k + 1, at: knot + k, entry: k, unit: units.get(input) }))),
   };
 }
 
-/** Put the signals into a new record: `put` gets the name of a place, a value and an index. */
+/** Put the signals into a new record: `put` gets the name of a field, a value and an index. */
 export function putSignals(driven, { forms, shapes, numbers, tables }, acting, put) {
   driven.forEach(({ name, input, signal, order, knots, first }, row) => {
     const [number, index] = acting(input);
-    const own = {
+    const fields = {
       form: forms.indexOf(signal.form),
       shape: Math.max(shapes.indexOf(signal.shape), 0),
-      source: driven.findIndex((one) => one.name === name),
+      source: driven.findIndex((other) => other.name === name),
       input: number,
       index,
       order,
@@ -133,7 +133,7 @@ export function putSignals(driven, { forms, shapes, numbers, tables }, acting, p
       last: first + knots - 1,
       ...Object.fromEntries(numbers.map((key) => [key, signal[key] ?? 0])),
     };
-    Object.entries(own).forEach(([key, value]) => put(`signal_${key}`, value, row));
+    Object.entries(fields).forEach(([key, value]) => put(`signal_${key}`, value, row));
     if (signal.form === "steps") {
       signal.times.forEach((time, k) => put("knot_given_time", time, first + k));
       signal.values.forEach((value, k) => put("knot_given_value", value, first + k));

@@ -1,4 +1,4 @@
-// The kernel: the WebAssembly module with one instance in its memory, and runs of this instance. `model.js` has the places
+// The kernel: the WebAssembly module with one instance in its memory, and runs of this instance. `model.js` has the indices
 // of values in the record of the instance.
 
 const WORD = 8; // [bytes] size of a word
@@ -7,8 +7,8 @@ const RUNS = 41; // number of runs of a study in one call
 const PAGE = 65536; // [bytes] size of a page of WebAssembly's memory
 
 /** Return the next multiple of 64 bytes. */
-function aligned(place) {
-  return (place + 63) & ~63;
+function aligned(address) {
+  return (address + 63) & ~63;
 }
 
 /** Return the times [s] of the rows of a result: multiples of the step, and the end. */
@@ -62,19 +62,19 @@ export class Kernel {
     this.integers = new BigInt64Array(buffer, this.record, start.length / WORD);
   }
 
-  /** Return places after the record for arrays of some numbers of words. */
-  #places(sizes) {
-    const places = sizes.reduce((found, size) => [...found, aligned(found.at(-1) + size * WORD)], [this.scratch]);
-    this.#reserve(places.at(-1));
-    return places;
+  /** Return addresses after the record for arrays of some numbers of words. */
+  #allocate(sizes) {
+    const addresses = sizes.reduce((all, size) => [...all, aligned(all.at(-1) + size * WORD)], [this.scratch]);
+    this.#reserve(addresses.at(-1));
+    return addresses;
   }
 
   get status() {
     return Number(this.integers[this.scene.layout.status]);
   }
 
-  /** Return the scene's record, not initialized, with some parameters changed: name → number. */
-  #given(values) {
+  /** Write the scene's record, not initialized, with some parameters changed: name → number. */
+  #write(values) {
     this.bytes.set(this.start);
     for (const [name, value] of Object.entries(values)) {
       const { word, type } = this.parameters.get(name);
@@ -82,12 +82,11 @@ export class Kernel {
       if (type === "real") this.reals[word] = value;
       else this.integers[word] = BigInt(value);
     }
-    return this.bytes;
   }
 
   /** Set the scene's start with some parameters changed. */
   initialize(values) {
-    this.#given(values);
+    this.#write(values);
     this.exports.initialize(this.record, 0);
   }
 
@@ -98,58 +97,58 @@ export class Kernel {
    * @param values the changed parameters: name → number.
    * @param times Float64Array [s].
    * @param outputs { word, integer } of the record, one for each column.
-   * @param atOnce number of times in one call of the kernel, which cannot be interrupted.
-   * @param held { time, word, value } in the order of time: inputs that have another value from a time on.
+   * @param timesPerCall number of times in one call of the kernel, which cannot be interrupted.
+   * @param inputSteps { time, word, value } in the order of time: inputs that have another value from a time on.
    */
-  *run(values, times, outputs = [], { atOnce = ROWS, held = [] } = {}) {
+  *run(values, times, outputs = [], { timesPerCall = ROWS, inputSteps = [] } = {}) {
     const width = outputs.length;
     const spans = wordSpans(outputs);
-    const [timesAt, spansAt, rowsAt] = this.#places([atOnce, spans.length, atOnce * width]);
+    const [timesAt, spansAt, rowsAt] = this.#allocate([timesPerCall, spans.length, timesPerCall * width]);
     this.initialize(values);
     const columns = outputs.map(() => new Float64Array(times.length));
     const { buffer } = this.exports.memory;
-    const timesHeld = new Float64Array(buffer, timesAt, atOnce);
-    const reals = new Float64Array(buffer, rowsAt, atOnce * width);
-    const integers = new BigInt64Array(buffer, rowsAt, atOnce * width);
+    const givenTimes = new Float64Array(buffer, timesAt, timesPerCall);
+    const reals = new Float64Array(buffer, rowsAt, timesPerCall * width);
+    const integers = new BigInt64Array(buffer, rowsAt, timesPerCall * width);
     new BigInt64Array(buffer, spansAt, spans.length).set(spans);
     const impacts = [];
     let done = 0;
-    for (const { time, word, value } of [...held, { time: Infinity }]) {
-      const later = times.findIndex((one) => one > time);
+    for (const { time, word, value } of [...inputSteps, { time: Infinity }]) {
+      const later = times.findIndex((other) => other > time);
       const until = later < 0 ? times.length : later;
       while (done < until && this.status === 0) {
-        const asked = Math.min(atOnce, until - done);
-        timesHeld.set(times.subarray(done, done + asked));
+        const count = Math.min(timesPerCall, until - done);
+        givenTimes.set(times.subarray(done, done + count));
         const filled = Number(
-          this.exports.trajectory(this.record, timesAt, BigInt(asked), spansAt, BigInt(spans.length / 2), rowsAt, BigInt(width), 0));
+          this.exports.trajectory(this.record, timesAt, BigInt(count), spansAt, BigInt(spans.length / 2), rowsAt, BigInt(width), 0));
         columns.forEach((column, k) => {
           const read = outputs[k].integer ? (from) => Number(integers[from]) : (from) => reals[from];
           for (let row = 0; row < filled; row += 1) column[done + row] = read(row * width + k);
         });
         done += filled;
-        impacts.push(...this.#finished());
+        impacts.push(...this.#collectFinished());
         yield done / times.length;
       }
       if (this.status !== 0 || done === times.length) break;
-      timesHeld[0] = time;
-      let isThere = false;
-      while (!isThere && this.status === 0) {
-        isThere = this.exports.trajectory(this.record, timesAt, 1n, spansAt, 0n, rowsAt, 0n, 0) === 1n;
-        impacts.push(...this.#finished());
+      givenTimes[0] = time;
+      let hasArrived = false;
+      while (!hasArrived && this.status === 0) {
+        hasArrived = this.exports.trajectory(this.record, timesAt, 1n, spansAt, 0n, rowsAt, 0n, 0) === 1n;
+        impacts.push(...this.#collectFinished());
       }
       this.reals[word] = value;
-      this.integers[this.scene.layout.inputsChanged] = BigInt(this.scene.atOnce);
+      this.integers[this.scene.layout.inputsChanged] = BigInt(this.scene.inputsJump);
     }
     const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
-    const place = Number(this.integers[this.scene.layout.place]);
+    const reason = Number(this.integers[this.scene.layout.reason]);
     const statistics = Object.fromEntries(
       Object.entries(this.scene.layout.statistics).map(([name, word]) => [name, Number(this.integers[word])]));
-    if (status === 0 || done > 0) impacts.push(...this.#open());
+    if (status === 0 || done > 0) impacts.push(...this.#unfinished());
     const whole = (column) => (done === times.length ? column : column.slice(0, done));
     impacts.sort((a, b) => a.onset - b.onset || a.point - b.point || a.wall - b.wall);
     return {
       status,
-      place,
+      reason,
       reached,
       statistics,
       impacts,
@@ -164,37 +163,37 @@ export class Kernel {
    */
   *runEach(values, names, each, stops, words) {
     const [runs, width] = [stops.length, words.length];
-    const [at, rows, ends, outputs, found] = this.#places([names.length, each.length, runs, width, runs * width]);
+    const [indices, rows, ends, outputs, results] = this.#allocate([names.length, each.length, runs, width, runs * width]);
     const { buffer } = this.exports.memory;
-    this.#given(values);
-    new BigInt64Array(buffer, at, names.length).set(names.map((name) => BigInt(this.parameters.get(name).word)));
+    this.#write(values);
+    new BigInt64Array(buffer, indices, names.length).set(names.map((name) => BigInt(this.parameters.get(name).word)));
     new Float64Array(buffer, rows, each.length).set(each);
     new Float64Array(buffer, ends, runs).set(stops);
     new BigInt64Array(buffer, outputs, words.length).set(words.map(BigInt));
     for (let done = 0, continuing = 0; done < runs;) {
       const most = Math.min(RUNS, runs - done);
-      const [valuesAt, endsAt, foundAt] = [rows + done * names.length * WORD, ends + done * WORD, found + done * width * WORD];
+      const [valuesAt, endsAt, resultsAt] = [rows + done * names.length * WORD, ends + done * WORD, results + done * width * WORD];
       const counts = [names.length, most, words.length].map(BigInt);
-      const complete = Number(this.exports.run_each(this.record, at, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], foundAt, continuing));
+      const complete = Number(this.exports.run_each(this.record, indices, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], resultsAt, continuing));
       done += complete;
       continuing = complete < most ? 1 : 0;
       yield done / runs;
     }
-    return new Float64Array(buffer, found, runs * width).slice();
+    return new Float64Array(buffer, results, runs * width).slice();
   }
 
   /** Collect the finished contacts from the log; the oldest contacts are lost if they were not collected in time. */
-  #finished() {
+  #collectFinished() {
     const { finished, changes } = this.scene.layout;
     const ended = Number(this.integers[finished.count]);
-    const first = Math.max(Number(this.integers[finished.collected]), ended - finished.room);
+    const first = Math.max(Number(this.integers[finished.collected]), ended - finished.capacity);
     this.integers[finished.collected] = this.integers[finished.count];
     this.integers[changes] = 0n;
-    return this.#logged(ended - first, (index) => (first + index) % finished.room);
+    return this.#contactsInLog(ended - first, (index) => (first + index) % finished.capacity);
   }
 
   /** Return rows of the log of contacts. */
-  #logged(count, rowOf) {
+  #contactsInLog(count, rowOf) {
     const { reals, integers, scene: { layout: { finished, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
     return Array.from({ length: count }, (_, index) => {
@@ -207,11 +206,11 @@ export class Kernel {
    * Return the contacts that have not ended, with their peaks so far, which follow the ended contacts; drop results that
    * were computed ahead.
    */
-  #open() {
+  #unfinished() {
     this.exports.follow(this.record);
     const { finished, active } = this.scene.layout;
     const ended = Number(this.integers[finished.count]);
-    return this.#logged(Number(this.integers[active]), (index) => (ended + index) % finished.room);
+    return this.#contactsInLog(Number(this.integers[active]), (index) => (ended + index) % finished.capacity);
   }
 }
 

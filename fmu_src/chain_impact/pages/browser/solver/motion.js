@@ -1,4 +1,4 @@
-// A motion for the player, from two runs, and a third run if outputs are chosen. The first run finds the impacts, the second
+// A motion for the player, from two runs of the kernel, and a third run if outputs are chosen. The first run finds the impacts, the second
 // run has rows at the frames, which are dense where the motion is shown slowly. Rows do not change the solution.
 
 import { contactsOf, framesOf, timesOf } from "../recording/frames.js";
@@ -20,7 +20,7 @@ const FEW_FRAMES = 20; // number of frames in an impact below which additional r
 const ALONE = 1e-3; // largest radius that is not drawn, over the size of the motion
 
 /** Return the impacts of a run in the form of a recording. */
-function listed(impacts, scene, valueOf) {
+function impactsOf(impacts, scene, valueOf) {
   return impacts.map(({ point, wall, onset, end, impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak }) => {
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
     const endSpeed = speed * (atStop ? valueOf(`link[${point}].length`) : 1);
@@ -47,20 +47,20 @@ function radiusOf({ sites, links }, valueOf, point) {
 
 /** Return one coordinate of all points, in rows of all points. */
 function interleaved(each) {
-  const found = new Float64Array(each[0].length * each.length);
+  const rows = new Float64Array(each[0].length * each.length);
   each.forEach((column, point) => column.forEach((value, row) => {
-    found[row * each.length + point] = value;
+    rows[row * each.length + point] = value;
   }));
-  return found;
+  return rows;
 }
 
 /**
  * Return the parts of a `Recording`, and how the runs ended; the generator yields the finished fraction.
  *
  * @param curves names of outputs that are needed over time.
- * @param held inputs with other values from some times on: name → pairs of a time and a value.
+ * @param inputSteps inputs with other values from some times on: name → pairs of a time and a value.
  */
-export function* motion(kernel, values, { curves = [], held = {} } = {}) {
+export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   const { scene } = kernel;
   const valueOf = (name) => {
     const parameter = kernel.parameters.get(name);
@@ -69,17 +69,17 @@ export function* motion(kernel, values, { curves = [], held = {} } = {}) {
   const stop = valueOf("simulation.stop_time");
   const began = performance.now();
   const { driven } = scene;
-  const hands = heldIn(kernel, held);
-  const firstTimes = driven.length || hands.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
+  const steps = stepsForKernel(kernel, inputSteps);
+  const firstTimes = driven.length || steps.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
   const chosen = scene.columns.filter(({ name }) => curves.includes(name));
   const runs = chosen.length ? 3 : 2;
-  const first = yield* part(kernel.run(values, firstTimes, driven, { atOnce: Math.ceil(firstTimes.length / PARTS), held: hands }), 0, runs);
+  const first = yield* withProgress(kernel.run(values, firstTimes, driven, { timesPerCall: Math.ceil(firstTimes.length / PARTS), inputSteps: steps }), 0, runs);
   const spent = performance.now() - began;
   const end = first.status === 0 ? stop : Math.min(first.reached, stop);
-  const { status, place, reached, statistics, impacts } = first;
-  const ending = { status, place, reached, statistics, impacts, spent };
+  const { status, reason, reached, statistics, impacts } = first;
+  const ending = { status, reason, reached, statistics, impacts, spent };
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
-  const contacts = contactsOf(listed(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
+  const contacts = contactsOf(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
   const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, IMPACT_TIME, frameRateOf(scene, valueOf, stop));
   const { points, energies, touches, loads } = scene.drawn;
   const ofTouches = touches.flatMap(({ force, depth, friction, sticking }) => [force, depth, friction, sticking]);
@@ -88,7 +88,7 @@ export function* motion(kernel, values, { curves = [], held = {} } = {}) {
     .filter((word) => word !== null);
   const sparse = contacts.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
   const dense = sparse.length ? withImpacts(times, sparse) : times;
-  const { time, columns } = yield* part(kernel.run(values, dense, words.map((word) => ({ word })), { held: hands }), 1, runs);
+  const { time, columns } = yield* withProgress(kernel.run(values, dense, words.map((word) => ({ word })), { inputSteps: steps }), 1, runs);
   if (time.length < 2) return { ...ending, parts: null };
   const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
@@ -127,27 +127,27 @@ export function* motion(kernel, values, { curves = [], held = {} } = {}) {
   };
   const inputs = { time: first.time, curves: [
     ...driven.map(({ name, unit }, k) => ({ name, unit, values: first.columns[k] })),
-    ...Object.entries(held).map(([name, steps]) => ({
+    ...Object.entries(inputSteps).map(([name, pairs]) => ({
       name,
       unit: kernel.parameters.get(name).unit,
       isStepped: true,
-      values: first.time.map((now) => steps.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
+      values: first.time.map((now) => pairs.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
     })),
   ] };
   const frames = dense === times ? time : times.slice(0, lastBefore(times, time.at(-1)) + 1);
   const outputs = { time: frames, curves: [] };
   if (chosen.length) {
-    const found = yield* part(kernel.run(values, withImpacts(frames, contacts), chosen, { held: hands }), 2, runs);
-    outputs.time = found.time;
-    outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, isStepped: integer, values: found.columns[k] }));
+    const result = yield* withProgress(kernel.run(values, withImpacts(frames, contacts), chosen, { inputSteps: steps }), 2, runs);
+    outputs.time = result.time;
+    outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, isStepped: integer, values: result.columns[k] }));
   }
   return { ...ending, parts: { ...framesOf(rows, { times: frames, frameRate }), inputs, outputs } };
 }
 
-/** Return held inputs as a run of the kernel needs them. */
-export function heldIn(kernel, held) {
-  const all = Object.entries(held).flatMap(([name, steps]) =>
-    steps.map(([time, value]) => ({ time, word: kernel.parameters.get(name).word, value })));
+/** Return inputSteps inputs as a run of the kernel needs them. */
+export function stepsForKernel(kernel, inputSteps) {
+  const all = Object.entries(inputSteps).flatMap(([name, pairs]) =>
+    pairs.map(([time, value]) => ({ time, word: kernel.parameters.get(name).word, value })));
   return all.sort((a, b) => a.time - b.time);
 }
 
@@ -171,7 +171,7 @@ function frameRateOf({ parameters }, valueOf, stop) {
 }
 
 /**
- * Return increasing times from 0 to the end, one in each of equal intervals, at uneven places in the interval: with even
+ * Return increasing times from 0 to the end, one in each of equal intervals, at uneven positions in the interval: with even
  * times a fast oscillation could look like a slow one, or like none.
  */
 function unevenTimes(stop, count) {
@@ -181,7 +181,7 @@ function unevenTimes(stop, count) {
 }
 
 /** Advance one of several runs, and yield the finished fraction of all runs. */
-function* part(run, number, runs) {
+function* withProgress(run, number, runs) {
   let step = run.next();
   while (!step.done) {
     yield (number + step.value) / runs;

@@ -7,18 +7,18 @@ const ROUND = 24; // number of corners of the polygon that is drawn for a circle
 const TICK = 0.06; // length of a stop's mark, and half the length of the carriage, over the size of the drawing
 const AHEAD = 0.12; // how far a line without a stop is drawn beyond the carriage, over the size of the drawing
 
-/** Return the part of a hull from the first of sorted places to the last one, which is left out (Andrew, 1979). */
-function halfHull(places) {
-  const found = [];
-  for (const [x, y] of places) {
-    while (found.length > 1) {
-      const [[ax, ay], [bx, by]] = found.slice(-2);
+/** Return the part of a hull from the first of sorted points to the last point, which is left out (Andrew, 1979). */
+function halfHull(points) {
+  const hull = [];
+  for (const [x, y] of points) {
+    while (hull.length > 1) {
+      const [[ax, ay], [bx, by]] = hull.slice(-2);
       if ((bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0) break;
-      found.pop();
+      hull.pop();
     }
-    found.push([x, y]);
+    hull.push([x, y]);
   }
-  return found.slice(0, -1);
+  return hull.slice(0, -1);
 }
 
 /** Return the corners of the convex hull of discs x, y, radius [m]. */

@@ -1,10 +1,10 @@
 // The worker, which runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
 
 import { Kernel, rowTimes } from "./kernel.js";
-import { heldIn, motion } from "./motion.js";
+import { motion, stepsForKernel } from "./motion.js";
 
 const MOST_BYTES = 500e6; // [byte] largest size of a table
-const AT_ONCE = 15; // [ms] computing time after which the worker looks for messages
+const MESSAGE_INTERVAL = 15; // [ms] computing time after which the worker looks for messages
 
 /** Let the browser deliver messages. */
 function pause() {
@@ -16,16 +16,16 @@ function pause() {
 }
 
 /** Return the requested columns of the FMU, at the rows of a result. */
-function* rows(kernel, values, { names, held = {} }) {
-  const wanted = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
+function* rows(kernel, values, { names, inputSteps = {} }) {
+  const outputs = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;
   const [stop, step] = [time("simulation.stop_time"), time("simulation.step_size")];
-  if (!(8 * (stop / step + 1) * (1 + wanted.length) <= MOST_BYTES)) {
+  if (!(8 * (stop / step + 1) * (1 + outputs.length) <= MOST_BYTES)) {
     throw new RangeError("the table would be too large: choose longer steps, an earlier end or fewer outputs");
   }
   const times = rowTimes(stop, step);
-  const found = yield* kernel.run(values, times, wanted, { held: heldIn(kernel, held) });
-  return { ...found, columns: Object.fromEntries(wanted.map(({ name }, k) => [name, found.columns[k]])) };
+  const result = yield* kernel.run(values, times, outputs, { inputSteps: stepsForKernel(kernel, inputSteps) });
+  return { ...result, columns: Object.fromEntries(outputs.map(({ name }, k) => [name, result.columns[k]])) };
 }
 
 /** Return some words of the record at the end of runs with rows of values of some parameters. */
@@ -44,10 +44,10 @@ const KINDS = { motion, rows, study };
 const newest = {}; // kind → number of the newest request; older requests of some kinds are given up
 const kernels = {}; // kind → promise of a separate kernel for this kind, because runs of several kinds take turns
 const queues = {}; // kind → promise of the end of the request before
-let given; // the scene and the compiled module
+let loaded; // the scene and the compiled module
 
 async function answer({ kind, number, values, options }) {
-  kernels[kind] ??= Kernel.load(given.module, given.scene);
+  kernels[kind] ??= Kernel.load(loaded.module, loaded.scene);
   const kernel = await kernels[kind];
   const isOld = () => options.replaces && newest[kind] !== number;
   const run = KINDS[kind](kernel, values, options);
@@ -56,7 +56,7 @@ async function answer({ kind, number, values, options }) {
     if (isOld()) return postMessage({ number, result: null });
     const step = run.next();
     if (step.done) return postMessage({ number, result: step.value }, columnsOf(step.value));
-    if (performance.now() - began > AT_ONCE) {
+    if (performance.now() - began > MESSAGE_INTERVAL) {
       postMessage({ number, done: step.value });
       await pause();
       began = performance.now();
@@ -66,7 +66,7 @@ async function answer({ kind, number, values, options }) {
 
 onmessage = ({ data }) => {
   if (data.kind === "scene") {
-    given = data;
+    loaded = data;
     return;
   }
   newest[data.kind] = data.number;

@@ -5,13 +5,13 @@ import { numberText } from "../base/format.js";
 const MARK = "@"; // behind the name of such an input in a link
 
 /** Return the parts of a link: names, and texts with pairs of a time and a value. */
-export function heldTexts({ held }) {
-  return Object.entries(held).map(([name, steps]) => [`${name}${MARK}`, steps.map((step) => step.map(numberText).join(":")).join()]);
+export function inputStepTexts({ inputSteps }) {
+  return Object.entries(inputSteps).map(([name, steps]) => [`${name}${MARK}`, steps.map((step) => step.map(numberText).join(":")).join()]);
 }
 
-/** Return the held inputs in the parts of a link, and the other parts. An error says what is allowed. */
-export function heldAmong(texts, changes) {
-  const [others, held] = [{}, {}];
+/** Return the inputSteps inputs in the parts of a link, and the other parts. An error says what is allowed. */
+export function inputStepsIn(texts, changes) {
+  const [others, inputSteps] = [{}, {}];
   for (const [key, text] of Object.entries(texts)) {
     if (!key.endsWith(MARK)) {
       others[key] = text;
@@ -19,12 +19,12 @@ export function heldAmong(texts, changes) {
     }
     const name = key.slice(0, -MARK.length);
     if (!changes.scene.inputs.includes(name)) throw new RangeError(`${name} is no input without a signal`);
-    held[name] = stepsOf(name, text, changes);
+    inputSteps[name] = stepsOf(name, text, changes);
   }
-  return { others, held };
+  return { others, inputSteps };
 }
 
-/** Return the pairs of a time and a value in the text of a held input. */
+/** Return the pairs of a time and a value in the text of a inputSteps input. */
 function stepsOf(name, text, changes) {
   const steps = text.split(",").map((step) => step.split(":"));
   const refused = steps.find(([time, value, ...more], k) => {
@@ -32,20 +32,20 @@ function stepsOf(name, text, changes) {
     return !isLater || !value?.trim() || more.length > 0;
   });
   if (refused) {
-    const place = `${name}${MARK} = ${text}: ${refused.join(":")}`;
-    throw new RangeError(`${place} must be a time [s], which is > 0 and > the time before it, a colon and a value`);
+    const step = `${name}${MARK} = ${text}: ${refused.join(":")}`;
+    throw new RangeError(`${step} must be a time [s], which is > 0 and > the time before it, a colon and a value`);
   }
   return steps.map(([time, value]) => [Number(time), changes.numberOf(name, value)]);
 }
 
 /**
- * Return signals that drive all changed inputs: name → contents. An input without a held value has a constant signal:
+ * Return signals that drive all changed inputs: name → contents. An input without a inputSteps value has a constant signal:
  * `simulate()` takes no target velocity as an input beside a signal for the target angle.
  */
 export function inputSignals(changes) {
   const changed = changes.scene.inputs.filter((name) => changes.isChanged(name));
   return Object.fromEntries(changed.map((name) => {
-    const all = [[0, changes.valueOf(name)], ...(changes.held[name] ?? [])];
+    const all = [[0, changes.valueOf(name)], ...(changes.inputSteps[name] ?? [])];
     const [times, values] = [0, 1].map((part) => all.map((step) => step[part]));
     const form = all.length > 1 ? { form: "steps", times, values } : { form: "constant", value: values[0] };
     return [`held_${name.replaceAll(/\W+/g, "_")}`, { input: [name], ...form }];

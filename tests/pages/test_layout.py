@@ -67,7 +67,7 @@ def test_no_label_runs_into_a_control(show, model):
             page.evaluate(f"document.getElementById('{name}-open').click()")
             assert page.evaluate(CLASHES) == [], (size, name)
             page.keyboard.press("Escape")
-    page.add_style_tag(content=".knob-label { white-space: nowrap; font-size: 50px; }")
+    page.add_style_tag(content=".main-parameter-label { white-space: nowrap; font-size: 50px; }")
     assert any("contact.stiffness" in one for one in page.evaluate(CLASHES)), (
         "what runs into a control is found"
     )

@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, load_scene, simulate
-from tests.pages.conftest import packed_module, page_contents, until, until_told
-from tests.pages.test_in_browser import saved
+from tests.pages.conftest import packed_module, page_contents, saved, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 STEPS = [(0.2, 1.5), (0.31, -2.0), (0.6, 0.5)]
-RUN = """async ({ module, file, kit, held, times, name }) => {
+RUN = """async ({ module, file, kit, inputSteps, times, name }) => {
   const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
   const wanted = kernel.scene.columns.filter((column) => column.name === name);
-  const options = { held: heldIn(kernel, held) };
+  const options = { inputSteps: stepsForKernel(kernel, inputSteps) };
   return Array.from(runThrough(kernel.run({}, Float64Array.from(times), wanted, options)).columns[0]); }"""
 SLIDER = "joint[1].torque"
 SHOWN = "Number(document.getElementById('scrub').value)"
@@ -26,7 +25,7 @@ def test_an_input_that_is_held_acts_as_when_a_chain_is_set_in_time(worker):
     scene, name = load_scene("pinned_arm"), "point[2].x"
     times = np.linspace(0.0, 1.0, 101).tolist()
     given = {"module": packed_module(), **page_contents(scene), "times": times, "name": name}
-    found = worker.evaluate(RUN, {**given, "held": {SLIDER: STEPS}})
+    found = worker.evaluate(RUN, {**given, "inputSteps": {SLIDER: STEPS}})
     chain, known, steps = Chain(scene), [], list(STEPS)
     for time in times:
         while steps and steps[0][0] < time:

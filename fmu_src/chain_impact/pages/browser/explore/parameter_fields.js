@@ -1,0 +1,56 @@
+// The fields for values of parameters, with the reason why a value is refused, and with a button for the scene's value.
+
+import { make } from "../base/dom.js";
+import { numberText } from "../base/format.js";
+
+/** Make a change; if its value is refused, mark the field, and show the reason in its row. */
+export function attempt(field, change) {
+  try {
+    field.setCustomValidity("");
+    change();
+  } catch (error) {
+    field.setCustomValidity(error.message);
+  }
+  explain(field.closest(".main-parameter, .parameter"));
+}
+
+/** Return the element of a row that shows why a value is refused. */
+export function refusal() {
+  const message = make("p", { className: "refusal" });
+  message.setAttribute("role", "alert");
+  return message;
+}
+
+/** Show in a row why the value in it is refused, until the value changes, or show nothing. */
+export function explain(row) {
+  const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
+  row.querySelector(".refusal").textContent = refused ? `Not taken: ${refused.validationMessage}.` : "";
+}
+
+/** Return a field for a number, or a choice, whose value follows the changes. */
+export function valueField(changes, parameter) {
+  const { name, items, text, allowed, derived } = parameter;
+  const field = items.length
+    ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
+    : make("input", { type: "text", autocomplete: "off", spellcheck: false });
+  field.title = `${name}: ${text}; ${allowed}${derived?.text ?? ""}`;
+  field.setAttribute("aria-label", name);
+  field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
+  const refresh = () => {
+    const value = changes.valueOf(name);
+    if (document.activeElement !== field || items.length) {
+      field.setCustomValidity("");
+      field.value = items.length ? String(value) : numberText(value);
+    } else if (field.checkValidity()) {
+      field.value = numberText(value);
+    }
+  };
+  return { field, refresh };
+}
+
+export function resetButton(changes, name, field) {
+  const button = make("button", { type: "button", className: "reset", textContent: "↺", title: `As in the scene: ${name}` });
+  button.setAttribute("aria-label", `Reset ${name}`);
+  button.addEventListener("click", () => attempt(field, () => changes.reset(name)));
+  return button;
+}

@@ -1,0 +1,53 @@
+// The list of all parameters, which can be searched.
+
+import { make } from "../base/dom.js";
+import { breakable, unitText } from "../base/format.js";
+import { explain, refusal, resetButton, valueField } from "./parameter_fields.js";
+
+/**
+ * Fill the list of all parameters when it is first opened; `search` leaves the parameters whose name or meaning contains a
+ * text.
+ */
+export function showParameterList(details, changes) {
+  const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
+  let rows;
+  const refresh = () => rows?.forEach((row) => row.refresh());
+  const filter = () => {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    rows.forEach(({ row, text }) => {
+      row.hidden = !words.every((word) => text.includes(word));
+    });
+    details.querySelector(".nothing").hidden = rows.some(({ row }) => !row.hidden);
+  };
+  const fill = () => {
+    if (rows || !details.open) return;
+    rows = changes.scene.parameters.map((parameter) => listRow(changes, parameter));
+    body.replaceChildren(...rows.map(({ row }) => row));
+    refresh();
+    filter();
+  };
+  details.addEventListener("toggle", fill);
+  search.addEventListener("input", filter);
+  changes.onOpen(() => {
+    rows = undefined;
+    fill();
+  });
+  changes.onChange(refresh);
+}
+
+function listRow(changes, parameter) {
+  const { name, unit, text, allowed } = parameter;
+  const { field, refresh } = valueField(changes, parameter);
+  const words = make("span", { className: "parameter-name", title: `${text}; ${allowed}` }, breakable(name));
+  const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field,
+    make("small", { textContent: unitText(unit) }), refusal());
+  return {
+    row,
+    text: `${name} ${text}`.toLowerCase(),
+    refresh: () => {
+      refresh();
+      explain(row);
+      row.classList.toggle("changed", changes.isChanged(name));
+    },
+  };
+}

@@ -1,0 +1,117 @@
+// The changes of a scene file that the dialog of the page makes: links, points, walls and stops.
+
+import { STOPS } from "./geometry.js";
+import { movablePoints, stopsOf } from "./scene_file.js";
+
+const CORNERS = 4; // number of corners of a box, which a scene file leaves out
+const BELOW = 0.5; // distance of a new wall below the chain, over the length of the longest link
+
+export function setOrRemove(table, key, value) {
+  if (value === undefined) delete table[key];
+  else table[key] = value;
+}
+
+export function setOfLink(file, k, key, value) {
+  const link = file.chain.links[k];
+  setOrRemove(link, key, value);
+  if (key === "height") setOrRemove(link, "shape", value === undefined ? undefined : "box");
+  if (!stopsOf(file).length) file.stops = {}; // the law of stops is removed with the last stop
+}
+
+/** Return a point of a link by its index among the points; the first points are the corners of a box. */
+export function ownPoint({ chain: { links } }, link, entry) {
+  return links[link].points[entry - (links[link].shape ? CORNERS : 0)];
+}
+
+export function removePoint({ chain: { links } }, link, entry) {
+  links[link].points.splice(entry - (links[link].shape ? CORNERS : 0), 1);
+}
+
+export function moveToLink(file, link, entry, number) {
+  const { chain: { links } } = file;
+  if (!links[number - 1]) throw new RangeError(`the link of a point = ${number} must be 1 to ${links.length}`);
+  const point = ownPoint(file, link, entry);
+  removePoint(file, link, entry);
+  links[number - 1].points.push(point);
+}
+
+/** Add a point to the left of the middle of the last link. */
+export function addPoint({ chain: { links } }) {
+  const { length, points } = links.at(-1);
+  points.push({ x: length / 2, y: length / 10 });
+}
+
+/** Set the kind of the base, and remove all values that such a base cannot have. */
+export function setBase(file, base) {
+  file.chain.base = base;
+  if (base !== "slider") {
+    delete file.chain.slider;
+    delete file.initial.slider_velocity;
+    file.inputs.slider_force = false;
+  }
+  if (base === "free") {
+    STOPS.forEach((stop) => setOfLink(file, 0, stop, undefined));
+    file.inputs.base_motion = false;
+  } else {
+    file.initial.velocity = [0, 0];
+    if (base === "slider") file.inputs.base_motion = false;
+  }
+  keepPoints(file);
+}
+
+/** Keep, among the listed points of the file, the points that exist and can move. */
+function keepPoints(file) {
+  const movable = movablePoints(file);
+  file.contact.points &&= file.contact.points.filter((point) => movable.includes(point));
+}
+
+/** Add another link after link k, equal to it and in line with it. */
+export function addLink({ chain: { links }, initial, contact }) {
+  const tip = links.length;
+  links.push(structuredClone(links.at(-1)));
+  if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]); // both lists are absolute, from +x
+  [initial.angles, initial.angular_velocities].forEach((list) => list.push(list.at(-1)));
+  if (contact.points?.includes(tip)) contact.points.push(tip + 1);
+}
+
+export function removeLink(file, k) {
+  [file.chain.links, file.initial.angles, file.initial.angular_velocities].forEach((list) => list.splice(k, 1));
+  const { links } = file.chain;
+  // the link that is the first one now has no stop, because its stops were relative to the removed link
+  STOPS.forEach((stop) => setOfLink(file, 0, stop, k === 0 ? undefined : links[0][stop]));
+  // the two ends of the removed link become one point
+  const points = file.contact.points?.map((point) => (point > k ? point - 1 : point));
+  file.contact.points &&= [...new Set(points)];
+  keepPoints(file);
+}
+
+/** Add a horizontal wall below the chain at its start. */
+export function addWall(file) {
+  const { chain: { links }, initial, walls } = file;
+  let [height, least] = [initial.position[1], initial.position[1]];
+  links.forEach(({ length }, k) => {
+    height += length * Math.sin(initial.angles[k]);
+    least = Math.min(least, height);
+  });
+  const names = new Set(walls.map(({ name }) => name));
+  let number = 1;
+  while (names.has(`wall${number}`)) number += 1;
+  const y = least - (file.contact.radius ?? 0) - BELOW * Math.max(...links.map(({ length }) => length));
+  walls.push({ name: `wall${number}`, point: [initial.position[0], Number(y.toPrecision(4))], angle: 0 });
+}
+
+export function removeWall(file, k) {
+  const [{ name }] = file.walls.splice(k, 1);
+  forget(file, name);
+}
+
+export function setBox(file, key, value) {
+  setOrRemove(file.box, key, value);
+  if (value === undefined) forget(file, key);
+}
+
+/** Remove the material and the motion of a wall that is removed. */
+function forget({ contact, inputs }, name) {
+  delete contact.wall[name];
+  inputs.wall_motion = inputs.wall_motion.filter((other) => other !== name);
+}

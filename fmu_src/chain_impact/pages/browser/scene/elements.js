@@ -1,0 +1,127 @@
+// The elements of a scene, as in `shape.py`: points, walls, contacts and others, with the conditions for variables.
+
+import { NORMALS, STOPS } from "./geometry.js";
+import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
+import { drivenBy } from "./signals.js";
+
+/** Return the numbers from 0 to length − 1. */
+export const range = (length) => Array.from({ length }, (_, k) => k);
+
+/** Return whether a point slides along a line parallel to a wall, so that it never reaches the wall. */
+function keepsDistance({ chain: { slider, links }, walls }, sites, point, name, parallel) {
+  const site = sites[point - links.length - 1];
+  const isAtBase = point === 0 || (site && site.link === 0 && site.x === 0 && site.y === 0);
+  if (!slider || !isAtBase) return false;
+  const angle = walls.find((wall) => wall.name === name)?.angle;
+  const [nx, ny] = NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
+  return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < parallel;
+}
+
+/** Return the parts of a scene on which its variables and its record depend. */
+export function partsOf(file, { boxWalls, signals, constants }) {
+  const { chain: { base, links, slider }, walls, contact, inputs, outputs } = file;
+  const count = links.length;
+  const [points, stops, there] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
+  const [sites, sliderStops] = [sitesOf(file), sliderStopsOf(file)];
+  const movable = sites.flatMap(({ link, x, y }, s) => (base === "pinned" && link === 0 && x === 0 && y === 0 ? [] : [count + 1 + s]));
+  const touching = [...points, ...movable];
+  const reaches = (point, name) => !keepsDistance(file, sites, point, name, constants.parallel);
+  const mayTouch = there.length > 0 && (slider || sites.length > 0)
+    ? touching.some((point) => there.some((name) => reaches(point, name))) : touching.length > 0;
+  const wallNames = [...boxWalls, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
+  const numbers = wallNames.flatMap((name, number) => (there.includes(name) ? [number] : []));
+  const pairs = touching.flatMap((point) => numbers.map((wall) => [point, wall])).filter(([point, wall]) => reaches(point, wallNames[wall]));
+  const materials = Object.values(contact.wall);
+  const rubs = mayTouch && there.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
+    materials.some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));
+  const firstJoint = base === "free" ? 2 : 1;
+  const joints = range(count).map((k) => k + 1).filter((joint) => joint >= firstJoint);
+  const rubbing = joints.filter((joint) => links[joint - 1].joint_friction > 0);
+  const moving = wallNames.filter((name) => there.includes(name) && inputs.wall_motion.some((other) => other === "*" || other === name));
+  const candidates = [
+    ...pairs,
+    ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)]),
+    ...sliderStops.map((stop) => [0, wallNames.indexOf(stop)]),
+  ];
+  const driven = drivenBy(file, signals);
+  const hasFriction = rubs || rubbing.length > 0 || slider?.friction > 0;
+  const isDriven = anyOnChain(inputs) || inputs.wall_motion.length > 0 || slider?.force_limit !== undefined || links.some((link) => link.joint_torque_limit !== undefined);
+  const facts = {
+    ...flags(inputs, "inputs"),
+    ...flags(outputs, "outputs"),
+    always: true,
+    free: base === "free",
+    contacts: pairs.length > 0 || sliderStops.length > 0,
+    stops: stops.length > 0,
+    law: pairs.length > 0 || sliderStops.length > 0 || (stops.length > 0 && !file.stops.model),
+    contact_friction: rubs,
+    friction: hasFriction,
+    driven: isDriven,
+  }; // in the order of `shape.py`
+  const sizes = [
+    count,
+    candidates.length,
+    hasFriction ? count + candidates.length + (slider ? 1 : 0) : 0,
+    outputs.loads ? count + wallNames.length : 0,
+    2 * inputs.base_motion + 2 * moving.length,
+    sites.length,
+    driven.length,
+    driven.reduce((sum, { knots }) => sum + knots, 0),
+  ];
+
+  return { file, driven, points, sites, mayTouch, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
+}
+
+/** Return the values of a table under their dotted keys. */
+function flags(table, name) {
+  return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value]));
+}
+
+/**
+ * Return the elements of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and conditions.
+ */
+export function elementsOf({ file, sites, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, moving, joints, sizes: [links] }) {
+  const ofJoints = (numbers) => numbers.map((n) => ({ n, at: n - 1 }));
+  const { inputs, outputs, chain: { slider } } = file;
+  return {
+    one: [{}],
+    link: range(links).map((at) => {
+      const follows = inputs.joint_targets && joints.includes(at + 1);
+      return { n: at + 1, at, follows, rests: !follows, rubs: rubbing.includes(at + 1) };
+    }),
+    point: range(links + 1 + sites.length).map((n) => ({ n, at: n })),
+    joint: ofJoints(joints),
+    "rubbing joint": ofJoints(rubbing),
+    site: sites.map(({ link, entry, corner }, at) => ({ n: entry + 1, of: link + 1, at, link, entry, corner, placed: !corner })),
+    slider: slider ? [{ rests: !inputs.joint_targets, rubs: slider.friction > 0, at: links }] : [],
+    line: file.walls.map(({ name }, at) => ({ name, at })),
+    material: pairs.length ? there.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
+    contact: [
+      ...pairs.map(([n, wall], at) => ({ n, name: wallNames[wall], at })),
+      ...sliderStops.map((name, k) => ({ n: 0, name, at: pairs.length + stops.length + k, contact_friction: false })),
+    ],
+    stop: [...new Set(stops.map(([joint]) => joint))].map((n) =>
+      ({ n, at: pairs.length + candidates.slice(pairs.length).findIndex(([joint]) => joint === n) })),
+    "moving wall": moving.map((name, k) => ({ name, at: 2 * inputs.base_motion + 2 * k })),
+    "touched wall": wallNames.flatMap((name, number) => (pairs.some(([, wall]) => wall === number) ? [{ name, at: links + number }] : [])),
+    impact: range(outputs.impacts).map((at) => ({ n: at + 1, at })),
+  };
+}
+
+/** Return whether inputs act on a chain in flight: inputs other than motions of walls. */
+export function anyOnChain({ joint_torques: torques, joint_targets: targets, slider_force: slider, tip_force: tip, base_motion: base }) {
+  return torques || targets || slider || tip || base;
+}
+
+/** Return a template with the words of an element filled in. */
+export function filled(text, { n, of, name }) {
+  return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
+}
+
+/** Return the rows of templates for every element of their kind, and whether the element meets their conditions. */
+export function instances(groups, elements, facts) {
+  return groups.flatMap(({ of, rows }) => elements[of].flatMap((element) => {
+    const known = { ...facts, ...element };
+    return rows.map((row) => ({ ...row, of, element, name: filled(row.name, element), has: row.when.every((fact) => known[fact]) }));
+  }));
+}

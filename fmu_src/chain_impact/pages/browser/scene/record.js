@@ -1,0 +1,70 @@
+// The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
+
+import { anyOnChain, range } from "./elements.js";
+import { STOPS } from "./geometry.js";
+import { putSignals } from "./signals.js";
+
+const BYTES = 8; // [bytes] size of a word
+
+/** Return the index of a word in a record of these sizes: a constant, and a slope for each size and for the index. */
+export function wordIndex([constant, ...slopes], sizes, index = 0) {
+  return [...sizes, index].reduce((sum, size, k) => sum + slopes[k] * size, constant);
+}
+
+/** Return all such indices, in nested tables. */
+export function wordIndices(words, sizes) {
+  if (Array.isArray(words)) return wordIndex(words, sizes);
+  return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, wordIndices(inner, sizes)]));
+}
+
+/** Return where the record has an input, as `acting` of `driving.py`: the number of its kind, and its index. */
+function actingOf({ acts: [number, index], element: { at } }) {
+  return [number, { "{at}": at, "{next}": at + 1 }[index] ?? index];
+}
+
+/** Return the record of the scene, not initialized; `byName` are the scene's inputs, with or without a signal. */
+export function recordOf(kit, parts, rows, values, byName) {
+  const { file, sizes, candidates, pairs, sites, sliderStops, stops, hasFriction, moving, wallNames, mayTouch, facts } = parts;
+  const { inputs, outputs, chain } = file;
+  const bytes = new Uint8Array(wordIndex(kit.size, sizes) * BYTES);
+  const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
+  const write = (words, value, isReal, index = 0) => {
+    const at = wordIndex(words, sizes, index);
+    if (isReal) reals[at] = value;
+    else integers[at] = BigInt(value);
+  };
+  const put = (name, value, index = 0) => write(kit.fields[name].word, value, kit.fields[name].real, index);
+  const each = (name, all) => all.forEach((value, index) => put(name, value, index));
+  kit.sizes.forEach((name, k) => put(name, sizes[k]));
+  put("skewed", Number(chain.links.some(({ center_of_mass_offset: offset }) => offset !== 0)));
+  put("slides", Number(chain.slider !== undefined));
+  each("site_link", sites.map(({ link }) => link));
+  each("site_corner", sites.map(({ corner = 0 }) => corner));
+  put("regularized", kit.constants.noContact);
+  each("candidate_point", candidates.map(([point]) => point));
+  each("candidate_wall", candidates.map(([, wall]) => wall));
+  stops.forEach(([, stop], k) => put("candidate_stop", stop === STOPS[0] ? 1 : -1, pairs.length + k));
+  sliderStops.forEach((stop, k) => put("candidate_stop", stop === "slider_min" ? 2 : -2, pairs.length + stops.length + k));
+  put("pinned", Number(chain.base !== "free"));
+  put("driven", Number(anyOnChain(inputs)));
+  put("followed", Number(inputs.joint_targets));
+  put("base_moves", Number(inputs.base_motion));
+  put("follows", 1);
+  const first = 2 * inputs.base_motion;
+  moving.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
+  each("channel", candidates.map(([, wall]) => (moving.includes(wallNames[wall]) ? first + 2 * moving.indexOf(wallNames[wall]) : -1)));
+  putSignals(parts.driven, kit.signals, (input) => actingOf(byName.get(input)), put);
+  put("kept", outputs.impacts);
+  put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));
+  ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
+    each(name, range(kit.boxWalls.length + sizes[1]).map(() => -1)));
+  const laws = kit.laws.map(({ name }) => name);
+  put("stop_law", laws.indexOf(file.stops.model) + 1);
+  for (const { name, of, word, given, givenIf, type, element, missing } of rows) {
+    const value = values.get(name) ?? (of === "link" || of === "slider" ? { number: Number(missing) } : null);
+    if (!value || (of === "line" && !mayTouch)) continue;
+    write(word, value.number, type === "real", element.at);
+    if (given && facts[givenIf]) write(given, value.derived ? kit.constants.derived : value.number, true, element.at);
+  }
+  return bytes;
+}

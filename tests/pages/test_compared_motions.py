@@ -1,0 +1,60 @@
+"""Motions beside the present motion: the motion before a change, and pinned motions with their impacts."""
+
+import itertools
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from tests.pages.conftest import PIXELS, impacts_of, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied")
+
+
+def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
+    page = show()
+    assert page.locator(".compared").count() == 0
+    for value in (0.4, 0.6):
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
+        page.wait_for_timeout(900)  # changes at shorter intervals are merged into one change
+    assert page.locator("polyline.compared").count() == 3
+    for chart in ("energy", "force"):
+        assert page.evaluate(PIXELS, [chart, "pin-2"]) > 20
+    page.get_by_role("button", name="F(δ)").click()
+    assert page.evaluate(PIXELS, ["force", "pin-2"]) > 20
+    rows = page.locator("#pins tbody tr").all_inner_texts()
+    for row, text in zip(rows, ("present", "as in the scene", "contact.restitution = 0.4"), strict=True):
+        assert text in row
+    first = simulate("four_link_box").impacts[0]
+    assert f"{first['onset']:.4f}" in rows[1]
+    page.locator(".unpin").first.click()
+    until(page, "document.querySelectorAll('#pins tbody tr').length === 2")
+
+
+def test_two_pins_leave_the_list_of_impacts_in_sight(show):
+    page = show(viewport={"width": 1366, "height": 800})
+    for _ in range(2):
+        page.get_by_role("button", name="Pin").click()
+    top = page.locator("#pins").bounding_box()["y"]
+    rows = [row.bounding_box() for row in page.locator("#impacts tbody tr").all()[:3]]
+    assert all(row["y"] + row["height"] < top for row in rows)
+    boxes = {name: page.locator(name).bounding_box() for name in ("#energy .uplot", "#energies", "#list")}
+    assert boxes["#energy .uplot"]["y"] + boxes["#energy .uplot"]["height"] <= boxes["#energies"]["y"]
+    assert boxes["#list"]["y"] + boxes["#list"]["height"] < top
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_pins_have_colours_of_their_own(show, scheme):
+    page = show(color_scheme=scheme)
+    names = [*(f"pin-{k}" for k in range(1, 6)), *ENERGIES, "chain", "tip"]
+    style = "getComputedStyle(document.documentElement)"
+    found = page.evaluate(f"names => names.map((name) => {style}.getPropertyValue(`--${{name}}`))", names)
+    colours = [np.array(mpl.colors.to_rgb(one.strip())) for one in found]
+    for one, other in itertools.combinations(range(len(colours)), 2):
+        if one < 5:
+            assert abs(colours[one] - colours[other]).sum() > 0.3, (names[one], names[other])

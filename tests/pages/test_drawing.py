@@ -1,0 +1,154 @@
+"""The drawing of a recording: slow motion, arrows of forces, friction, stops, the trace, a pinned base."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.results.animate import animate
+from chain_impact.studies.animate import record_slowly
+from tests.helpers.friction import SLOPE, pendulum, sled
+from tests.helpers.stops import knee
+from tests.pages.conftest import DESK, LIGHT_CHAIN, ON_ITS_SIDE, PHONE, count_of, go_to, pixels, press
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+SLIDES, STICKS = 0.5, 1.5  # s, of the sled
+WEIGHT = 1.2 * 9.81  # N
+
+
+@pytest.fixture(scope="module")
+def pinned_arm(tmp_path_factory):
+    path = tmp_path_factory.mktemp("arm") / "arm.html"
+    animate(record_slowly("pinned_arm"), path)
+    return path.as_uri()
+
+
+def test_what_is_shown_of_time_force_energies_and_trace(show_recording, recording):
+    page = show_recording()
+    before = pixels(page)
+    assert [page.locator(kind).count() for kind in (".joint", ".tip")] == [4, 1]
+    assert page.locator(".arrow").count() == page.locator(".pin").count() == 0
+    press(page, "ArrowRight")
+    assert page.inner_text("#rate") == "real time"
+    press(page, "Shift+ArrowRight")
+    # 0.6 s for an impact of 0.3 ms to 3 ms
+    assert 200 < int(re.fullmatch(r"(\d+) × slower", page.inner_text("#rate"))[1]) < 2000
+    for _ in range(6):
+        press(page, "ArrowRight")
+    (arrow,) = page.locator(".arrow").all()
+    assert float(arrow.get_attribute("y2")) < float(arrow.get_attribute("y1"))  # up, from the floor
+    assert arrow.get_attribute("x2") == arrow.get_attribute("x1")
+    assert re.fullmatch(r"[\d.]+\skN", page.text_content(".force-text"))
+    assert page.text_content("#close-what").startswith("impact 1: point 2 at y_min, ")
+    press(page, "s")
+    assert page.inner_text("#rate") == "real time"
+    go_to(page, 0.9)
+    names, values = (page.locator(f"#energies {tag}").all_inner_texts() for tag in ("dt", "dd"))
+    shown = dict(zip(names, values, strict=True))
+    for name in ("kinetic", "potential", "dissipated", "total"):
+        expected = np.interp(0.9, recording.time, recording.columns[f"energy.{name}"])
+        assert float(shown[name]) == pytest.approx(expected, abs=0.02)
+    assert len(page.get_attribute(".trace", "points")) > 1000
+    press(page, "t")
+    assert len(page.get_attribute(".trace", "points")) < 100
+    press(page, "End")
+    after = pixels(page)
+    assert min(count_of(picture, LIGHT_CHAIN) for picture in (before, after)) > 1000
+    assert (abs(before - after).max(axis=-1) > 50).sum() > 2000, "the chain moves"
+
+
+def lean(page):
+    """Return the angle [rad] from upright of the arrow of the first force, positive to the left."""
+    x1, y1, x2, y2 = (
+        float(page.locator("line.arrow").first.get_attribute(name)) for name in ("x1", "y1", "x2", "y2")
+    )
+    return math.atan2(x1 - x2, y1 - y2)
+
+
+def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show_recording):
+    page = show_recording(record_slowly(sled()))
+    go_to(page, SLIDES)
+    assert lean(page) == pytest.approx(math.atan(0.5) - SLOPE, abs=0.01)
+    assert page.locator(".stick-bar").count() == 0
+    go_to(page, STICKS)
+    assert lean(page) == pytest.approx(0.0, abs=0.01), "it holds the weight"
+    assert page.locator(".stick-bar").count() == 2
+    told = [float(re.match(r"[\d.]+", text)[0]) for text in page.locator(".force-text").all_text_contents()]
+    assert told == pytest.approx([0.5 * WEIGHT] * 2, abs=0.01)
+    assert page.text_content("#close-what").endswith("brown: friction")
+    assert "friction" in page.text_content("#energies")
+
+
+def test_forces_in_joints_are_arrows_with_a_key(show_recording):
+    recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    page, forces = show_recording(recording), np.array(list(recording.loads.values()))
+    sizes = np.hypot(forces[..., 0], forces[..., 1])
+    joint, row = np.unravel_index(sizes.argmax(), sizes.shape)
+    go_to(page, recording.time[row])
+    assert page.locator(".key").all_text_contents() == ["➝ joint", "➝ wall"]
+    assert page.locator("line.arrow.load").count() == len(recording.loads) == 2
+    told = page.text_content(".force-text.load")
+    assert float(re.match(r"[\d.]+", told)[0]) == pytest.approx(sizes.max(), rel=0.02)
+    arrow = page.locator("line.arrow.load").nth(joint)
+    x1, y1, x2, y2 = (float(arrow.get_attribute(name)) for name in ("x1", "y1", "x2", "y2"))
+    along, up = forces[joint, row]
+    assert math.atan2(y1 - y2, x2 - x1) == pytest.approx(math.atan2(up, along), abs=0.02)
+
+
+def test_a_full_dot_shows_a_joint_that_sticks(show_recording):
+    page = show_recording(record_slowly(pendulum()))
+    for time, count in ((0.2, 0), (0.6, 1), (3.0, 2)):
+        go_to(page, time)
+        assert page.locator(".stuck-joint").count() == count
+
+
+def test_a_joint_with_stops_has_an_arc_and_its_impacts_are_told_in_the_units_of_the_angle(show_recording):
+    page = show_recording(record_slowly(knee()))
+    assert page.locator("polyline.range").count() == 1
+    assert page.locator("polyline.range-mark").count() == 2
+    assert page.locator(".stop-dot").count() == 0, "in flight"
+    rows = page.locator("tbody tr").all_inner_texts()
+    assert all(text in rows[0] for text in ("joint_min", "rad/s", "N·m"))
+    wall = next(row for row in rows if "x_max" in row)
+    assert "m/s" in wall
+    assert "N·m" not in wall
+    page.get_by_role("button", name="Go to impact 1, ").click()
+    for _ in range(4):
+        press(page, "ArrowRight")
+    assert page.locator(".stop-dot").count() == 1
+    assert page.locator(".force-text").text_content().endswith("N·m")
+    assert page.inner_text("#caption").startswith("Impact 1 of ")
+    assert ": joint 2 at joint_min, " in page.inner_text("#caption")
+    assert "joint 2 at joint_min" in page.text_content("#close-what")
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])
+def test_the_chain_never_comes_under_the_scale_bar_and_a_pinned_base_stands_on_ground(
+    show_recording, viewport, pinned_arm
+):
+    page = show_recording(address=pinned_arm, viewport=viewport)
+    joint = page.locator(".joint").first.bounding_box()
+    lines = [line.bounding_box() for line in page.locator(".pin").all()]
+    left, right = min(b["x"] for b in lines), max(b["x"] + b["width"] for b in lines)
+    assert (left + right) / 2 == pytest.approx(joint["x"] + joint["width"] / 2, abs=3.0)
+    assert max(b["y"] + b["height"] for b in lines) < joint["y"] + joint["height"]  # above a hanging chain
+    press(page, "End")
+    bar, trace, mark = (page.locator(kind).first.bounding_box() for kind in (".bar", ".trace", ".pin"))
+    lowest = bar["y"] + bar["height"]
+    assert min(trace["y"], mark["y"]) > lowest
+    assert min(dot.bounding_box()["y"] for dot in page.locator(".joint").all()) > lowest
+
+
+def test_the_ground_mark_goes_with_a_base_that_moves(show_recording):
+    way = {"base.x": lambda t: 0.3 * math.sin(t)}
+    scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True})
+    page = show_recording(record_slowly(scene, inputs=way))
+    for time in (0.0, 0.9, 1.8):
+        go_to(page, time)
+        support = page.locator("polyline.pin").first.get_attribute("points").split()[0]
+        base = page.locator("#scene circle.joint").first
+        for at, axis in zip(support.split(","), ("cx", "cy"), strict=True):
+            assert float(at) == pytest.approx(float(base.get_attribute(axis)), abs=0.1)

@@ -1,0 +1,225 @@
+"""The page that simulates: runs that fail or last long, screens, other pages, and the memory."""
+
+import functools
+import re
+import threading
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+
+import numpy as np
+import pytest
+
+from chain_impact import explore, load_scene, simulate
+from tests.pages.conftest import DESK, PHONE, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+MANY = """async () => {
+  const output = ["point[4].x"];
+  const values = (k) => ({ "contact.restitution": 0.3 + k / 800, "simulation.stop_time": 0.3 });
+  const run = (k) => chainImpact.simulate(values(k), { output });
+  const whole = async (count) => { for (let k = 0; k < count; k += 1) await run(k); };
+  const size = () => { gc(); gc(); return performance.memory.usedJSHeapSize; };
+  await whole(100);
+  const first = (await run(200)).columns["point[4].x"].at(-1);
+  const before = size();
+  await whole(400);
+  const after = size();
+  const held = Array.from({ length: 100 }, () => new Array(10000).fill(0.5));
+  return [before, after, size(), first === (await run(200)).columns["point[4].x"].at(-1), held.length];
+}"""
+
+
+@pytest.fixture
+def server(tmp_path):
+    """Serve a folder with the page inside another page, and return the address."""
+    explore("rod_drop", tmp_path / "rod.html")
+    (tmp_path / "lesson.html").write_text('<iframe src="rod.html" width="900" height="700"></iframe>')
+
+    class Handler(SimpleHTTPRequestHandler):
+        def end_headers(self):
+            if "?strict" in self.path:
+                self.send_header("Content-Security-Policy", "worker-src 'self'")
+            super().end_headers()
+
+        def log_message(self, *_):
+            """Print nothing."""
+
+    started = ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=tmp_path))
+    threading.Thread(target=started.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{started.server_port}"
+    started.shutdown()
+    started.server_close()
+
+
+def test_a_run_that_fails_says_why_and_shows_what_came_before(show):
+    page = show()
+    page.evaluate("chainImpact.show({'solver.work_limit': 2000})")
+    status = page.get_by_role("alert")
+    status.wait_for()
+    told = r"The simulation stopped at t = 1\.6215\d* s: a second of simulated time takes more"
+    assert re.search(told, status.inner_text())
+    page.evaluate("chainImpact.show({'initial.y': -3})")
+    until_told(page, "cannot start", "status")
+    assert "The simulation cannot start: a contact point starts beyond a wall" in status.inner_text()
+    failed = "chainImpact.simulate({'initial.y': -3}).catch((error) => error.status)"
+    assert page.evaluate(failed) == 4
+    page.evaluate("chainImpact.show({'initial.y': 1.4})")
+    until_told(page, "stopped", "status")
+    page.get_by_role("button", name="Reset all").click()
+    status.wait_for(state="hidden")
+
+
+def test_keys_and_buttons_do_nothing_while_there_is_no_motion(show):
+    page = show(hash_="#initial.y=-3", begins=False)
+    until_told(page, "cannot start", "status")
+    for key in ("Space", "ArrowRight", "Home", "End", "Shift+ArrowRight"):
+        page.keyboard.press(key)
+    page.get_by_role("button", name="Play").click()
+    assert page.get_by_label("Speed").input_value() == "1"
+    page.evaluate("chainImpact.show({'initial.y': 1.4})")
+    until_told(page, "impacts in")
+
+
+def test_after_a_refusal_the_numbers_of_the_run_before_are_not_shown(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({ 'box.y_min': 1.5 })")
+    until_told(page, "a contact point starts beyond a wall", "status")
+    assert "point 0 at the wall y_min" in page.text_content("#status")
+    numbers = (
+        "#impacts",
+        "#energies",
+        "#caption",
+        "#subtitle",
+        "#pin-table tbody tr:first-child td >> nth=0",
+    )
+    assert not any(page.locator(place).is_visible() for place in numbers)
+    assert page.locator("#pin-table tbody tr:nth-child(2) td").first.is_visible()
+    page.evaluate("chainImpact.show({ 'box.y_min': 0 })")
+    until(page, "!document.body.classList.contains('stale')")
+    assert all(page.locator(place).is_visible() for place in ("#impacts", "#energies", "#subtitle"))
+
+
+def test_a_contact_that_lasts_is_listed_as_such(show):
+    page = show("sliding_rod")
+    rows = page.locator("#impacts tbody tr").all_inner_texts()
+    impacts = simulate("sliding_rod").impacts
+    assert [("lasts" in row) for row in rows] == np.isnan(impacts["end"]).tolist()
+    assert any("lasts" in row for row in rows)
+
+
+def test_the_page_within_a_lesson_without_a_worker_and_in_an_old_browser(browser, server):
+    page = browser.new_page()
+    page.goto(f"{server}/lesson.html")
+    page.frame_locator("iframe").get_by_text("impacts in").wait_for()
+    height = page.evaluate("""async () => {
+      const { chainImpact } = document.querySelector("iframe").contentWindow;
+      return (await chainImpact.simulate({ "initial.y": 1.5 })).columns["point[0].y"][0]; }""")
+    assert height == 1.5
+    page.goto(f"{server}/rod.html?strict")
+    until_told(page, "The solver cannot work in this browser: ", "status")
+    assert not page.evaluate("document.body.classList.contains('computing')")
+    page.add_init_script("delete window.DecompressionStream")
+    page.goto(f"{server}/rod.html")
+    needs = page.get_by_text("It needs JavaScript and a browser of 2023 or later")
+    needs.wait_for(state="attached")
+    needs.evaluate("(status) => status.getAnimations().forEach((one) => one.finish())")  # which waits for 4 s
+    assert needs.is_visible()
+    page.close()
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE, {"width": 320, "height": 320}])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_stands_out_of_the_screen(show, size, scheme):
+    page = show(viewport=size, color_scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert page.locator("#scene").is_visible()
+    play = page.get_by_role("button", name="Play")
+    stage, below = page.locator("#view").bounding_box(), play.bounding_box()
+    assert below["y"] + below["height"] <= size["height"]
+    assert min(below["y"], stage["y"] + stage["height"]) - stage["y"] > 100, "the motion is in sight"
+    play.click()
+    page.get_by_role("button", name="Pause").wait_for()
+
+
+def test_keys_move_the_grips_and_the_scene_is_described_with_numbered_points(show):
+    page = show()
+    assert page.locator("#description").inner_text() == load_scene("four_link_box").description
+    assert page.locator(".point-number").all_text_contents() == ["0", "1", "2", "3", "4"]
+    names = {
+        "Point 0: arrow keys move it": "initial.x",
+        "Velocity of point 2: arrow keys change it": "initial.angular_velocity[2]",
+        "Wall x_max: arrow keys move it": "box.x_max",
+    }
+    for spoken, name in names.items():
+        page.get_by_role("button", name=spoken).focus()
+        for _ in range(2):
+            before = float(page.evaluate("chainImpact.parameters")[name])
+            page.keyboard.press("ArrowRight")
+            until(page, f"Number(chainImpact.parameters['{name}']) !== {before}")
+            until(page, f"document.activeElement.getAttribute('aria-label') === '{spoken}'")
+
+
+def test_a_loop_plays_again_and_a_key_fills_the_screen(show):
+    page = show(hash_="#simulation.stop_time=0.2")
+    page.keyboard.press("l")
+    assert page.get_by_label("Loop").is_checked()
+    page.keyboard.press("End")
+    page.keyboard.press("Space")
+    for _ in range(2):
+        until(page, "Number(document.getElementById('scrub').value) > 0.1")
+        until(page, "Number(document.getElementById('scrub').value) < 0.1")
+    page.get_by_role("button", name="Pause").wait_for()
+    page.keyboard.press("f")
+    until(page, "document.fullscreenElement === document.documentElement")
+    page.keyboard.press("f")
+    until(page, "document.fullscreenElement === null")
+
+
+def test_the_list_has_what_is_left_of_each_speed_and_the_chart_has_the_loop_of_an_impact(show):
+    page = show()
+    first = simulate("four_link_box").impacts[0]
+    page.get_by_role("button", name="Go to impact 1, ").click()
+    row = page.locator("#impacts tr[aria-current]")
+    assert f"{first['separation_speed'] / first['impact_speed']:.3f}" in row.inner_text()
+    for _ in range(30):
+        page.keyboard.press("ArrowRight")
+        if page.locator(".arrow.force").count():
+            break
+    assert page.locator(".loop-now").is_hidden()
+    page.get_by_role("button", name="F(δ)").click()
+    assert page.locator(".loop-now").is_visible()
+    assert page.locator("#force .now").is_hidden()
+    line = page.evaluate("""() => {
+      const canvas = document.querySelector("#force canvas");
+      const [middle, height] = [Math.round(0.6 * canvas.width), canvas.height];
+      const { data } = canvas.getContext("2d").getImageData(middle, 0, 1, height);
+      const [red, green, blue] = getComputedStyle(document.querySelector(".force")).color.match(/\\d+/g);
+      const far = ([r, g, b]) => Math.abs(r - red) + Math.abs(g - green) + Math.abs(b - blue);
+      return Array.from({ length: height }, (_, y) => data.slice(4 * y, 4 * y + 4))
+        .flatMap((pixel, y) => (pixel[3] > 200 && far(pixel) < 60 ? [y] : [])); }""")
+    assert line[-1] - line[0] > 8, "with a loss, the force on the way back is smaller"
+    page.get_by_role("button", name="F(δ)").click()
+    assert page.locator("#force .now").is_visible()
+
+
+def test_many_runs_leave_the_memory_as_it_was(show):
+    before, after, holding, same, _ = show().evaluate(MANY)
+    assert same
+    assert after - before < 0.4e6  # 1000 bytes per run
+    assert holding - after > 5e6  # a leak of 8 MB would be detected here
+
+
+def test_a_long_run_does_not_freeze_the_page_and_gives_way_to_the_next(show):
+    page = show()
+    page.evaluate("chainImpact.show({'simulation.stop_time': 100000, 'contact.model': 'newton_impact'})")
+    until(page, "document.body.classList.contains('computing')")
+    frames = page.evaluate("""() => new Promise((done) => {
+      const began = performance.now(); let longest = 0, before = began;
+      const tick = (now) => { longest = Math.max(longest, now - before); before = now;
+        if (now - began > 600) done(longest); else requestAnimationFrame(tick); };
+      requestAnimationFrame(tick); })""")
+    assert frames < 400  # ms, on a busy machine
+    page.get_by_role("button", name="Reset all").click()
+    until(page, "!document.body.classList.contains('computing')")
+    until_told(page, "14 impacts in 2 s")

@@ -1,0 +1,110 @@
+"""What leaves the page: the console, the link, the command, tables, pictures and the scene file."""
+
+import csv
+import io
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from chain_impact import cli, load_scene, simulate
+from tests.pages.conftest import enter, impacts_of, saved, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+
+
+def test_the_console_gives_the_bits_of_simulate(show):
+    page = show()
+    changes = {"contact.restitution": 0.5, "contact.model": "hunt_crossley", "initial.angle[1]": 0.5}
+    found = page.evaluate(
+        """async (changes) => {
+          const run = await window.chainImpact.simulate(changes);
+          const text = (array) => Array.from(new BigInt64Array(array.buffer), String);
+          const some = ["point[4].x", "contact[2].y_min.force", "energy.total", "impact.count",
+            "solver.steps"];
+          const names = Object.keys(run.columns);
+          const impacts = run.impacts.map(({ onset, wall, peak_force }) => [onset, wall, peak_force]);
+          const columns = some.map((name) => [name, text(run.columns[name])]);
+          return { names, time: text(run.time), columns, impacts };
+        }""",
+        changes,
+    )
+    result = simulate(load_scene("four_link_box").with_values(changes))
+    assert found["names"] == list(result.columns)
+    assert list(map(int, found["time"])) == result.time.view(np.int64).tolist()
+    for name, column in found["columns"]:
+        expected = result[name].astype(np.float64).view(np.int64).tolist()
+        assert list(map(int, column)) == expected, name
+    walls = result.scene.wall_names
+    expected = [[row["onset"], walls[row["wall"]], row["peak_force"]] for row in result.impacts]
+    assert found["impacts"] == expected
+    asked = "chainImpact.simulate({}, { output: 'point[4].x' }).catch((error) => error.message)"
+    assert page.evaluate(asked) == "output must be a list of names"
+
+
+def test_a_link_carries_the_changes(show):
+    page = show(hash_="#contact.restitution=0.5&contact.model=flores")
+    until_told(page, impacts_of({"contact.restitution": 0.5, "contact.model": "flores"}))
+    enter(page, "contact.restitution", "0.4")
+    until(page, "location.hash === '#contact.restitution=0.4&contact.model=flores'")
+    page.evaluate("location.hash = '#contact.restitution=2'")
+    page.get_by_role("alert").wait_for()
+    told = "The link cannot be used: contact.restitution = 2 must be"
+    assert told in page.get_by_role("alert").inner_text()
+
+
+def test_the_command_repeats_the_motion_and_a_picture_shows_it(show, tmp_path, monkeypatch):
+    page = show(hash_="#contact.restitution=0.5&link[2].mass=1.5&solver.method=explicit")
+    page.get_by_role("button", name="Export…").click()
+    words = shlex.split(page.get_by_label("The command that gives the same motion").input_value())
+    assert words[:3] == ["chain-impact", "simulate", "four_link_box"]
+    monkeypatch.chdir(tmp_path)
+    assert cli.main([*words[1:], "--csv", "a.csv"]) == 0
+    texts = (Path(path).read_text(encoding="utf-8") for path in (saved(page, "Outputs as CSV"), "a.csv"))
+    here, there = (list(csv.reader(text.splitlines())) for text in texts)
+    assert here[0] == there[0]
+    assert [list(map(float, row)) for row in here[1:]] == [list(map(float, row)) for row in there[1:]]
+    picture = Image.open(io.BytesIO(saved(page, "Picture as PNG").read_bytes())).convert("RGB")
+    box = page.locator("#scene").bounding_box()
+    assert picture.size == (2 * int(box["width"]), 2 * int(box["height"]))
+    chain = np.abs(np.asarray(picture).astype(int) - [0x2B, 0x4A, 0x9F]).max(axis=-1) < 8
+    assert chain.sum() > 2000
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        ("four_link_box", {"contact.model": "flores", "link[2].mass": 1.5, "initial.vx": 0.25}),
+        ("sliding_rod", {"wall.ramp.angle": -0.44, "wall.y_min.friction": 0.1, "wall.ramp.x": -0.01}),
+        ("kneed_leg", {"stop.restitution": 0.5, "link[3].joint_max": 0.25, "simulation.stop_time": 0.5}),
+        ("rod_drop", {"initial.angular_velocity[1]": 2.0, "gravity.y": -1e-8, "solver.tolerance": 1e-9}),
+        ("steel_bar", {"link[20].center_of_mass": 0.01, "initial.vx": -1.0}),
+    ],
+)
+def test_the_scene_file_of_the_page_is_the_scene_with_its_changes(show, model, changes, tmp_path):
+    page = show(model)
+    page.evaluate("changes => chainImpact.show(changes)", changes)
+    page.get_by_role("button", name="Export…").click()
+    file = tmp_path / f"{model}.toml"
+    text = saved(page, "Scene file").read_text()
+    assert text.count("[[chain.links]]") == len(load_scene(model).chain.links)
+    assert "author" not in text  # nor any other default
+    file.write_text(text)
+    assert load_scene(file).values == load_scene(model).with_values(changes).values
+
+
+def test_a_table_that_is_too_large_or_not_complete_is_told_where_it_is_asked_for(show):
+    page = show(hash_="#simulation.step_size=1e-9")
+    page.get_by_role("button", name="Export…").click()
+    page.get_by_role("button", name="Outputs as CSV").click()
+    said = page.locator("#export-text")
+    said.get_by_text("the table would be too large").wait_for()
+    page.get_by_role("button", name="Close").click()
+    page.evaluate("chainImpact.show({'simulation.step_size': 0.001, 'solver.work_limit': 2000})")
+    until_told(page, "stopped at", "status")
+    page.get_by_role("button", name="Export…").click()
+    saved(page, "Outputs as CSV")
+    said.get_by_text("The simulation stopped at t = 1.6215").wait_for()

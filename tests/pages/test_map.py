@@ -1,0 +1,161 @@
+"""The map of two parameters: preview, values, colours, the keyboard, and runs that a click opens."""
+
+import math
+import re
+
+import pytest
+from PIL import Image
+
+from chain_impact import load_scene, simulate, sweep
+from tests.pages.conftest import saved, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+MAP = {"simulation.stop_time": 0.8}
+READ = re.compile(
+    r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+)\u202frad \(.*°\): impact.count = (\d+)"
+)
+
+
+def draw_map(page):
+    """Request a map, and wait for the map."""
+    page.get_by_role("button", name="Simulate 41 × 41 runs").click()
+    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
+
+
+def test_a_map_is_drawn_read_and_opens_a_run(show):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text("A preview of 9 × 9 runs. Press Simulate for 41 × 41.").wait_for()
+    assert page.locator("#map-canvas").get_attribute("width") == "9"
+    outputs = page.locator("#map-output option").evaluate_all("options => options.map(({ value }) => value)")
+    largest = ["peak_force", "max_penetration"]
+    assert outputs == [
+        "impact.count",
+        "impact.last_time",
+        *largest,
+        "energy.total",
+        "point[1].x",
+        "point[1].y",
+    ]
+    for low, high in (("", "1"), ("2", "3")):
+        page.locator("#map-x-from").fill(low)
+        page.locator("#map-x-to").fill(high)
+        page.get_by_role("button", name="Simulate 41 × 41 runs").click()
+        page.get_by_text("must be a finite number >= 0 and <= 1").wait_for()
+    page.locator("#map-x-from").fill("0.2")
+    page.locator("#map-x-to").fill("0.95")
+    draw_map(page)
+    box = page.locator("#map-canvas").bounding_box()
+    titles = page.locator("#map-scales text").all_text_contents()
+    assert {"Restitution", "initial.angle[1], °", "Number of impacts", "0.4", "20"} <= set(titles)
+    assert page.locator(".map-present").count() == 1
+    table = saved(page, "Map as CSV").read_text().splitlines()
+    assert table[0] == "contact.restitution,initial.angle[1],impact.count"
+    assert len(table) == 1 + 41 * 41
+    picture = Image.open(saved(page, "Map as PNG")).convert("RGB")
+    assert picture.getcolors(1 << 20) is None or len(picture.getcolors(1 << 20)) > 5
+    lower_right = {"x": box["width"] - 5, "y": box["height"] - 5}
+    page.locator("#map-canvas").hover(position=lower_right)
+    e, angle, count = READ.search(page.locator("#map-text").inner_text()).groups()
+    values = {**MAP, "contact.restitution": float(e), "initial.angle[1]": float(angle)}
+    assert float(e) == 0.95
+    assert int(count) == len(simulate(load_scene("rod_drop").with_values(values)).impacts)
+    page.locator("#map-canvas").click(position=lower_right)
+    until_told(page, f"{count} impact")
+    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.95"
+    colours = page.evaluate("""new Set(new Uint32Array(document.getElementById('map-canvas')
+      .getContext('2d').getImageData(0, 0, 41, 41).data.buffer)).size""")
+    assert colours > 3
+
+
+def test_a_map_shows_the_largest_forces_of_a_sweep(show):
+    values = {"outputs.loads": True, "simulation.stop_time": 0.55}
+    scene, page = load_scene("pinned_arm").with_values(values), show("pinned_arm", values)
+    page.get_by_role("button", name="Map…").click()
+    for axis, name in (("x", "contact.restitution"), ("y", "contact.stiffness")):
+        page.locator(f"#map-{axis}-name").select_option(name)
+    for output in ("peak_force", "joint_force"):
+        page.locator("#map-output").select_option(output)
+        draw_map(page)
+        head, *rows = saved(page, "Map as CSV").read_text().splitlines()
+        assert head == f"contact.restitution,contact.stiffness,{output}"
+        e, stiffness, value = map(float, rows[-1].split(","))
+        found = sweep(scene, {"contact.restitution": [e], "contact.stiffness": [stiffness]})
+        assert found[output][0] == value
+
+
+def test_a_run_that_a_scene_would_refuse_has_no_colour(show):
+    page = show("sliding_rod", {"simulation.stop_time": 0.05})
+    page.get_by_role("button", name="Map…").click()
+    for axis, name in (("x", "wall.y_min.static_friction"), ("y", "wall.y_min.friction")):
+        page.locator(f"#map-{axis}-name").select_option(name)
+        for end, value in (("from", "0.1"), ("to", "0.5")):
+            page.locator(f"#map-{axis}-{end}").fill(value)
+    draw_map(page)
+    box = page.locator("#map-canvas").bounding_box()
+    for place, text in ((0.9, "impact.count = "), (0.1, "the run fails")):
+        page.locator("#map-canvas").hover(position={"x": place * box["width"], "y": 0.5 * box["height"]})
+        page.locator("#map-text").get_by_text(text).wait_for()
+
+
+def test_a_map_that_is_closed_stops_and_another_takes_the_place_of_one_that_is_not_complete(show):
+    page = show(hash_="#simulation.stop_time=400")
+    page.get_by_role("button", name="Map…").click()
+    page.get_by_role("button", name="Simulate 41 × 41 runs").click()
+    until_told(page, "of 41 rows", "map-text")
+    assert len(page.workers) > 1
+    page.keyboard.press("Escape")
+    until(page, "document.getElementById('map-text').textContent.startsWith('Stopped after')")
+    while len(page.workers) > 1:  # all workers except the worker of the motion end
+        page.wait_for_timeout(50)
+    page.evaluate("chainImpact.show({ 'simulation.stop_time': 0.2 })")
+    page.get_by_role("button", name="Map…").click()
+    for output in ("impact.last_time", "impact.count"):
+        page.get_by_label("Colour").select_option(output)
+        page.get_by_role("button", name="Simulate 41 × 41 runs").click()
+    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
+    page.locator("#map-canvas").hover()
+    until_told(page, "impact.count = ", "map-text")
+
+
+def test_angles_in_degrees_are_taken_in_every_field(show):
+    page = show("rod_drop", MAP)
+    page.evaluate("chainImpact.show({ 'initial.angle[1]': '20 deg' })")
+    shown = "chainImpact.parameters['initial.angle[1]']"
+    assert float(page.evaluate(shown)) == pytest.approx(math.radians(20.0), rel=1e-15)
+    page.locator("#list-of-parameters summary").click()
+    for name, text in (("initial.angle[1]", "-30deg"), ("initial.angular_velocity[1]", "90 deg/s")):
+        field = page.locator(f"#list-of-parameters input[aria-label='{name}']")
+        field.fill(text)
+        field.press("Enter")
+        number = math.radians(float(re.match(r"-?\d+", text)[0]))
+        assert float(page.evaluate(f"chainImpact.parameters['{name}']")) == pytest.approx(number, rel=1e-15)
+    field.fill("90 deg")  # a wrong unit for an angular velocity
+    field.press("Enter")
+    assert "must be a finite number" in page.locator(".parameter .refusal:not(:empty)").inner_text()
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-y-from").fill("10 deg")
+    page.locator("#map-y-to").fill("50 deg")
+    draw_map(page)
+    assert {"10", "50"} & set(page.locator("#map-scales text").all_text_contents())
+
+
+def test_a_map_goes_by_the_keyboard(show):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    draw_map(page)
+    page.locator("#map-canvas").focus()
+    page.keyboard.press("ArrowRight")  # the run in the middle
+    middle = page.text_content("#map-text")
+    assert "impact.count = " in middle
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowUp")
+    assert page.text_content("#map-text") != middle
+    assert page.locator(".map-chosen").count() == 1
+    told = float(re.search(r"contact\.restitution = ([\d.]+)", page.text_content("#map-text"))[1])
+    page.keyboard.press("Enter")
+    assert not page.locator("#map").is_visible()
+    assert float(page.evaluate("chainImpact.parameters['contact.restitution']")) == pytest.approx(
+        told, rel=1e-4
+    )

@@ -1,0 +1,255 @@
+"""A recording's page: playback, jumps, the list of impacts, keys, a phone and the dark theme."""
+
+import re
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.pages.recorded import program
+from chain_impact.recording.impacts import IMPACT_DTYPE
+from chain_impact.recording.recording import Recording
+from chain_impact.scene.half_planes import half_planes
+from tests.pages.conftest import (
+    DARK_CHAIN,
+    LIGHT_CHAIN,
+    ON_ITS_SIDE,
+    PHONE,
+    TIME_TEXT,
+    count_of,
+    go_to,
+    pixels,
+    press,
+    time_of,
+)
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+
+
+def time_after(page, milliseconds):
+    """Return the simulated time that is shown after some time on the page's own clock, which stands still."""
+    page.clock.run_for(milliseconds)
+    return float(page.evaluate(TIME_TEXT).removesuffix(" s"))
+
+
+def test_it_plays_on_its_own_and_pauses(show_recording):
+    page = show_recording(reduced_motion="no-preference", stopped=True)
+    page.clock.run_for(200)
+    page.get_by_role("button", name="Pause").click()
+    stopped = time_after(page, 50)
+    assert stopped > 0.1
+    assert time_after(page, 500) == stopped
+    page.keyboard.press("Space")  # the focused button receives the key
+    assert time_after(page, 100) > stopped
+
+
+def test_it_stands_still_for_who_asked_for_less_motion_and_its_clock_passes_as_it_says(show_recording):
+    """In 1/3 s: a fraction of a millisecond at an impact, otherwise as long or twice as long."""
+    page = show_recording(stopped=True)
+    assert time_after(page, 500) == 0.0
+    page.get_by_role("button", name="Play").click()
+    assert time_after(page, 500) > 0.05
+    page.keyboard.press("End")
+    assert time_after(page, 50) == 2.0
+    page.keyboard.press("Space")
+    assert 0.0 < time_after(page, 100) < 1.0, "it starts anew"
+    page.keyboard.press("Space")
+    page.keyboard.press("Home")
+    passed = []
+    for key in ("Shift+ArrowRight", "s", "ArrowUp"):
+        page.keyboard.press(key)
+        before = time_after(page, 50)
+        page.keyboard.press("Space")
+        page.clock.run_for(330)
+        page.keyboard.press("Space")
+        passed.append(time_after(page, 50) - before)
+    assert 1e-5 < passed[0] < 3e-3
+    assert passed[1:] == pytest.approx([0.33, 0.66], abs=0.05)
+
+
+def test_positions_alone_make_a_page(show_recording):
+    """The table has positions only: no walls, no impacts, no energies."""
+    time = np.linspace(0.0, 1.0, 20)
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(time), "point[1].y": np.sin(time)}
+    page = show_recording(Recording("Bare", time, columns))
+    page.keyboard.press("End")
+    assert press(page, "Shift+ArrowLeft") == 0.0
+    assert page.locator("h2:visible").all_inner_texts() == ["Impacts"]
+    assert page.inner_text("#impacts") == "none"
+
+
+def test_energies_below_zero_have_as_many_digits_as_those_above(show_recording):
+    time = np.linspace(0.0, 1.0, 20)
+    columns = {f"point[{k}].{axis}": k + 0 * time for k in (0, 1) for axis in "xy"}
+    columns |= {"energy.potential": -1234.5 + time}
+    assert show_recording(Recording("Deep", time, columns)).inner_text("#energies dd") in ("-1234", "-1235")
+
+
+def test_impacts_between_two_rows_are_in_the_list(show_recording):
+    coarse = simulate(load_scene("four_link_box"), output_step=5e-3)
+    page = show_recording(coarse)
+    press(page, "Shift+ArrowRight")
+    assert page.locator("#impacts tbody tr").count() == 14
+    peak = f"{coarse.impacts['peak_force'][0] / 1e3:.1f}\u202fkN"
+    assert peak in page.inner_text("#impacts tr[aria-current]")
+
+
+def test_clicks_keys_slider_and_chart_go_to_a_moment(show_recording, recording):
+    page = show_recording()
+    for number in (3, 14, 1):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        impact = recording.impacts[number - 1]
+        assert time_of(page) == pytest.approx(impact["onset"], abs=2e-5)
+        assert (
+            f"Impact {number} of 14: point {impact['point']} at {recording.wall_names[impact['wall']]}"
+            in page.inner_text("#caption")
+        )
+        assert page.inner_text("tr[aria-current] button") == str(number)
+    assert press(page, "Home") == 0.0
+    times = [press(page, key) for key in ["Shift+ArrowRight"] * 3 + ["Shift+ArrowLeft"]]
+    assert times == pytest.approx(recording.impacts["onset"][[0, 1, 2, 1]].tolist(), abs=2e-5)
+    assert go_to(page, 1.25) == pytest.approx(1.25, abs=1e-4)
+    box = page.locator("#energy .u-over").bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 4, box["y"] + 20)
+    assert time_of(page) == pytest.approx(0.5, abs=0.01)
+
+
+def test_arrow_keys_step_in_time_on_the_screen(show_recording):
+    page = show_recording()
+    assert press(page, "ArrowRight") == pytest.approx(1 / 30, rel=0.01)
+    assert press(page, "ArrowLeft") == 0.0
+    # steps beyond either end have no effect: the next step back is visible at once
+    assert [press(page, "ArrowLeft") for _ in range(3)] == [0.0] * 3
+    assert press(page, "ArrowRight") == pytest.approx(1 / 30, rel=0.01)
+    end = press(page, "End")
+    assert [press(page, "ArrowRight") for _ in range(3)] == [end] * 3
+    assert press(page, "ArrowLeft") < end
+
+
+def named(page):
+    """Return the numbers of the impact in the list, the caption and the force chart."""
+    return (
+        int(page.inner_text("tr[aria-current] button")),
+        int(re.match(r"Impact (\d+) of 14", page.inner_text("#caption"))[1]),
+        int(re.match(r"impact (\d+): ", page.text_content("#close-what"))[1]),
+    )
+
+
+def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show_recording, recording):
+    """From halfway between two impacts, the next impact is named before its onset."""
+    page = show_recording()
+    second, third = recording.impacts[1:3]
+    middle = (second["end"] + third["onset"]) / 2
+    assert named(page) == (1, 1, 1)
+    page.get_by_role("button", name="Go to impact 2, ").click()
+    seen, shown = set(), time_of(page)
+    between = np.linspace(shown, third["end"] + 1e-3, 12)
+    for wanted in [shown, *between, middle - 1e-4, middle + 1e-4]:
+        shown = go_to(page, wanted) if wanted != shown else shown
+        number, is_next = 2 + (shown >= middle), middle <= shown < third["onset"]
+        assert named(page) == (number,) * 3
+        assert (" is next: " in page.inner_text("#caption")) == is_next
+        seen.add((number, is_next))
+    assert seen == {(2, False), (3, True), (3, False)}
+    press(page, "End")
+    assert named(page) == (14, 14, 14)
+
+
+def twins(until_next=1e-3, force=1.0):
+    """Return a second point touches a wall soon after the first."""
+    time = np.linspace(0.0, 0.02, 401)
+    columns = {f"point[{k}].{axis}": 0 * time + k * (axis == "x") for k in (0, 1) for axis in "xy"}
+    onsets = [0.01, 0.01 + until_next]
+    for k, onset in enumerate(onsets):
+        columns[f"contact[{k}].y_min.force"] = force * np.maximum(0.0, 1.0 - abs(time - onset - 1e-3) / 1e-3)
+    impacts = np.zeros(len(onsets), IMPACT_DTYPE)
+    impacts["onset"], impacts["point"], impacts["impact_speed"] = onsets, range(len(onsets)), 1.0
+    impacts["end"], impacts["peak_force"] = impacts["onset"] + 2e-3, force
+    return Recording("Twins", time, columns, impacts, half_planes({"y_min": 0.0}, {}), ("y_min",))
+
+
+@pytest.mark.parametrize("until_next", [1e-3, 0.0])
+def test_of_contacts_that_overlap_the_latest_is_named(show_recording, until_next):
+    """If two contacts begin at the same time, the page names the contact whose button was pressed."""
+    page = show_recording(twins(until_next))
+    for number in (1, 2, 1):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        time_of(page)
+        assert page.inner_text("tr[aria-current] button") == str(number)
+        assert page.inner_text("#caption").startswith(f"Impact {number} of 2: point {number - 1} ")
+        assert page.text_content("#close-what").startswith(f"impact {number}: point {number - 1} ")
+    go_to(page, 0.0125)
+    assert page.inner_text("tr[aria-current] button") == "2"
+
+
+def test_the_labels_of_a_force_are_not_cut_off(show_recording):
+    page = show_recording(twins(force=2.345e-4))
+    go_to(page, 0.011)
+    picture = pixels(page.locator("#force canvas"))
+    assert picture.min() < 128.0
+    assert (picture[:, :2] == picture[0, 0]).all()
+
+
+def test_a_long_list_ends_with_how_many_more_there_are(open_page):
+    page = open_page("about:blank", begins=False)
+    page.set_content(f"<script>{program('player/impact_list.js')}</script>")
+    made = """(count) => {
+      const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
+      const element = document.body.appendChild(document.createElement("div"));
+      const impacts = Array.from({ length: count }, (_, k) => impact(k));
+      new ImpactList(element, () => {}).show_recording({ impacts });
+      return [element.querySelectorAll("tbody tr").length, element.lastChild.textContent];
+    }"""
+    assert page.evaluate(made, 2345) == [2000, "and 345 more, which the animation shows"]
+    rows, table = page.evaluate(made, 2000)
+    assert rows == 2000
+    assert "more" not in table
+
+
+def test_speed_help_and_what_has_the_focus(show_recording):
+    page = show_recording()
+    names = page.evaluate(
+        """[...document.querySelectorAll('button, input, select')].map((element) =>
+          element.ariaLabel || element.textContent.trim() || element.labels?.[0]?.textContent.trim())"""
+    )
+    assert all(names)
+    focused = set()
+    for _ in range(30):
+        page.keyboard.press("Tab")
+        focused.add(page.evaluate("document.activeElement.id"))
+    assert {"help-open", "scrub", "previous", "play", "next", "speed", "slow", "trace"} <= focused
+    page.get_by_label("Speed").select_option("½ ×")
+    time_of(page)
+    assert page.inner_text("#rate") == "2 × slower"
+    page.get_by_label("Speed").evaluate("(select) => select.blur()")
+    page.keyboard.press("ArrowUp")
+    press(page, "ArrowUp")
+    assert page.inner_text("#rate") == "2 × faster"
+    page.keyboard.press("?")
+    assert page.get_by_role("dialog").is_visible()
+    assert press(page, "End") == 0.0, "keys rest while the help is open"
+    page.keyboard.press("Escape")
+    assert not page.get_by_role("dialog").is_visible()
+
+
+def test_it_is_dark_where_that_is_wanted_and_changes_while_open(show_recording):
+    page = show_recording(color_scheme="dark")
+    dark = pixels(page)
+    assert np.median(dark) < 60
+    assert count_of(dark, DARK_CHAIN) > 1000
+    page.emulate_media(color_scheme="light", reduced_motion="reduce")
+    time_of(page)
+    assert np.median(pixels(page)) > 200
+
+
+@pytest.mark.parametrize("viewport", [PHONE, {"width": 320, "height": 568}, ON_ITS_SIDE])
+def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show_recording, viewport):
+    page = show_recording(viewport=viewport, has_touch=True)
+    assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
+    for name in ("Previous impact", "Play", "Next impact"):
+        box = page.get_by_role("button", name=name, exact=True).bounding_box()
+        assert box["y"] + box["height"] <= viewport["height"]
+        assert min(box["width"], box["height"]) >= 32
+    assert count_of(pixels(page), LIGHT_CHAIN) > 150

@@ -1,0 +1,179 @@
+"""The sliders and the list of parameters: values that are taken, refused and reset, signals and inputs."""
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.variables.prepared import PreparedScene
+from tests.pages.conftest import PIXELS, SUBTITLE, enter, impacts_of, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+COLOUR = "field => getComputedStyle(field).borderTopColor"
+
+
+def test_a_slider_and_a_law_give_another_motion_and_reset_the_first_one(show):
+    page = show()
+    before = page.evaluate(SUBTITLE)
+    slider = page.get_by_role("slider", name="Restitution")
+    slider.focus()
+    slider.press("Home")
+    for _ in range(4):
+        slider.press("PageUp")
+    value = float(page.get_by_role("textbox", name="contact.restitution").first.input_value())
+    assert 0.2 < value < 0.7
+    until_told(page, impacts_of({"contact.restitution": value}))
+    page.get_by_role("button", name="Reset contact.restitution").first.click()
+    until(page, f"{SUBTITLE} === '{before}'")
+    page.get_by_role("combobox", name="contact.model").first.select_option(label="flores")
+    until_told(page, impacts_of({"contact.model": "flores"}))
+    assert "Flores, Machado, Silva & Martins 2011" in page.locator(".sentence").inner_text()
+
+
+def test_a_logarithmic_slider_has_its_start_in_the_middle_of_the_decades(show):
+    page = show()
+    slider = page.get_by_role("slider", name="Stiffness")
+    assert slider.evaluate("slider => slider.valueAsNumber / slider.max") == 0.5
+    for key, value in (("Home", 1e5), ("End", 1e11)):
+        slider.press(key)
+        assert float(page.evaluate("chainImpact.parameters['contact.stiffness']")) == value
+
+
+def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):
+    page = show()
+    field = page.get_by_role("textbox", name="contact.stiffness")
+    usual = field.evaluate(COLOUR)
+    enter(page, "contact.stiffness", "-1")
+    told = "contact.stiffness = -1 must be a finite number > 0 [N/m^exponent]"
+    assert field.evaluate("field => field.validationMessage") == told
+    page.get_by_role("textbox", name="gravity.y").focus()
+    refused = page.get_by_role("alert").filter(has_text="Not taken")
+    assert refused.inner_text() == f"Not taken: {told}."
+    assert field.evaluate(COLOUR) != usual
+    assert page.evaluate("chainImpact.parameters['contact.stiffness']") == "1e8"
+    enter(page, "contact.stiffness", "1e6")
+    assert refused.count() == 0
+    assert field.evaluate(COLOUR) == usual
+    until_told(page, impacts_of({"contact.stiffness": 1e6}))
+
+
+def test_a_slider_that_was_refused_is_right_again_after_the_next_change(show):
+    page = show("sliding_rod")
+    slider = page.get_by_role("slider", name="Friction at y_min", exact=True)
+    slider.press("End")
+    assert "static_friction" in slider.evaluate("slider => slider.validationMessage")
+    page.get_by_role("slider", name="Static friction at y_min").press("End")
+    assert slider.evaluate("slider => slider.validationMessage") == ""
+    slider.press("End")
+    assert page.evaluate("chainImpact.parameters['wall.y_min.friction']") == "1.5"
+
+
+def test_the_list_has_every_parameter_and_is_searched(show):
+    page = show()
+    page.get_by_text("All parameters").click()
+    rows = page.locator(".parameter")
+    rows.first.wait_for()
+    assert rows.count() == page.evaluate("Object.keys(chainImpact.parameters).length") > 50
+    row = rows.filter(has_text="link[2].\u200bmass").first
+    row.locator("input").fill("heavy")
+    row.locator("input").press("Enter")
+    told = "Not taken: link[2].mass = heavy must be a finite number > 0 [kg]."
+    assert row.locator(".refusal").inner_text() == told
+    page.get_by_role("slider", name="Restitution").press("ArrowLeft")
+    assert row.locator("input").input_value() == "1", "another change shows the value that holds"
+    assert not row.locator(".refusal").is_visible()
+    page.get_by_role("button", name="Reset all").click()
+    page.get_by_role("searchbox").fill("link 2 mass")
+    visible = [row.inner_text() for row in rows.all() if row.is_visible()]
+    assert any("mass" in text for text in visible)
+    assert len(visible) < 4
+    enter(page, "link[2].mass", "3")
+    until_told(page, impacts_of({"link[2].mass": 3.0}))
+    page.get_by_role("searchbox").fill("no such thing")
+    assert page.get_by_text("No parameter has such a name.").is_visible()
+
+
+def test_a_choice_that_is_none_is_answered_with_names(show):
+    with pytest.raises(Exception, match=r"contact.model = foo must be one of hertz, hunt_crossley"):
+        show().evaluate("chainImpact.show({ 'contact.model': 'foo' })")
+
+
+def test_a_law_without_friction_offers_to_take_it_away(show):
+    page = show("sliding_rod")
+    page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
+    until_told(page, "newton_impact has no contact friction", "status")
+    page.get_by_role("button", name="Set the friction of walls to 0").click()
+    until(page, "document.getElementById('status').hidden")
+    values = page.evaluate("chainImpact.parameters")
+    frictions = {
+        one for name, one in values.items() if name.startswith(("wall", "contact")) and "friction" in name
+    }
+    assert frictions == {"0"}
+    assert values["contact.model"] == "newton_impact"
+
+
+def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
+    assert show("rod_drop").locator("#inputs").is_hidden()
+    told = show("shaken_pendulum").locator("#inputs")
+    assert "These inputs keep their start values here: base.x" in told.inner_text()
+
+
+def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
+    page = show("bouncing_table", {"simulation.stop_time": 1.0})
+    assert page.locator("#inputs-over-time dt").all_inner_texts() == ["wall.y_min.displacement"]
+    assert page.evaluate(PIXELS, ["inputs-over-time", "input-1"]) > 200
+    scene = load_scene("bouncing_table").with_values({"simulation.stop_time": 1.0})
+    changed = {"signal.table.amplitude": 0.004, "signal.table.phase": 1.0}
+    knob = page.get_by_role("slider", name=re.compile("table.*amplitude"))
+    assert knob.is_visible()
+    knob.press("ArrowRight")
+    until(page, "chainImpact.parameters['signal.table.amplitude'] > 0.00323038")
+    page.evaluate("(changed) => chainImpact.show(changed)", changed)
+    until_told(page, f"{len(simulate(scene.with_values(changed)).impacts)} impacts")
+    page.locator("#scrub").fill("0.5")
+    shown = 0.004 * np.sin(1.0 + 2.0 * np.pi * 10.0 * 0.5)
+    told = page.locator("#inputs-over-time dd").inner_text().split("\u202f")
+    assert float(told[0]) == pytest.approx(shown, rel=1e-2)
+    assert told[1] == "m"
+    assert page.evaluate("chainImpact.scene") == "BouncingTable"
+    names = {
+        name for name in page.evaluate("Object.keys(chainImpact.parameters)") if name.startswith("signal")
+    }
+    assert names == {name for name in PreparedScene(scene).parameter_paths if name.startswith("signal")}
+
+
+def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):
+    page = show("pinned_arm", {"inputs.joint_targets": True, "link[2].joint_stiffness": 20.0})
+    for name, key in (("joint[1].torque", "Home"), ("joint[2].target_angle", "End")):
+        page.get_by_role("slider", name=name).press(key)
+    values = page.evaluate("chainImpact.parameters")
+    inputs = {name: float(values[name]) for name in ("joint[1].torque", "joint[2].target_angle")}
+    assert inputs["joint[1].torque"] < 0.0 < inputs["joint[2].target_angle"]
+    scene = load_scene("pinned_arm").with_values(
+        {"inputs.joint_targets": True, "link[2].joint_stiffness": 20}
+    )
+    result = simulate(scene, inputs=inputs)
+    until_told(page, f"{len(result.impacts)} impact")
+    tip = page.evaluate(
+        """async (inputs) => {
+      const run = await chainImpact.simulate(inputs, { output: ["point[2].x"] });
+      return Array.from(run.columns["point[2].x"]); }""",
+        inputs,
+    )
+    assert tip == result["point[2].x"].tolist()
+    page.get_by_role("button", name="Export…").click()
+    command = page.get_by_label("The command that gives the same motion").input_value()
+    assert shlex.split(command)[2].endswith(
+        f'.with_values({{}}), inputs={{"joint[1].torque": {values["joint[1].torque"]}, '
+        f'"joint[2].target_angle": {values["joint[2].target_angle"]}}}))'
+    )
+
+
+def test_the_targets_of_a_slider_have_sliders(show):
+    page = show("cart_pole", {"inputs.joint_targets": True})
+    for name in ("slider.target_position", "slider.target_velocity"):
+        page.get_by_role("slider", name=name).press("End")
+        assert float(page.evaluate("chainImpact.parameters")[name]) > 0.0
