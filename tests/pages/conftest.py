@@ -46,7 +46,7 @@ MODULES = ("solver/motion.js", "base/base64.js", "scene/changes.js", "scene/mode
 COMPILED = """
 const modules = new Map();
 async function compiled(text) {
-  if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await unpacked(text)));
+  if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await decompressed(text)));
   return modules.get(text);
 }
 const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"""

@@ -15,6 +15,16 @@ NOW = """() => {
   const line = document.querySelector('#outputs-over-time .now').getBoundingClientRect();
   return (line.left + line.width / 2 - over.left) / over.width; }"""
 """The place of the line at the present time, over the width of the chart."""
+ROUND_OFF = """(module) => {
+  const withoutRoundOff = Function(`${module}; return withoutRoundOff;`)();
+  const shown = (unit, all, peakForce) =>
+    withoutRoundOff(all.map((values) => ({ unit, values })), { peakForce }).map(({ values }) => values);
+  return [shown("m", [[0.5, -2e-14], [1e-11]], 1e9), shown("N", [[-1.96e-14]], 50)]; }"""
+ANGLES = """(module) => {
+  const { inRadians, valueText } = Function(`${module}; return { inRadians, valueText };`)();
+  const some = Array.from({ length: 200 }, (_, k) => (k - 100) * (k % 3 ? Math.PI / 180 : 0.0437));
+  return [some.filter((value) => Number(inRadians(valueText(value, "rad"), "rad")) !== value),
+    valueText(inRadians("-25 deg", "rad"), "rad"), valueText(0.5, "rad"), valueText(Math.PI, "m")]; }"""
 TICKS = """([module, first, step]) => {
   const ticksOf = Function(`${module}; return ticksOf;`)();
   return ticksOf([0, 1, 2, 3].map((k) => first + k * step)); }"""
@@ -50,6 +60,17 @@ def result():
 )
 def test_ticks_have_the_digits_that_their_distance_needs(worker, first, step, expected):
     assert worker.evaluate(TICKS, [program("base/format.js"), first, step]) == expected
+
+
+def test_round_off_of_the_largest_value_is_shown_as_zero(worker):
+    found = worker.evaluate(ROUND_OFF, program("charts/curve_charts.js"))
+    assert found == [[[0.5, 0], [1e-11]], [[0]]]
+
+
+def test_an_angle_is_shown_in_degrees_where_these_are_shorter_and_stand_for_the_same_number(worker):
+    changed, turned, short, length = worker.evaluate(ANGLES, program("scene/angles.js"))
+    assert changed == []
+    assert (turned, short, length) == ("-25 deg", "0.5", "3.141592653589793")
 
 
 def test_a_slow_contact_that_lasts_has_its_peak_in_the_course_of_its_force(worker):

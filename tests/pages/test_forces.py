@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from chain_impact import animate
 from chain_impact.studies.animate import record_slowly
-from tests.pages.conftest import go_to, press
+from tests.pages.conftest import PHONE, go_to, press
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -20,22 +19,11 @@ ON_OTHERS = """() => {
     .map((one) => [one.textContent || 'a dot', one.getBoundingClientRect()]);
   const shared = (a, b, low, high) => Math.min(a[high], b[high]) - Math.max(a[low], b[low]);
   const meet = ([, a], [, b]) => shared(a, b, 'left', 'right') > 1 && shared(a, b, 'top', 'bottom') > 3;
-  const texts = seen('.point-number, .force-text, .ring-number, .ruler-text, .bar-text');
+  const texts = seen('.point-number, .force-text, .ring-number, .ruler-text, .ruler-name, .bar-text');
   const others = [...texts, ...seen('circle.joint, circle.tip, circle.site')];
   return texts.flatMap((one, k) => others.slice(k + 1).filter((other) => meet(one, other))
     .map((other) => [one[0], other[0]])); }"""
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
-
-
-@pytest.fixture
-def show(open_page, tmp_path):
-    """Open the page of a recording."""
-
-    def show(recording, **options):
-        animate(recording, tmp_path / "page.html")
-        return open_page((tmp_path / "page.html").as_uri(), **options)
-
-    return show
 
 
 def newtons(text):
@@ -44,9 +32,9 @@ def newtons(text):
     return float(value) * {"N": 1.0, "kN": 1e3, "MN": 1e6}[unit]
 
 
-def test_a_resting_weight_and_a_peak_are_both_seen_and_a_ruler_tells_the_scale(show):
+def test_a_resting_weight_and_a_peak_are_both_seen_and_a_ruler_tells_the_scale(show_recording):
     recording = record_slowly("thrown_brick")
-    page, hardest = show(recording), recording.impacts[recording.impacts["peak_force"].argmax()]
+    page, hardest = show_recording(recording), recording.impacts[recording.impacts["peak_force"].argmax()]
     marks = {newtons(text): at for text, at in page.evaluate(RULER)}
     top = max(marks)
     assert len(marks) > 1
@@ -63,9 +51,9 @@ def test_a_resting_weight_and_a_peak_are_both_seen_and_a_ruler_tells_the_scale(s
 
 
 @pytest.mark.parametrize("model", ["thrown_brick", "four_link_box", "hopper"])
-def test_numbers_and_forces_are_on_no_other_text_and_no_dot(show, model):
+def test_numbers_and_forces_are_on_no_other_text_and_no_dot(show_recording, model):
     recording = record_slowly(model)
-    page, numbers = show(recording), set()
+    page, numbers = show_recording(recording), set()
     for impact in recording.impacts[:8]:
         lasting = np.nan_to_num(impact["end"] - impact["onset"], nan=1e-3)
         for share in (0.5, 1.5):
@@ -73,3 +61,9 @@ def test_numbers_and_forces_are_on_no_other_text_and_no_dot(show, model):
             assert page.evaluate(ON_OTHERS) == []
             numbers |= set(page.locator(".ring-number").all_text_contents())
     assert {"#1", "#2", "#3"} <= numbers
+
+
+def test_ruler_and_scale_bar_are_apart_on_a_phone(show_recording):
+    page = show_recording(viewport=PHONE)
+    press(page, "Shift+ArrowRight")
+    assert page.evaluate(ON_OTHERS) == []

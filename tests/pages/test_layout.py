@@ -15,7 +15,7 @@ DIALOGS = ("edit", "map", "curves", "export", "help")
 CLASHES = """() => {
   const roomOf = (one) => one.closest("dialog, footer, #stage, #pins, #status");
   const open = document.querySelector("dialog[open]");
-  const isThere = (one) => one.checkVisibility({ visibilityProperty: true }) &&
+  const isThere = (one) => one.checkVisibility({ visibilityProperty: true, opacityProperty: true }) &&
     !one.closest("svg, .hidden") && (!open || open.contains(one));
   // what is seen of a box within the parts of the page that cut it off
   const seen = (one, box) => {

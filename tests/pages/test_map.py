@@ -94,7 +94,9 @@ def test_a_run_that_a_scene_would_refuse_has_no_colour(show):
             page.locator(f"#map-{axis}-{end}").fill(value)
     draw_map(page)
     box = page.locator("#map-canvas").bounding_box()
-    for place, text in ((0.9, "impact.count = "), (0.1, "the run fails")):
+    assert "; grey runs fail." in page.locator("#map-text").inner_text()
+    refused = re.compile(r"the run fails: wall\.y_min\.static_friction = .* must be >= ")
+    for place, text in ((0.9, "impact.count = "), (0.1, refused)):
         page.locator("#map-canvas").hover(position={"x": place * box["width"], "y": 0.5 * box["height"]})
         page.locator("#map-text").get_by_text(text).wait_for()
 
@@ -135,10 +137,12 @@ def test_angles_in_degrees_are_taken_in_every_field(show):
     field.press("Enter")
     assert "must be a finite number" in page.locator(".parameter .refusal:not(:empty)").inner_text()
     page.get_by_role("button", name="Map…").click()
+    limits = [page.locator(f"#map-y-{end}").input_value() for end in ("from", "to")]
+    assert limits == ["-45", "-15"], "around the angle, and in degrees, as the axis"
     page.locator("#map-y-from").fill("10 deg")
-    page.locator("#map-y-to").fill("50 deg")
+    page.locator("#map-y-to").fill("50")
     draw_map(page)
-    assert {"10", "50"} & set(page.locator("#map-scales text").all_text_contents())
+    assert {"10", "50"} <= set(page.locator("#map-scales text").all_text_contents())
 
 
 def test_a_map_goes_by_the_keyboard(show):

@@ -1,11 +1,10 @@
 // Functions that turn numbers into text.
 
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
-const UNITS = [["exponent", "ⁿ"], ["^", ""], ["/s2", "/s²"], ["kg.m2", "kg·m²"], [".", "·"]];
 
-/** Return a unit as the page shows it; "" for a pure number. */
+/** Return a unit as a reader sees it, as `unit_text.py` does; "" for a pure number. */
 export function unitText(unit) {
-  return unit === "1" ? "" : UNITS.reduce((text, [from, to]) => text.replaceAll(from, to), unit);
+  return unit === "1" ? "" : unit.replaceAll(/(?<=[a-zA-Z])\.(?=[a-zA-Z])/g, "·").replaceAll(/(?<=[a-zA-Z])2\b/g, "²");
 }
 
 /** Return a number with `count` significant digits. */

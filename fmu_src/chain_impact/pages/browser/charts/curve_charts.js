@@ -12,6 +12,14 @@ const DASHES = [undefined, [6, 3], [2, 3]]; // dashes of the curves after the fi
 export const [MOST_CURVES, MOST_UNITS] = [INPUT_COLOURS * DASHES.length, 8];
 const BESIDE_IMPACT = 0.5; // shown time before and after an impact, over the duration of the impact
 const DIGITS = 4; // number of digits of a value
+const ROUND_OFF = 1e-12; // size below which a value is shown as 0, over the largest value of its unit
+
+/** Return curves with 0 for values that are round-off of the largest value of their unit; forces have a known scale. */
+function withoutRoundOff(curves, { peakForce }) {
+  const scale = curves.reduce((most, { values }) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most),
+    curves[0].unit === "N" ? peakForce : 0);
+  return curves.map((curve) => ({ ...curve, values: curve.values.map((value) => (Math.abs(value) < ROUND_OFF * scale ? 0 : value)) }));
+}
 
 /** A chart of the curves with one unit. */
 class UnitChart extends TimeChart {
@@ -28,8 +36,8 @@ class UnitChart extends TimeChart {
 
   show(recording, curves) {
     const { time } = this.curvesOf(recording);
-    const data = [time, ...curves.map(({ values }) => values)];
-    Object.assign(this, { recording, curves, time });
+    Object.assign(this, { recording, time, curves: withoutRoundOff(curves, recording) });
+    const data = [time, ...this.curves.map(({ values }) => values)];
     if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
     else this.makeCurves(curves, data, 16);
   }

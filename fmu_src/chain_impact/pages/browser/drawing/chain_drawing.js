@@ -20,7 +20,10 @@ const [RING, RINGS_APART] = [20, 7];
 const SAME = 12; // [pixels] largest distance of rings that count as being at one position
 const NUMBERS = 8; // largest number of recent impacts with a number
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
+const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip at the top, and distance to the scale bar
+const NAMED_FROM = 480; // [pixels] least width of a drawing in which the ruler has its name
 const STRIP = 30; // [pixels] height of the strip at the top for the scale bar, which the chain never covers
+const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond walls
 const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
 const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
@@ -65,6 +68,10 @@ export class ChainDrawing {
   constructor(element) {
     this.drawing = SVG(element);
     this.showTrace = true;
+    this.hatch = this.drawing.pattern(HATCH, HATCH, (tile) => {
+      tile.rect(HATCH, HATCH).addClass("beyond-walls");
+      [-HATCH, 0, HATCH].forEach((x) => tile.line(x, HATCH, x + HATCH, 0).addClass("hatch")); // three, so that corners meet
+    });
     this.ground = this.drawing.group();
     this.behind = this.drawing.group(); // a group for other drawings of a page behind the chain
     this.trace = this.drawing.polyline().addClass("trace").fill("none");
@@ -134,13 +141,13 @@ export class ChainDrawing {
     this.camera = new Camera(this.recording, width, height, STRIP);
     this.arrowScale = new ArrowScale(this.recording.peakForce, width, height);
     this.ground.clear();
-    this.ground.rect(width, height).addClass("beyond-walls");
+    this.ground.rect(width, height).fill(this.hatch);
     this.walls = this.ground.group();
     this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#toScreen(line))).addClass("pin"));
-    this.#drawScaleBar(width);
-    if (this.recording.forces.length || this.recording.loads.length) this.#drawRuler();
+    const hasForces = this.recording.forces.length || this.recording.loads.length;
+    this.#drawScaleBar(width, hasForces ? this.#drawRuler(width) : 0);
     if (this.recording.loads.length) this.#drawKey(width);
     this.discs.forEach(([, ownRadius, disc]) => disc.radius(ownRadius * this.camera.scale));
     ({ frames: this.traceFrames, positions: this.tracePositions } = traceOf(this.recording, this.camera));
@@ -165,21 +172,22 @@ export class ChainDrawing {
     this.pin.forEach(([line, mark]) => mark.plot(this.#toScreen(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
   }
 
-  /** Draw a bar of a round length, about a sixth of the width. */
-  #drawScaleBar(width) {
+  /** Draw a bar of a round length, about a sixth of the width, in the middle, or behind the end of the ruler. */
+  #drawScaleBar(width, rulerEnd) {
     const wanted = width / 6 / this.camera.scale;
     const power = 10 ** Math.floor(Math.log10(wanted));
     const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
     const y = 0.6 * STRIP;
-    const [left, right] = [-0.5, 0.5].map((share) => width / 2 + share * length * this.camera.scale);
+    const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
+    const left = Math.max(width / 2 - (length * this.camera.scale) / 2, rulerEnd + STRIP_LETTER * text.length + 2 * BESIDE_BAR);
+    const right = left + length * this.camera.scale;
     this.ground.polyline([[left, y - 4], [left, y + 4], [left, y], [right, y], [right, y - 4], [right, y + 4]])
       .addClass("bar").fill("none");
-    const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
-    this.ground.plain(text).attr({ x: left - 8, y: y + 4 }).addClass("bar-text");
+    this.ground.plain(text).attr({ x: left - BESIDE_BAR, y: y + 4 }).addClass("bar-text");
   }
 
-  /** Draw the lengths of the arrows of round forces, up to the largest force. */
-  #drawRuler() {
+  /** Draw the lengths of the arrows of round forces, up to the largest force; return where the ruler ends. */
+  #drawRuler(width) {
     const [left, y] = [12, STRIP - 7];
     const { longest, marks } = this.arrowScale;
     this.ground.line([[left, y], [left + longest, y]]).addClass("bar ruler");
@@ -188,7 +196,10 @@ export class ChainDrawing {
       this.ground.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
     });
     this.ground.polygon([[left + longest + 7, y], [left + longest, y - 4], [left + longest, y + 4]]).addClass("ruler-head");
-    this.ground.plain("force").attr({ x: left + longest + 12, y: y + 4 }).addClass("ruler-name");
+    const end = left + longest + 12;
+    if (width < NAMED_FROM) return end;
+    this.ground.plain("force").attr({ x: end, y: y + 4 }).addClass("ruler-name");
+    return end + STRIP_LETTER * "force".length;
   }
 
   /** Draw the legend of the two kinds of arrows. */

@@ -1,14 +1,14 @@
 // The dialog in which the reader adds and removes links, points, walls and stops, and opens scene files.
 
 import { find, make } from "../base/dom.js";
-import { numberText } from "../base/format.js";
+import { valueText } from "../scene/angles.js";
 import { contentsOf } from "../scene/changed_file.js";
 import { addLink, addPoint, addWall, moveToLink, ownPoint, removeLink, removePoint, removeWall, setBase, setBox, setOfLink, setOrRemove } from "../scene/edits.js";
 import { STOPS } from "../scene/geometry.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
 
 const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
-const SLIDER = { angle: "Slider: angle, rad", mass: "Mass, kg", friction: "Friction, N", min: "Stop from, m", max: "Stop to, m" };
+const SLIDER = { angle: "Slider: angle", mass: "Mass, kg", friction: "Friction, N", min: "Stop from, m", max: "Stop to, m" };
 export class Editor {
   /** `open` shows a scene with some contents and changed inputs, or throws an error; `first` shows the page's own scene. */
   constructor(changes, open, first) {
@@ -81,7 +81,8 @@ export class Editor {
   #draw() {
     const { scene: { file } } = this.changes;
     find("edit-base").value = file.chain.base;
-    const heads = ["Link", "Length, m", "Mass, kg", "Offset, m", "Box height, m", "Stop from, rad", "Stop to, rad", ""];
+    const hasJoint = file.chain.base !== "free" || file.chain.links.length > 1;
+    const heads = ["Link", "Length, m", "Mass, kg", "Offset, m", "Box height, m", ...(hasJoint ? ["Stop from", "Stop to"] : []), ""];
     fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
     const points = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
     fillTable(find("edit-points"), ["Point", "Link", "Along, m", "Left, m", "Radius, m", "Name", ""], points.map(([site, s]) => this.#pointRow(file, site, s)));
@@ -90,20 +91,21 @@ export class Editor {
     find("edit-slider").hidden = !slider;
     if (slider) {
       fillTable(find("edit-slider"), Object.values(SLIDER), [Object.keys(SLIDER).map((key) =>
-        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value)))]);
+        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), key === "angle" ? "rad" : ""))]);
     }
     fillTable(find("edit-box"), Object.values(BOX).map((text) => `${text}, m`), [Object.keys(BOX).map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
-    fillTable(find("edit-walls"), ["Wall", "x, m", "y, m", "Angle, rad", ""], file.walls.map((wall, k) => this.#wallRow(wall, k)));
+    fillTable(find("edit-walls"), ["Wall", "x, m", "y, m", "Angle", ""], file.walls.map((wall, k) => this.#wallRow(wall, k)));
     find("edit-walls").hidden = file.walls.length === 0;
   }
 
   /** Return the fields of a link. A free base has no joint, and so no stop; the last link cannot be removed. */
   #linkRow({ chain: { base, links } }, link, k) {
-    const field = (key) => this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value));
-    const stops = k === 0 && base === "free" ? ["", ""] : STOPS.map(field);
+    const field = (key, unit) => this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value), unit);
+    const isFree = k === 0 && base === "free";
+    const stops = isFree ? STOPS.slice(links.length > 1 ? 0 : 2).map(() => "") : STOPS.map((stop) => field(stop, "rad"));
     const remover = links.length > 1 ? this.#remover(`link ${k + 1}`, (all) => removeLink(all, k)) : "";
-    return [`${k + 1}`, ...["length", "mass", "center_of_mass_offset", "height"].map(field), ...stops, remover];
+    return [`${k + 1}`, ...["length", "mass", "center_of_mass_offset", "height"].map((key) => field(key)), ...stops, remover];
   }
 
   /** Return the fields of a point of a link, among them the link to which the point belongs. */
@@ -124,13 +126,13 @@ export class Editor {
     }));
     const turn = this.#field(`wall.${name}.angle`, angle, (value, all) => {
       all.walls[k].angle = value;
-    });
+    }, "rad");
     return [name, ...coordinates, turn, this.#remover(`wall ${name}`, (all) => removeWall(all, k))];
   }
 
   /** Return a field for a number, or for an angle as text; an empty field stands for no value. */
-  #field(name, value, set) {
-    const field = make("input", { value: typeof value === "number" ? numberText(value) : (value ?? ""), autocomplete: "off" });
+  #field(name, value, set, unit = "") {
+    const field = make("input", { value: typeof value === "number" ? valueText(value, unit) : (value ?? ""), autocomplete: "off" });
     field.setAttribute("aria-label", name);
     field.addEventListener("change", () => {
       const text = field.value.trim();

@@ -105,9 +105,10 @@ export class GridMap {
     const [name, from, to] = this.inputs[k];
     const parameter = this.changes.parameters.get(name.value);
     const range = rangeOf(parameter, this.changes.valueOf(name.value));
-    find(`map-${"xy"[k]}-unit`).textContent = unitText(parameter.unit);
+    const { factor, text } = shownIn(parameter);
+    find(`map-${"xy"[k]}-unit`).textContent = text;
     [from, to].forEach((field, end) => {
-      field.value = numberText(Number(range[end].toPrecision(4)));
+      field.value = numberText(Number((factor * range[end]).toPrecision(4)));
       field.dataset.own = field.value;
     });
   }
@@ -125,7 +126,7 @@ export class GridMap {
     }
     this.#stop();
     this.#touched = this.#chosen = undefined;
-    const shown = { ...request, points, results: Array(points * points), rows: 0 };
+    const shown = { ...request, points, results: Array(points * points), faults: new Map(), rows: 0 };
     this.shown = shown;
     Object.assign(this.canvas, { width: points, height: points });
     find("map-files").hidden = true;
@@ -135,7 +136,7 @@ export class GridMap {
     if (shown !== this.shown) return;
     this.#stop();
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
-    const summary = points === POINTS ? `${points * points} runs in ${seconds} s.` : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
+    const summary = points === POINTS ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.` : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const done = `${summary}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
     this.#say(fault || (shown.rows === points ? done : `Stopped after ${shown.rows} of ${points} rows.`));
@@ -150,11 +151,18 @@ export class GridMap {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
     const axes = this.inputs.map(([name, from, to]) => {
-      const [first, last] = [from, to].map((field) => this.changes.numberOf(name.value, field.value));
+      const [first, last] = [from, to].map((field) => this.#limit(name.value, field.value));
       return Array.from({ length: points }, (_, k) => Number((first + ((last - first) * k) / (points - 1)).toPrecision(12)));
     });
     const output = this.#outputs.find(({ name }) => name === this.output.value);
     return { names, axes, values: { ...this.changes.values }, output };
+  }
+
+  /** Return the number in a field of a limit; an angle without a unit is in degrees, as on the axis. */
+  #limit(name, text) {
+    const { factor } = shownIn(this.changes.parameters.get(name));
+    const isShown = factor !== 1 && text.trim() !== "" && Number.isFinite(Number(text));
+    return this.changes.numberOf(name, isShown ? Number(text) / factor : text);
   }
 
   /** Simulate the rows of a map, each in the next free worker; there is a worker for each processor. */
@@ -183,7 +191,7 @@ export class GridMap {
     this.#engines = [];
   }
 
-  /** Store the outputs at the ends of a row's runs; null for a run that has failed, or that the scene refuses. */
+  /** Store the outputs at the ends of a row's runs; null, and the reason, for a run that fails, or that the scene refuses. */
   #store(rows, row) {
     const { output, results, points } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
@@ -191,7 +199,9 @@ export class GridMap {
       const status = (1 + output.words.length) * column;
       const index = row * points + column;
       const largest = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
-      results[index] = integers[status] === 0n && this.#isAllowed(index) ? largest : null;
+      const fault = this.#refusalOf(index) || (integers[status] === 0n ? "" : this.changes.scene.statuses[integers[status]]);
+      results[index] = fault ? null : largest;
+      if (fault) this.shown.faults.set(index, fault);
     }
     this.shown.rows += 1;
     this.#say(`${this.shown.rows} of ${points} rows`);
@@ -204,11 +214,13 @@ export class GridMap {
     return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
   }
 
-  #isAllowed(index) {
+  /** Return why the scene refuses the values of a run; "" if it does not. */
+  #refusalOf(index) {
     try {
-      return Boolean(this.changes.with(this.#valuesAt(index), this.shown.values));
-    } catch {
-      return false;
+      this.changes.with(this.#valuesAt(index), this.shown.values);
+      return "";
+    } catch (error) {
+      return error.message;
     }
   }
 
@@ -335,7 +347,7 @@ export class GridMap {
     if (this.shown?.results[index] === undefined) return;
     const value = this.shown.results[index];
     const parameters = Object.entries(this.#valuesAt(index)).map(([name, given]) => this.#valueText(name, given));
-    const result = value === null ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
+    const result = value === null ? `the run fails: ${this.shown.faults.get(index)}` : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
     this.#say(`${parameters.join(", ")}: ${result}`);
   }
 

@@ -1,7 +1,7 @@
 // The fields for values of parameters, with the reason why a value is refused, and with a button for the scene's value.
 
 import { make } from "../base/dom.js";
-import { numberText } from "../base/format.js";
+import { valueText } from "../scene/angles.js";
 
 /** Make a change; if its value is refused, mark the field, and show the reason in its row. */
 export function attempt(field, change) {
@@ -29,7 +29,7 @@ export function explain(row) {
 
 /** Return a field for a number, or a choice, whose value follows the changes. */
 export function valueField(changes, parameter) {
-  const { name, items, text, allowed, derived } = parameter;
+  const { name, items, text, allowed, derived, unit } = parameter;
   const field = items.length
     ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
     : make("input", { type: "text", autocomplete: "off", spellcheck: false });
@@ -40,9 +40,9 @@ export function valueField(changes, parameter) {
     const value = changes.valueOf(name);
     if (document.activeElement !== field || items.length) {
       field.setCustomValidity("");
-      field.value = items.length ? String(value) : numberText(value);
+      field.value = items.length ? String(value) : valueText(value, unit);
     } else if (field.checkValidity()) {
-      field.value = numberText(value);
+      field.value = valueText(value, unit);
     }
   };
   return { field, refresh };

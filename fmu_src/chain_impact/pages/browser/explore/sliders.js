@@ -2,6 +2,7 @@
 
 import { make } from "../base/dom.js";
 import { breakable, numberText, unitText } from "../base/format.js";
+import { valueText } from "../scene/angles.js";
 import { attempt, explain, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /** The main parameters, which have a slider: name, label, and the ends of the slider. */
@@ -45,7 +46,7 @@ function mainParameter(changes, entry, now) {
   const parameter = changes.parameters.get(entry.name);
   const { field, refresh } = valueField(changes, parameter);
   const unit = unitText(parameter.unit);
-  const label = make("label", { className: "main-parameter-label", textContent: breakable(entry.label), title: entry.name });
+  const label = make("label", { className: "main-parameter-label", textContent: entry.label.includes(" ") ? entry.label : breakable(entry.label), title: entry.name });
   if (unit) label.append(" ", make("small", { textContent: unit }));
   const row = make("div", { className: "main-parameter" }, label, resetButton(changes, entry.name, field), field);
   const message = refusal();
@@ -82,7 +83,7 @@ function mainParameter(changes, entry, now) {
   /** Show the value at the present time, except in a field with the focus or with a refused text. */
   const follow = () => {
     const value = changes.valueAt(entry.name, now().time);
-    if (document.activeElement !== field && field.checkValidity()) field.value = numberText(value);
+    if (document.activeElement !== field && field.checkValidity()) field.value = valueText(value, parameter.unit);
     if (entry.name in changes.inputSteps ? !isDragged : document.activeElement !== slider) slider.value = String(STEPS * toPosition(value));
     slider.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
     slider.setAttribute("aria-valuetext", `${numberText(value)} ${unit}`);

@@ -1,8 +1,8 @@
 // The present parameters of the page: the values of the scene, and the changes of the reader.
 
 import { numberText } from "../base/format.js";
+import { inRadians } from "./angles.js";
 import { sumOf } from "./geometry.js";
-import { inRadians } from "./scene_file.js";
 
 export class Changes {
   #listeners = [];

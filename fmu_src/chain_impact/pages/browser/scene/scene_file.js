@@ -2,11 +2,10 @@
 // are valid alone but not together.
 
 import { unitText } from "../base/format.js";
+import { inRadians } from "./angles.js";
 import { SLIDER_STOPS, STOPS } from "./geometry.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 
-const IN_DEGREES = { rad: "deg", "rad/s": "deg/s" };
-const DEGREES_TEXT = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg(?:\/s)?)\s*$/;
 const LONGEST_VALUE = 60; // largest number of characters of a value in a message
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
@@ -20,12 +19,6 @@ function quotedValue(value) {
 /** Refuse the value at a path of the file. */
 function refuse(path, what) {
   throw new RangeError([path, what].filter(Boolean).join(" "));
-}
-
-/** Return an angle as text, "90 deg", in radians; return other values unchanged. */
-export function inRadians(value, unit) {
-  const [, number, given] = (typeof value === "string" && DEGREES_TEXT.exec(value)) || [];
-  return given && given === IN_DEGREES[unit] ? Number(number) * (Math.PI / 180) : value;
 }
 
 /** Return whether a value keeps a rule. */
