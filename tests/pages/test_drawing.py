@@ -42,7 +42,7 @@ def test_what_is_shown_of_time_force_energies_and_trace(show_recording, recordin
     assert float(arrow.get_attribute("y2")) < float(arrow.get_attribute("y1"))  # up, from the floor
     assert arrow.get_attribute("x2") == arrow.get_attribute("x1")
     assert re.fullmatch(r"[\d.]+\skN", page.text_content(".force-text"))
-    assert page.text_content("#close-what").startswith("impact 1: point 2 at y_min, ")
+    assert page.text_content("#contact-name").startswith("impact 1: point 2 at y_min, ")
     press(page, "s")
     assert page.inner_text("#rate") == "real time"
     go_to(page, 0.9)
@@ -78,7 +78,7 @@ def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show_recordi
     assert page.locator(".stick-bar").count() == 2
     told = [float(re.match(r"[\d.]+", text)[0]) for text in page.locator(".force-text").all_text_contents()]
     assert told == pytest.approx([0.5 * WEIGHT] * 2, abs=0.01)
-    assert page.text_content("#close-what").endswith("brown: friction")
+    assert page.text_content("#contact-name").endswith("brown: friction")
     assert "friction" in page.text_content("#energies")
 
 
@@ -122,7 +122,7 @@ def test_a_joint_with_stops_has_an_arc_and_its_impacts_are_told_in_the_units_of_
     assert page.locator(".force-text").text_content().endswith("N·m")
     assert page.inner_text("#caption").startswith("Impact 1 of ")
     assert ": joint 2 at joint_min, " in page.inner_text("#caption")
-    assert "joint 2 at joint_min" in page.text_content("#close-what")
+    assert "joint 2 at joint_min" in page.text_content("#contact-name")
 
 
 @pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])

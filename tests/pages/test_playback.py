@@ -133,7 +133,7 @@ def named(page):
     return (
         int(page.inner_text("tr[aria-current] button")),
         int(re.match(r"Impact (\d+) of 14", page.inner_text("#caption"))[1]),
-        int(re.match(r"impact (\d+): ", page.text_content("#close-what"))[1]),
+        int(re.match(r"impact (\d+): ", page.text_content("#contact-name"))[1]),
     )
 
 
@@ -179,7 +179,7 @@ def test_of_contacts_that_overlap_the_latest_is_named(show_recording, until_next
         time_of(page)
         assert page.inner_text("tr[aria-current] button") == str(number)
         assert page.inner_text("#caption").startswith(f"Impact {number} of 2: point {number - 1} ")
-        assert page.text_content("#close-what").startswith(f"impact {number}: point {number - 1} ")
+        assert page.text_content("#contact-name").startswith(f"impact {number}: point {number - 1} ")
     go_to(page, 0.0125)
     assert page.inner_text("tr[aria-current] button") == "2"
 
@@ -199,7 +199,7 @@ def test_a_long_list_ends_with_how_many_more_there_are(open_page):
       const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
       const element = document.body.appendChild(document.createElement("div"));
       const impacts = Array.from({ length: count }, (_, k) => impact(k));
-      new ImpactList(element, () => {}).show_recording({ impacts });
+      new ImpactList(element, () => {}).show({ impacts });
       return [element.querySelectorAll("tbody tr").length, element.lastChild.textContent];
     }"""
     assert page.evaluate(made, 2345) == [2000, "and 345 more, which the animation shows"]

@@ -236,7 +236,7 @@ def test_the_controls_cover_no_part_of_the_motion(show, size):
     assert view <= controls
 
 
-SMALL = """(least) => [...document.querySelectorAll("input[type=range], #over, footer button")]
+SMALL = """(least) => [...document.querySelectorAll("input[type=range], #force-loop, footer button")]
   .filter((one) => one.offsetParent && one.getBoundingClientRect().height < least)
   .map((one) => one.id || one.ariaLabel)"""
 

@@ -8,6 +8,7 @@ import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
 import { anchorOf, LabelSpace, positionsAround } from "./label_positions.js";
+import { belowStrip, drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
 import { traceOf } from "./trace.js";
 
 const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
@@ -19,10 +20,6 @@ const RING_TIME = 0.25; // [s] simulated time for which the position of an impac
 const [RING, RINGS_APART] = [20, 7];
 const SAME = 12; // [pixels] largest distance of rings that count as being at one position
 const NUMBERS = 8; // largest number of recent impacts with a number
-const KEY = 64; // [pixels] width of each entry of the legend of arrows
-const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip at the top, and distance to the scale bar
-const NAMED_FROM = 480; // [pixels] least width of a drawing in which the ruler has its name
-const STRIP = 30; // [pixels] height of the strip at the top for the scale bar, which the chain never covers
 const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond walls
 const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
@@ -37,31 +34,24 @@ const MANY_LINKS = 60; // number of links from which on the chain is one line, w
 /** Return the direction on the screen from a point of the chain to the outside of the bend at this point. */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];
-  const ways = [positions[point - 1], positions[point + 1]].filter(Boolean).map(([x1, y1]) => {
+  const directions = [positions[point - 1], positions[point + 1]].filter(Boolean).map(([x1, y1]) => {
     const length = Math.hypot(x1 - x, y1 - y) || 1;
     return [(x1 - x) / length, (y1 - y) / length];
   });
-  const bend = [0, 1].map((axis) => ways.reduce((sum, way) => sum - way[axis], 0));
+  const bend = [0, 1].map((axis) => directions.reduce((sum, direction) => sum - direction[axis], 0));
   const size = Math.hypot(...bend);
-  return size > 0.2 ? bend.map((part) => part / size) : [ways[0][1], -ways[0][0]];
+  return size > 0.2 ? bend.map((component) => component / size) : [directions[0][1], -directions[0][0]];
 }
 
 /** Return the direction on the screen from a point of a body away from the middle of the rectangle around its corners. */
 function outOfBody(position, corners) {
-  const way = position.map((at, axis) => {
+  const vector = position.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);
     const [low, high] = [Math.min(...reach), Math.max(...reach)];
     return (2 * at - low - high) / (high - low || 1);
   });
-  const size = Math.hypot(...way) || 1;
-  return way.map((part) => part / size);
-}
-
-/** Return the part of a line on the screen that is below the strip with the scale bar. */
-function belowStrip([[x0, y0], [x1, y1]]) {
-  const at = (y) => (y0 === y1 ? 0 : Math.min(Math.max((y - y0) / (y1 - y0), 0), 1));
-  const ends = [y0 < STRIP ? at(STRIP) : 0, y1 < STRIP ? at(STRIP) : 1];
-  return ends.map((share) => [x0 + share * (x1 - x0), y0 + share * (y1 - y0)]);
+  const size = Math.hypot(...vector) || 1;
+  return vector.map((component) => component / size);
 }
 
 export class ChainDrawing {
@@ -129,9 +119,9 @@ export class ChainDrawing {
     if (point > 0 && point < links) return undefined;
     if (point <= links) return bodies.findIndex(([link]) => link === Math.max(point, 1));
     const [x, y] = this.recording.pointAt(0, point);
-    const ways = this.recording.bodiesAt(0).slice(0, bodies.length)
+    const distances = this.recording.bodiesAt(0).slice(0, bodies.length)
       .map((corners) => Math.min(...corners.map(([cx, cy]) => Math.hypot(cx - x, cy - y))));
-    return ways.indexOf(Math.min(...ways));
+    return distances.indexOf(Math.min(...distances));
   }
 
   /** Fit the scene into a width and height [pixels]. */
@@ -147,8 +137,9 @@ export class ChainDrawing {
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#toScreen(line))).addClass("pin"));
     const hasForces = this.recording.forces.length || this.recording.loads.length;
-    this.#drawScaleBar(width, hasForces ? this.#drawRuler(width) : 0);
-    if (this.recording.loads.length) this.#drawKey(width);
+    const rulerEnd = hasForces ? drawRuler(this.ground, this.arrowScale, width) : 0;
+    drawScaleBar(this.ground, this.camera.scale, width, rulerEnd);
+    if (this.recording.loads.length) drawKey(this.ground, width);
     this.discs.forEach(([, ownRadius, disc]) => disc.radius(ownRadius * this.camera.scale));
     ({ frames: this.traceFrames, positions: this.tracePositions } = traceOf(this.recording, this.camera));
   }
@@ -170,43 +161,6 @@ export class ChainDrawing {
   #drawPin(frame) {
     const [[x0, y0], [x, y]] = [0, frame].map((at) => this.recording.pointAt(at, 0));
     this.pin.forEach(([line, mark]) => mark.plot(this.#toScreen(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
-  }
-
-  /** Draw a bar of a round length, about a sixth of the width, in the middle, or behind the end of the ruler. */
-  #drawScaleBar(width, rulerEnd) {
-    const wanted = width / 6 / this.camera.scale;
-    const power = 10 ** Math.floor(Math.log10(wanted));
-    const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
-    const y = 0.6 * STRIP;
-    const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
-    const left = Math.max(width / 2 - (length * this.camera.scale) / 2, rulerEnd + STRIP_LETTER * text.length + 2 * BESIDE_BAR);
-    const right = left + length * this.camera.scale;
-    this.ground.polyline([[left, y - 4], [left, y + 4], [left, y], [right, y], [right, y - 4], [right, y + 4]])
-      .addClass("bar").fill("none");
-    this.ground.plain(text).attr({ x: left - BESIDE_BAR, y: y + 4 }).addClass("bar-text");
-  }
-
-  /** Draw the lengths of the arrows of round forces, up to the largest force; return where the ruler ends. */
-  #drawRuler(width) {
-    const [left, y] = [12, STRIP - 7];
-    const { longest, marks } = this.arrowScale;
-    this.ground.line([[left, y], [left + longest, y]]).addClass("bar ruler");
-    marks.forEach(({ at, text }) => {
-      this.ground.line([[left + at, y - 4], [left + at, y + 4]]).addClass("bar");
-      this.ground.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
-    });
-    this.ground.polygon([[left + longest + 7, y], [left + longest, y - 4], [left + longest, y + 4]]).addClass("ruler-head");
-    const end = left + longest + 12;
-    if (width < NAMED_FROM) return end;
-    this.ground.plain("force").attr({ x: end, y: y + 4 }).addClass("ruler-name");
-    return end + STRIP_LETTER * "force".length;
-  }
-
-  /** Draw the legend of the two kinds of arrows. */
-  #drawKey(width) {
-    [["joint", "load"], ["wall", "force"]].forEach(([name, kind], column) => {
-      this.ground.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * column, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);
-    });
   }
 
   /** Draw a frame. */
@@ -238,9 +192,9 @@ export class ChainDrawing {
     const { links } = this.recording;
     this.names.forEach((name, point) => {
       const corners = bodies[this.bodyOf[point]];
-      const way = corners ? outOfBody(all[point], corners) : outOfChain(all.slice(0, links + 1), point);
+      const outward = corners ? outOfBody(all[point], corners) : outOfChain(all.slice(0, links + 1), point);
       const text = name.text();
-      const beside = positionsAround(all[point], way, BESIDE).map((candidate) => (corners ? candidate : { ...candidate, anchor: "middle" }));
+      const beside = positionsAround(all[point], outward, BESIDE).map((candidate) => (corners ? candidate : { ...candidate, anchor: "middle" }));
       const position = this.labelSpace.findPosition(text, NUMBER_TEXT, beside);
       name.css("visibility", position ? "visible" : "hidden");
       if (position) name.attr({ x: position.at[0], y: position.at[1] + 4 }).css({ "text-anchor": position.anchor });
@@ -384,9 +338,9 @@ export class ChainDrawing {
   }
 
   /** Write a text near a position, ahead of it if nothing is there. */
-  #label(position, way, distance, text, kind) {
-    const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, way, distance)) ??
-      { at: position.map((value, axis) => value + distance * way[axis]), anchor: anchorOf(way[0]) };
+  #label(position, direction, distance, text, kind) {
+    const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, direction, distance)) ??
+      { at: position.map((value, axis) => value + distance * direction[axis]), anchor: anchorOf(direction[0]) };
     const [x, y] = label.at;
     this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass(`force-text ${kind}`);
   }

@@ -18,11 +18,11 @@ function boxOf(text, [x, y], size, anchor) {
  */
 function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];
-  for (const [at, way, low, high] of [[x0, x1 - x0, left, right], [y0, y1 - y0, top, bottom]]) {
-    const ends = [low - BESIDE_LINE - at, high + BESIDE_LINE - at];
-    if (way === 0 && (ends[0] > 0 || ends[1] < 0)) return false;
-    if (way === 0) continue;
-    const shares = ends.map((end) => end / way).sort((a, b) => a - b);
+  for (const [start, length, low, high] of [[x0, x1 - x0, left, right], [y0, y1 - y0, top, bottom]]) {
+    const ends = [low - BESIDE_LINE - start, high + BESIDE_LINE - start];
+    if (length === 0 && (ends[0] > 0 || ends[1] < 0)) return false;
+    if (length === 0) continue;
+    const shares = ends.map((end) => end / length).sort((a, b) => a - b);
     [from, to] = [Math.max(from, shares[0]), Math.min(to, shares[1])];
   }
   return from < to;

@@ -66,6 +66,6 @@ function curveBetween(from, to, first, last) {
   const [start, end] = [first, last].map((slope) => (slope ?? chord).map((value, axis) => value - chord[axis]));
   return {
     bend: BEND * (Math.hypot(...start) + Math.hypot(...end)),
-    at: (u) => chord.map((way, axis) => from[axis] + u * way + u * (1 - u) * ((1 - u) * start[axis] - u * end[axis])),
+    at: (u) => chord.map((length, axis) => from[axis] + u * length + u * (1 - u) * ((1 - u) * start[axis] - u * end[axis])),
   };
 }

@@ -4,16 +4,18 @@ import { decompressed } from "../base/base64.js";
 import { find, make } from "../base/dom.js";
 import { Player } from "../player/player.js";
 import { Recording } from "../recording/recording.js";
-import { contentsOf, tomlText } from "../scene/changed_file.js";
+import { tomlText } from "../scene/changed_file.js";
 import { Changes } from "../scene/changes.js";
-import { inputSignals, inputStepsIn, inputStepTexts } from "../scene/input_steps.js";
+import { inputStepsIn, inputStepTexts } from "../scene/input_steps.js";
 import { describe } from "../scene/model.js";
 import { asWritten, complete, contentsIn } from "../scene/scene_file.js";
 import { Engine } from "../solver/engine.js";
 import { ComparedMotions } from "./compared_motions.js";
+import { consoleInterface } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
 import { Editor } from "./editor.js";
-import { changesIn, commandOf, csvOf, hashOf, pictureOf, save } from "./export.js";
+import { changesIn, hashOf } from "./export.js";
+import { connectExport } from "./export_dialog.js";
 import { Handles } from "./handles.js";
 import { GridMap } from "./map.js";
 import { showParameterList } from "./parameter_list.js";
@@ -31,20 +33,20 @@ const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) =>
 if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
 const module = decompressed(packedModule).then((bytes) => WebAssembly.compile(bytes));
 const program = URL.createObjectURL(new Blob([find("worker").textContent], { type: "text/javascript" }));
-const begin = () => new Engine(program, changes.scene, module);
-let engine = begin();
+const startEngine = () => new Engine(program, changes.scene, module);
+let engine = startEngine();
 let opened = ""; // the text of the open scene file; empty for the page's own scene
 const player = new Player(1);
 const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
 player.layers.push(comparedMotions, handles);
 const choice = new CurveChoice(changes, () => {
-  remember();
-  update();
+  updateAddressSoon();
+  simulateSoon();
 });
 
 /** Return the view before, so that the picture does not move, if the next view lies inside it and is not much smaller. */
-function steady(next) {
+function withSteadyView(next) {
   const before = player.recording;
   if (!before) return next;
   const size = ({ view: [low, high] }) => Math.max(high[0] - low[0], high[1] - low[1]);
@@ -61,12 +63,12 @@ function sentenceOf({ status, reason, reached }, hasMotion) {
   return hasMotion ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
 }
 
-let remembering; // the timer of `remember`
+let addressTimer; // the timer of `updateAddressSoon`
 let sentence = ""; // the sentence on the end of the last simulation
 let ending = 0; // the status of the last simulation
 let notice = ""; // a sentence on a fault in the address, until something changes
 
-function say(next = sentence) {
+function showStatus(next = sentence) {
   sentence = next;
   const all = [notice, sentence].filter(Boolean).join(" ");
   find("status").classList.add("begun");
@@ -83,19 +85,19 @@ function withoutFriction() {
   return button;
 }
 
-let [begun, next] = [-Infinity, 0]; // when the present run began, and the timer of the next one
+let [started, nextRun] = [-Infinity, 0]; // when the present run began, and the timer of the next one
 
 /** Simulate with the present parameters: at the end of the present run, or when PATIENCE is over. */
-function update() {
-  clearTimeout(next);
-  const left = begun + PATIENCE - performance.now();
-  if (left > 0) next = setTimeout(simulateNow, left);
+function simulateSoon() {
+  clearTimeout(nextRun);
+  const left = started + PATIENCE - performance.now();
+  if (left > 0) nextRun = setTimeout(simulateNow, left);
   else simulateNow();
 }
 
 /** Simulate with the present parameters and show the motion, unless another run begins meanwhile. */
 async function simulateNow() {
-  [begun, next] = [performance.now(), 0];
+  [started, nextRun] = [performance.now(), 0];
   find("reset-all").hidden = changes.count === 0;
   const text = [...changes.texts(), ...inputStepTexts(changes)].map(([name, value]) => `${name} = ${value}`).join(", ");
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
@@ -104,18 +106,18 @@ async function simulateNow() {
     .catch((error) => ({ parts: null, fault: `The solver cannot work in this browser: ${error.message}.` }));
   clearTimeout(waiting);
   if (!result) return;
-  begun = -Infinity;
+  started = -Infinity;
   document.body.classList.remove("computing");
   document.body.classList.toggle("stale", !result.parts);
   ending = result.status;
-  say(result.fault ?? sentenceOf(result, result.parts));
+  showStatus(result.fault ?? sentenceOf(result, result.parts));
   if (result.parts) {
-    player.show(Object.assign(new Recording(steady(result.parts)), { text }));
+    player.show(Object.assign(new Recording(withSteadyView(result.parts)), { text }));
     comparedMotions.show();
   } else if (player.recording) {
     player.drawSoon();
   }
-  if (next) update();
+  if (nextRun) simulateSoon();
 }
 
 /** Return the address of the page with the changes. */
@@ -125,27 +127,27 @@ function address() {
 }
 
 /** Put the changes into the address after a time without changes, because browsers limit such calls. */
-function remember() {
-  clearTimeout(remembering);
-  remembering = setTimeout(() => history.replaceState(null, "", address()), REST);
+function updateAddressSoon() {
+  clearTimeout(addressTimer);
+  addressTimer = setTimeout(() => history.replaceState(null, "", address()), REST);
 }
 
 /** Show another scene and its name; `text` is the text of its file, empty for the page's own scene; `inputs` are changed inputs. */
-function show(scene, text, inputs) {
+function showScene(scene, text, inputs) {
   opened = text;
   engine.end();
   changes.open(scene, inputs);
-  showWords();
+  showDescription();
 }
 
 /** Open a scene with the contents of a file, and changed inputs; an error says which key is wrong. */
-function open(contents, inputs) {
+function openContents(contents, inputs) {
   const whole = complete(contents, kit);
-  show(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole, kit.signals.other), kit.keys), inputs);
+  showScene(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole, kit.signals.other), kit.keys), inputs);
 }
 
 /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs are constant here. */
-function showWords() {
+function showDescription() {
   const { name, text, still, inputs } = changes.scene;
   document.querySelector("h1").textContent = name;
   document.title = `${name} – chain-impact`;
@@ -161,12 +163,12 @@ function showWords() {
 }
 
 /** Use the scene and the changes in the address; a fault is shown, and changes nothing. */
-function takeAddress() {
+function applyAddress() {
   try {
     const { scene: text = "", curves = "", ...parts } = changesIn(location.hash);
     if (text !== opened) {
-      if (text) open(contentsIn(text));
-      else show(pageScene, "");
+      if (text) openContents(contentsIn(text));
+      else showScene(pageScene, "");
     }
     const { others, inputSteps } = inputStepsIn(parts, changes);
     const values = new Changes(changes.scene).with(others);
@@ -174,110 +176,43 @@ function takeAddress() {
     changes.replace(values, inputSteps);
   } catch (error) {
     notice = `The link cannot be used: ${error.message}.`;
-    remember();
-    say();
+    updateAddressSoon();
+    showStatus();
   }
 }
 
-function connectExport() {
-  const fill = () => Object.assign(find("command"), { value: commandOf(changes) }) && Object.assign(find("link"), { value: address() });
-  find("export-open").addEventListener("click", () => {
-    fill();
-    find("export-text").textContent = opened ? "The command needs the scene file: save it first." : "";
-    find("export").showModal();
-  });
-  document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {
-    const field = find(button.dataset.copy);
-    field.select();
-    const copied = navigator.clipboard?.writeText(field.value) ?? Promise.reject(new Error("no clipboard"));
-    await copied.catch(() => document.execCommand("copy"));
-    button.textContent = "Copied";
-    setTimeout(() => Object.assign(button, { textContent: "Copy" }), 1500);
-  }));
-  connectFile("csv", async () => {
-    const result = await engine.ask("rows", { ...changes.values }, { inputSteps: changes.inputSteps });
-    save(new Blob([csvOf(result)], { type: "text/csv" }), `${changes.scene.name}.csv`);
-    return sentenceOf(result, result.time.length > 0);
-  });
-  connectFile("toml", async () => {
-    save(new Blob([tomlText(contentsOf(changes, inputSignals(changes)), kit.keys)], { type: "application/toml" }), `${changes.scene.name}.toml`);
-    return "";
-  });
-  connectFile("png", async () => {
-    const background = getComputedStyle(document.body).backgroundColor;
-    save(await pictureOf(find("scene"), background), `${changes.scene.name}.png`);
-    return "";
-  });
-}
-
-/** Let a button save a file, and show a message about it. */
-function connectFile(id, write) {
-  find(id).addEventListener("click", async () => {
-    find("export-text").textContent = await write().catch((error) => `${error.message}.`);
-  });
-}
-
-/** The interface for the console, and for other pages that contain this page. */
-window.chainImpact = {
-  get scene() {
-    return changes.scene.name;
-  },
-  /** Return the present values of all parameters: name → value; for a choice, its name. */
-  get parameters() {
-    return Object.fromEntries(changes.texts(Object.fromEntries(changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]))));
-  },
-  /** Simulate the scene with some parameters changed, independently of the page: {time, columns, impacts, statistics}. */
-  async simulate(given = {}, { output } = {}) {
-    const { scene } = changes;
-    const values = new Changes(scene).with(given);
-    if (output && !Array.isArray(output)) throw new TypeError("output must be a list of names");
-    const unknown = output?.find((name) => !scene.columns.some((column) => column.name === name));
-    if (unknown) throw new RangeError(`${unknown} is no output`);
-    const result = await engine.ask("rows", values, { names: output });
-    const { time, columns, impacts, statistics, status, reached } = result;
-    const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));
-    const run = { time, columns, impacts: named, statistics };
-    if (status !== 0) {
-      const fault = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${changes.scene.statuses[status]}`;
-      throw Object.assign(new Error(fault), { status, time: reached, result: run });
-    }
-    return run;
-  },
-  /** Let the page show the scene with some more parameters changed. */
-  show(given = {}) {
-    changes.set(given);
-  },
-};
+const ask = (...request) => engine.ask(...request);
+window.chainImpact = consoleInterface(changes, ask);
 
 let grid; // the map is made when it is first opened; it has other workers than the motion
 find("map-open").addEventListener("click", () => {
-  grid ??= new GridMap(begin, changes);
+  grid ??= new GridMap(startEngine, changes);
   grid.open();
 });
 changes.onOpen(() => {
-  engine = begin();
+  engine = startEngine();
 });
-new Editor(changes, open, () => show(pageScene, ""));
-showWords();
+new Editor(changes, openContents, () => showScene(pageScene, ""));
+showDescription();
 const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
 player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });
 showParameterList(find("list-of-parameters"), changes);
-connectExport();
+connectExport(changes, { keys: kit.keys, ask, address, isOpened: () => opened !== "", faultOf: sentenceOf });
 find("reset-all").addEventListener("click", () => changes.replace({}, {}));
 find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
 find("by-hand").addEventListener("click", () => player.clock.set({ frame: 0, playing: false }));
-if (location.hash) takeAddress();
+if (location.hash) applyAddress();
 changes.onChange(() => {
   notice = "";
 });
-let [known, inputSteps] = [hashOf(changes), null]; // the parameters, and the dragged handle, at the last change
+let [lastHash, lastDragged] = [hashOf(changes), null]; // the parameters, and the dragged handle, at the last change
 changes.onChange(() => {
-  const now = hashOf(changes);
-  if (now !== known) comparedMotions.change(handles.dragged !== null && handles.dragged === inputSteps);
-  [known, inputSteps] = [now, handles.dragged];
+  const hash = hashOf(changes);
+  if (hash !== lastHash) comparedMotions.change(handles.dragged !== null && handles.dragged === lastDragged);
+  [lastHash, lastDragged] = [hash, handles.dragged];
 });
-changes.onChange(remember);
-changes.onChange(update);
-addEventListener("hashchange", takeAddress);
-say();
-update();
+changes.onChange(updateAddressSoon);
+changes.onChange(simulateSoon);
+addEventListener("hashchange", applyAddress);
+showStatus();
+simulateSoon();

@@ -141,12 +141,12 @@ export class Handles {
     });
   }
 
-  /** Draw the arrow of a velocity, at the end of a stem in its direction; `way` is the length of the arrow on the screen. */
-  #arrow(group, from, way, k) {
-    const length = Math.hypot(...way);
-    const direction = length > 0 ? way.map((part) => part / length) : this.#aside(k);
-    const foot = from.map((part, axis) => part + STEM * direction[axis]);
-    const to = foot.map((part, axis) => part + way[axis]);
+  /** Draw the arrow of a velocity, at the end of a stem in its direction; `vector` is the arrow on the screen. */
+  #arrow(group, from, vector, k) {
+    const length = Math.hypot(...vector);
+    const direction = length > 0 ? vector.map((component) => component / length) : this.#aside(k);
+    const foot = from.map((coordinate, axis) => coordinate + STEM * direction[axis]);
+    const to = foot.map((coordinate, axis) => coordinate + vector[axis]);
     group.line([from, foot]).addClass("velocity-stem");
     group.line([foot, to]).addClass("velocity");
     group.circle(9).center(...to).addClass("velocity-tip");
@@ -184,15 +184,15 @@ export class Handles {
   /** Move the grip that has the focus, after a press of an arrow key. */
   #press(event) {
     const grip = gripOf(event);
-    const way = KEYS[event.key];
-    if (!grip || !way || this.dragged) return;
+    const direction = KEYS[event.key];
+    if (!grip || !direction || this.dragged) return;
     event.preventDefault();
     event.stopPropagation();
     const [kind, index] = grip.split(" ");
     const { x, y, width, height } = event.target.getBBox();
     const step = STEPS_OF_KEYS[Number(event.shiftKey)];
     this.dragged = { kind, index, time: this.#arrowTime(this.#start.velocity) };
-    this.#move(x + width / 2 + step * way[0], y + height / 2 + step * way[1]);
+    this.#move(x + width / 2 + step * direction[0], y + height / 2 + step * direction[1]);
     this.dragged = null;
     this.draw(); // so that the next key finds the grip at its new position
   }
@@ -241,12 +241,12 @@ export class Handles {
     const k = Number(index);
     const { positions, velocity } = this.#start;
     const pixel = this.#pixel / this.dragged.time;
-    const way = vectorTo(positions[k], [x, y]);
-    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...way)); // the arrow without its stem
-    const wanted = way.map((part) => (share * part) / this.dragged.time);
-    if (k === 0) return { "initial.vx": byHand(wanted[0], pixel), "initial.vy": byHand(wanted[1], pixel) };
+    const vector = vectorTo(positions[k], [x, y]);
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // the arrow without its stem
+    const speed = vector.map((component) => (share * component) / this.dragged.time);
+    if (k === 0) return { "initial.vx": byHand(speed[0], pixel), "initial.vy": byHand(speed[1], pixel) };
     const link = [0, 1].map((axis) => positions[k][axis] - positions[k - 1][axis]);
-    const added = [0, 1].map((axis) => wanted[axis] - velocity[k - 1][axis]);
+    const added = [0, 1].map((axis) => speed[axis] - velocity[k - 1][axis]);
     const rate = (link[0] * added[1] - link[1] * added[0]) / (link[0] ** 2 + link[1] ** 2);
     return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
   }
@@ -254,12 +254,12 @@ export class Handles {
   /** Move a wall along its normal. */
   wall([x, y], name) {
     const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (parameter) => this.changes.valueOf(parameter))[name];
-    const way = nx * x + ny * y - offset;
+    const distance = nx * x + ny * y - offset;
     if (this.changes.valueOf(`box.${name}`) !== undefined) {
-      return { [`box.${name}`]: byHand(this.#value(`box.${name}`) + way * (nx + ny), this.#pixel) };
+      return { [`box.${name}`]: byHand(this.#value(`box.${name}`) + distance * (nx + ny), this.#pixel) };
     }
-    return Object.fromEntries([["x", nx], ["y", ny]].map(([axis, part]) =>
-      [`wall.${name}.${axis}`, byHand(this.#value(`wall.${name}.${axis}`) + way * part, this.#pixel)]));
+    return Object.fromEntries([["x", nx], ["y", ny]].map(([axis, component]) =>
+      [`wall.${name}.${axis}`, byHand(this.#value(`wall.${name}.${axis}`) + distance * component, this.#pixel)]));
   }
 }
 
@@ -288,8 +288,8 @@ function edgeBefore({ normal, offset }, [low, high], inside) {
   const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
   if (!(normal[0] * middle[0] + normal[1] * middle[1] > offset)) return undefined;
   const halves = [0, 1].map((axis) => (high[axis] - low[axis]) / 2 - inside);
-  const way = Math.min(...halves.map((half, axis) => half / Math.abs(normal[axis])));
-  return middle.map((coordinate, axis) => coordinate - way * normal[axis]);
+  const distance = Math.min(...halves.map((half, axis) => half / Math.abs(normal[axis])));
+  return middle.map((coordinate, axis) => coordinate - distance * normal[axis]);
 }
 
 /** Return the ends of the visible part of a wall; undefined if no part is visible. */

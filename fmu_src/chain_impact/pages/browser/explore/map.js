@@ -3,14 +3,13 @@
 import { find } from "../base/dom.js";
 import { numberText, unitText } from "../base/format.js";
 import { pictureOf, save } from "./export.js";
-import { colourAt, quantityOf, scaled, shownIn, ticksBetween, titleOf, VIRIDIS } from "./map_scales.js";
+import { MapDrawing } from "./map_drawing.js";
+import { shownIn, titleOf } from "./map_scales.js";
 
-const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
 const WORKERS = 8; // largest number of workers
-// [pixels] margins around the canvas, equal to those in the style sheet
-const EDGE = { left: 64, right: 16, top: 8, bottom: 86 };
+
 /** Return the first and the last value of an axis: around the present value, within the allowed values. */
 function rangeOf({ low, high }, value) {
   if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
@@ -42,7 +41,7 @@ export class GridMap {
     Object.assign(this, { begin, changes });
     this.dialog = find("map");
     this.canvas = find("map-canvas");
-    this.scales = SVG(find("map-scales"));
+    this.drawing = new MapDrawing(this.canvas, find("map-scales"), find("map-frame"));
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
     this.output = find("map-output");
     this.inputs.forEach(([name], k) => name.addEventListener("change", () => this.#range(k)));
@@ -87,8 +86,7 @@ export class GridMap {
   #fill() {
     this.#stop();
     this.shown = undefined;
-    this.canvas.getContext("2d").clearRect(0, 0, this.canvas.width, this.canvas.height);
-    this.scales.clear();
+    this.drawing.clear();
     find("map-files").hidden = true;
     this.#say("");
     const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
@@ -176,7 +174,7 @@ export class GridMap {
         next += 1;
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
         const result = await engine.ask("study", values, { names, each, words });
-        if (!result) return; // if not equal, the worker was ended
+        if (!result) return; // the worker was ended
         if (shown === this.shown) this.#store(result.rows, row);
       }
     };
@@ -225,72 +223,16 @@ export class GridMap {
   }
 
   #draw() {
-    const known = this.shown.results.filter((value) => Number.isFinite(value));
-    const [least, most] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
-    const context = this.canvas.getContext("2d");
-    const { points } = this.shown;
-    const image = context.createImageData(points, points);
-    Array.from(this.shown.results, (value, index) => {
-      const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
-      const colour = !Number.isFinite(value) ? [128, 128, 128, 60] : [...colourAt((value - least) / (most - least || 1)), 255];
-      image.data.set(colour, 4 * (row * points + column));
-    });
-    context.putImageData(image, 0, 0);
-    this.shown.ends = known.length ? [least, most] : null;
-    find("map-files").hidden = points !== POINTS;
+    this.shown.ends = this.drawing.drawRuns(this.shown);
+    find("map-files").hidden = this.shown.points !== POINTS;
     this.#drawScales();
   }
 
-  /** Draw the axes, the present run and the scale of the colours. */
   #drawScales() {
-    const { scales, shown: { names, axes, output, ends, points } } = this;
-    const { clientWidth, clientHeight } = find("map-frame");
-    const [width, height] = [clientWidth - EDGE.left - EDGE.right, clientHeight - EDGE.top - EDGE.bottom];
-    if (!(width > 0 && height > 0)) return;
-    scales.clear().size(clientWidth, clientHeight).viewbox(0, 0, clientWidth, clientHeight);
-    const write = (text, x, y, anchor) => scales.plain(text).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
-    const bottom = EDGE.top + height;
-    const at = (k, value) => {
-      const [first, last] = [axes[k][0], axes[k].at(-1)];
-      const share = ((points - 1) * (value - first) / (last - first || 1) + 0.5) / points;
-      return k ? bottom - share * height : EDGE.left + share * width;
-    };
+    const { names } = this.shown;
     const units = names.map((name) => shownIn(this.changes.parameters.get(name)));
-    names.forEach((name, k) => {
-      const { factor, text } = units[k];
-      const [low, high] = [axes[k][0] * factor, axes[k].at(-1) * factor].sort((a, b) => a - b);
-      ticksBetween(low, high).forEach((tick) => {
-        const pixel = at(k, tick / factor);
-        scales.line(k ? [[EDGE.left - 5, pixel], [EDGE.left, pixel]] : [[pixel, bottom], [pixel, bottom + 5]]).addClass("map-tick");
-        if (k) write(numberText(tick), EDGE.left - 8, pixel + 4, "end");
-        else write(numberText(tick), pixel, bottom + 18, "middle");
-      });
-      const title = titleOf(quantityOf(name), text);
-      if (k) write(title, 0, 0, "middle").attr({ transform: `translate(13 ${EDGE.top + height / 2}) rotate(-90)` });
-      else write(title, EDGE.left + width / 2, bottom + 34, "middle");
-    });
-    scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
-    const { factor, text } = scaled(output.unit, Math.max(...(ends ?? [0]).map(Math.abs)));
-    this.#drawColours(write, EDGE.left, bottom + 52, width, titleOf(quantityOf(output.name), text), ends?.map((end) => factor * end));
-    if (this.#chosen !== undefined) {
-      const [column, row] = [this.#chosen % points, Math.floor(this.#chosen / points)];
-      const [left, top] = [EDGE.left + (column * width) / points, bottom - ((row + 1) * height) / points];
-      ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
-        scales.rect(width / points + 2 * RIM, height / points + 2 * RIM).move(left - RIM, top - RIM).addClass(kind));
-    }
-    const present = names.map((name, k) => at(k, this.changes.valueOf(name)));
-    const isSeen = present[0] >= EDGE.left && present[0] <= EDGE.left + width && present[1] >= EDGE.top && present[1] <= bottom;
-    if (isSeen && this.#isOfPresent()) ["map-present-edge", "map-present"].forEach((kind) => scales.circle(13).center(...present).addClass(kind));
-  }
-
-  /** Draw the scale of the colours, with its ends and its title. */
-  #drawColours(write, left, top, width, title, ends) {
-    const bar = this.scales.gradient("linear", (add) => VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
-    this.scales.rect(width, 9).move(left, top - 8).fill(bar);
-    const [least, most] = ends ? ends.map((value) => numberText(Number(value.toPrecision(4)))) : ["", ""];
-    write(least, left, top + 16, "start");
-    write(title, left + width / 2, top + 16, "middle");
-    write(most, left + width, top + 16, "end");
+    const present = this.#isOfPresent() ? names.map((name) => this.changes.valueOf(name)) : null;
+    this.drawing.drawScales(this.shown, units, { present, chosen: this.#chosen });
   }
 
   /** Return whether the present parameters differ from the runs of the map only in the two parameters of the map. */

@@ -28,9 +28,9 @@ export class Player {
       [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
         new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time), { curvesOf: ({ inputs }) => inputs, label: "Driven inputs" })],
       [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
-        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time), { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("closer") })],
+        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time), { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact") })],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
-        new ForceChart(find("force"), find("close-what"), find("over"))],
+        new ForceChart(find("force"), find("contact-name"), find("force-loop"))],
     ];
     this.impacts = new ImpactList(find("impacts"), (number) => this.clock.toImpact(number));
     this.showControls = connect(this.clock, this.drawing);

@@ -54,8 +54,8 @@ export function viewOf(x, y, points, walls, radius, pinned) {
   const reach = [[left - radius, bottom - radius], [right + radius, top + radius]];
   const width = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
   const pin = pinned ? pinLines(x, y, points) : [];
-  const ways = [x, y].map((all) => ends(all.filter((_, k) => k % points === 0)).map((end) => end - all[0]));
-  const pins = pin.flat().flatMap((position) => [0, 1].map((end) => position.map((value, axis) => value + ways[axis][end])));
+  const travels = [x, y].map((all) => ends(all.filter((_, k) => k % points === 0)).map((end) => end - all[0]));
+  const pins = pin.flat().flatMap((position) => [0, 1].map((end) => position.map((value, axis) => value + travels[axis][end])));
   const enclosure = enclosureOf(walls, reach, width);
   const corners = [...reach, ...pins, ...enclosure];
   const open = [[1, 1], [1, 1]]; // fractions to the left and below, to the right and above

@@ -1,0 +1,37 @@
+// The interface for the console of the browser, and for other pages that contain this page.
+
+import { Changes } from "../scene/changes.js";
+
+/** Return the interface; `ask` sends a request to the worker. */
+export function consoleInterface(changes, ask) {
+  return {
+    get scene() {
+      return changes.scene.name;
+    },
+    /** Return the present values of all parameters: name → value; for a choice, its name. */
+    get parameters() {
+      return Object.fromEntries(changes.texts(Object.fromEntries(changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]))));
+    },
+    /** Simulate the scene with some parameters changed, independently of the page: {time, columns, impacts, statistics}. */
+    async simulate(given = {}, { output } = {}) {
+      const { scene } = changes;
+      const values = new Changes(scene).with(given);
+      if (output && !Array.isArray(output)) throw new TypeError("output must be a list of names");
+      const unknown = output?.find((name) => !scene.columns.some((column) => column.name === name));
+      if (unknown) throw new RangeError(`${unknown} is no output`);
+      const result = await ask("rows", values, { names: output });
+      const { time, columns, impacts, statistics, status, reached } = result;
+      const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));
+      const run = { time, columns, impacts: named, statistics };
+      if (status !== 0) {
+        const fault = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${changes.scene.statuses[status]}`;
+        throw Object.assign(new Error(fault), { status, time: reached, result: run });
+      }
+      return run;
+    },
+    /** Let the page show the scene with some more parameters changed. */
+    show(given = {}) {
+      changes.set(given);
+    },
+  };
+}

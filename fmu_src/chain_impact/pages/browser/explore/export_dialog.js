@@ -1,0 +1,53 @@
+// The dialog that exports: the command, a link, tables, the scene file and a picture.
+
+import { find } from "../base/dom.js";
+import { contentsOf, tomlText } from "../scene/changed_file.js";
+import { inputSignals } from "../scene/input_steps.js";
+import { commandOf, csvOf, pictureOf, save } from "./export.js";
+
+/**
+ * Connect the dialog.
+ *
+ * @param keys the rules of the keys of a scene file.
+ * @param ask sends a request to the worker.
+ * @param address returns the address of the page with the changes.
+ * @param isOpened returns whether the reader has opened a scene file, which a command needs.
+ * @param faultOf returns a sentence on the fault of a run.
+ */
+export function connectExport(changes, { keys, ask, address, isOpened, faultOf }) {
+  find("export-open").addEventListener("click", () => {
+    find("command").value = commandOf(changes);
+    find("link").value = address();
+    find("export-text").textContent = isOpened() ? "The command needs the scene file: save it first." : "";
+    find("export").showModal();
+  });
+  document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {
+    const field = find(button.dataset.copy);
+    field.select();
+    const copied = navigator.clipboard?.writeText(field.value) ?? Promise.reject(new Error("no clipboard"));
+    await copied.catch(() => document.execCommand("copy"));
+    button.textContent = "Copied";
+    setTimeout(() => Object.assign(button, { textContent: "Copy" }), 1500);
+  }));
+  connectFile("csv", async () => {
+    const result = await ask("rows", { ...changes.values }, { inputSteps: changes.inputSteps });
+    save(new Blob([csvOf(result)], { type: "text/csv" }), `${changes.scene.name}.csv`);
+    return faultOf(result, result.time.length > 0);
+  });
+  connectFile("toml", async () => {
+    save(new Blob([tomlText(contentsOf(changes, inputSignals(changes)), keys)], { type: "application/toml" }), `${changes.scene.name}.toml`);
+    return "";
+  });
+  connectFile("png", async () => {
+    const background = getComputedStyle(document.body).backgroundColor;
+    save(await pictureOf(find("scene"), background), `${changes.scene.name}.png`);
+    return "";
+  });
+}
+
+/** Let a button save a file, and show a message about it. */
+function connectFile(id, write) {
+  find(id).addEventListener("click", async () => {
+    find("export-text").textContent = await write().catch((error) => `${error.message}.`);
+  });
+}

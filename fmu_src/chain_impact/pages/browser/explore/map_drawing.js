@@ -1,0 +1,95 @@
+// The drawing of the map: a colour for each run, axes, the scale of the colours, and marks.
+
+import { numberText } from "../base/format.js";
+import { colourAt, quantityOf, scaled, ticksBetween, titleOf, VIRIDIS } from "./map_scales.js";
+
+const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
+// [pixels] margins around the canvas, equal to those in the style sheet
+const EDGE = { left: 64, right: 16, top: 8, bottom: 86 };
+
+export class MapDrawing {
+  constructor(canvas, scales, frame) {
+    Object.assign(this, { canvas, scales: SVG(scales), frame });
+  }
+
+  clear() {
+    this.canvas.getContext("2d").clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.scales.clear();
+  }
+
+  /** Draw the runs of a map, which may be incomplete; return the least and the largest output, or null without outputs. */
+  drawRuns({ results, points }) {
+    const known = results.filter((value) => Number.isFinite(value));
+    const [least, most] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
+    const context = this.canvas.getContext("2d");
+    const image = context.createImageData(points, points);
+    Array.from(results, (value, index) => {
+      const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
+      const colour = Number.isFinite(value) ? [...colourAt((value - least) / (most - least || 1)), 255] : [128, 128, 128, 60];
+      image.data.set(colour, 4 * (row * points + column));
+    });
+    context.putImageData(image, 0, 0);
+    return known.length ? [least, most] : null;
+  }
+
+  /**
+   * Draw the axes, the scale of the colours, and marks.
+   *
+   * @param map names and values of both axes, number of points along an axis, the output and its ends.
+   * @param units the units of both axes, from `shownIn`.
+   * @param present the present values of both parameters if the map is about the present scene.
+   * @param chosen the index of the run that the keyboard has chosen, if any.
+   */
+  drawScales({ names, axes, output, ends, points }, units, { present, chosen }) {
+    const { scales, frame: { clientWidth, clientHeight } } = this;
+    const [width, height] = [clientWidth - EDGE.left - EDGE.right, clientHeight - EDGE.top - EDGE.bottom];
+    if (!(width > 0 && height > 0)) return;
+    scales.clear().size(clientWidth, clientHeight).viewbox(0, 0, clientWidth, clientHeight);
+    const bottom = EDGE.top + height;
+    const at = (k, value) => {
+      const [first, last] = [axes[k][0], axes[k].at(-1)];
+      const share = ((points - 1) * (value - first) / (last - first || 1) + 0.5) / points;
+      return k ? bottom - share * height : EDGE.left + share * width;
+    };
+    names.forEach((name, k) => {
+      const { factor, text } = units[k];
+      const [low, high] = [axes[k][0] * factor, axes[k].at(-1) * factor].sort((a, b) => a - b);
+      ticksBetween(low, high).forEach((tick) => {
+        const pixel = at(k, tick / factor);
+        scales.line(k ? [[EDGE.left - 5, pixel], [EDGE.left, pixel]] : [[pixel, bottom], [pixel, bottom + 5]]).addClass("map-tick");
+        if (k) this.#write(numberText(tick), EDGE.left - 8, pixel + 4, "end");
+        else this.#write(numberText(tick), pixel, bottom + 18, "middle");
+      });
+      const title = titleOf(quantityOf(name), text);
+      if (k) this.#write(title, 0, 0, "middle").attr({ transform: `translate(13 ${EDGE.top + height / 2}) rotate(-90)` });
+      else this.#write(title, EDGE.left + width / 2, bottom + 34, "middle");
+    });
+    scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
+    this.#drawColours(EDGE.left, bottom + 52, width, output, ends);
+    if (chosen !== undefined) {
+      const [column, row] = [chosen % points, Math.floor(chosen / points)];
+      const [left, top] = [EDGE.left + (column * width) / points, bottom - ((row + 1) * height) / points];
+      ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
+        scales.rect(width / points + 2 * RIM, height / points + 2 * RIM).move(left - RIM, top - RIM).addClass(kind));
+    }
+    if (!present) return;
+    const [x, y] = present.map((value, k) => at(k, value));
+    const isSeen = x >= EDGE.left && x <= EDGE.left + width && y >= EDGE.top && y <= bottom;
+    if (isSeen) ["map-present-edge", "map-present"].forEach((kind) => scales.circle(13).center(x, y).addClass(kind));
+  }
+
+  #write(text, x, y, anchor) {
+    return this.scales.plain(text).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
+  }
+
+  /** Draw the scale of the colours, with its ends and its title. */
+  #drawColours(left, top, width, { name, unit }, ends) {
+    const { factor, text } = scaled(unit, Math.max(...(ends ?? [0]).map(Math.abs)));
+    const bar = this.scales.gradient("linear", (add) => VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
+    this.scales.rect(width, 9).move(left, top - 8).fill(bar);
+    const [least, most] = ends ? ends.map((value) => numberText(Number((factor * value).toPrecision(4)))) : ["", ""];
+    this.#write(least, left, top + 16, "start");
+    this.#write(titleOf(quantityOf(name), text), left + width / 2, top + 16, "middle");
+    this.#write(most, left + width, top + 16, "end");
+  }
+}
