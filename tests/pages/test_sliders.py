@@ -36,6 +36,10 @@ def test_a_slider_and_a_law_give_another_motion_and_reset_the_first_one(show):
 def test_a_logarithmic_slider_has_its_start_in_the_middle_of_the_decades(show):
     page = show()
     slider = page.get_by_role("slider", name="Stiffness")
+    unit = page.locator("label[for='main-contact.stiffness'] small")
+    for exponent, shown in ((1, "N/m"), (1.5, "N/m^1.5")):
+        page.evaluate(f"chainImpact.show({{'contact.exponent': {exponent}}})")
+        assert unit.inner_text() == shown
     assert slider.evaluate("slider => slider.valueAsNumber / slider.max") == 0.5
     for key, value in (("Home", 1e5), ("End", 1e11)):
         slider.press(key)

@@ -7,6 +7,11 @@ export function unitText(unit) {
   return unit === "1" ? "" : unit.replaceAll(/(?<=[a-zA-Z])\.(?=[a-zA-Z])/g, "·").replaceAll(/(?<=[a-zA-Z])2\b/g, "²");
 }
 
+/** Return the unit of a stiffness, a force over a power of a penetration, as `of_power` does: N/m^1.5, or N/m. */
+export function unitOfPower(unit, exponent = "exponent") {
+  return unitText(unit).replace("^exponent", exponent === 1 ? "" : `^${exponent}`);
+}
+
 /** Return a number with `count` significant digits. */
 export function digits(value, count = 3) {
   if (value === 0) return "0";

@@ -8,7 +8,10 @@ function quoted(word) {
   return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
-/** Return the command that gives the same motion; inputs can be given only in Python, as signals if any input is inputSteps. */
+/**
+ * Return the command that gives the same motion; inputs can be given only in Python, as signals if any input changes while the
+ * motion plays.
+ */
 export function commandOf(changes) {
   const { inputs, command: [source, ...settings] } = changes.scene;
   const [changedInputs, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));

@@ -1,7 +1,7 @@
 // The sliders of the main parameters, of inputs and of signals.
 
 import { make } from "../base/dom.js";
-import { breakable, numberText, unitText } from "../base/format.js";
+import { breakable, numberText, unitOfPower, unitText } from "../base/format.js";
 import { valueText } from "../scene/angles.js";
 import { attempt, explain, refusal, resetButton, valueField } from "./parameter_fields.js";
 
@@ -38,62 +38,84 @@ function rounded(value) {
   return Number(value.toPrecision(3));
 }
 
+/** Return the label of a main parameter, and a function that shows its unit; the unit of a stiffness depends on the exponent. */
+function labelOf(changes, { name, label: words }) {
+  const { unit } = changes.parameters.get(name);
+  const text = () => (unit.includes("^") ? unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"))) : unitText(unit));
+  const label = make("label", { className: "main-parameter-label", textContent: words.includes(" ") ? words : breakable(words), title: name });
+  const element = make("small", { textContent: text() });
+  if (text()) label.append(" ", element);
+  const showUnit = () => {
+    element.textContent = text();
+  };
+  return { label, text, showUnit };
+}
+
 /**
- * Return the row of a main parameter: label, field, slider, reset button. While the motion plays, the slider of an input acts from the present
- * time on, which `now` returns.
+ * Return the row of a main parameter: label, field, reset button, and a sentence on a choice, or a slider for a number. While
+ * the motion plays, the slider of an input acts from the present time on, which `now` returns.
  */
 function mainParameter(changes, entry, now) {
-  const parameter = changes.parameters.get(entry.name);
+  const { name } = entry;
+  const parameter = changes.parameters.get(name);
   const { field, refresh } = valueField(changes, parameter);
-  const unit = unitText(parameter.unit);
-  const label = make("label", { className: "main-parameter-label", textContent: entry.label.includes(" ") ? entry.label : breakable(entry.label), title: entry.name });
-  if (unit) label.append(" ", make("small", { textContent: unit }));
-  const row = make("div", { className: "main-parameter" }, label, resetButton(changes, entry.name, field), field);
-  const message = refusal();
-  field.id = `main-${entry.name}`;
+  const { label, text, showUnit } = labelOf(changes, entry);
+  const row = make("div", { className: "main-parameter" }, label, resetButton(changes, name, field), field);
+  field.id = `main-${name}`;
   label.htmlFor = field.id;
-  if (parameter.items.length) {
-    const sentence = make("p", { className: "sentence" });
-    row.append(sentence, message);
-    row.classList.add("choice-parameter");
-    return { name: entry.name, row, refresh: () => {
-      refresh();
-      explain(row);
-      sentence.textContent = parameter.items[changes.valueOf(entry.name) - 1][1];
-      row.classList.toggle("changed", changes.isChanged(entry.name));
-    } };
-  }
-  const { toPosition, toValue } = scaleOf(entry, changes.starts[entry.name]);
-  const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
+  const { element, follow, show } = parameter.items.length ? choiceSentence(changes, parameter) : slider(changes, entry, field, now, text);
+  row.classList.toggle("choice-parameter", parameter.items.length > 0);
+  row.append(element, refusal());
+  return { name, row, follow, refresh: () => {
+    refresh();
+    showUnit();
+    show();
+    explain(row);
+    row.classList.toggle("changed", changes.isChanged(name));
+  } };
+}
+
+/** Return the sentence on the present choice of a parameter, and a function that shows it. */
+function choiceSentence(changes, { name, items }) {
+  const element = make("p", { className: "sentence" });
+  return { element, show: () => {
+    element.textContent = items[changes.valueOf(name) - 1][1];
+  } };
+}
+
+/**
+ * Return the slider of a parameter, and functions that show the value: `follow` the value at the present time, `show` the
+ * value after a change.
+ */
+function slider(changes, entry, field, now, unit) {
+  const { name } = entry;
+  const { toPosition, toValue } = scaleOf(entry, changes.starts[name]);
+  const element = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
   let isDragged = false;
-  slider.setAttribute("aria-label", entry.label);
-  slider.addEventListener("input", () => {
-    const value = rounded(toValue(slider.value / STEPS));
+  element.setAttribute("aria-label", entry.label);
+  element.addEventListener("input", () => {
+    const value = rounded(toValue(element.value / STEPS));
     const { isPlaying, time } = now();
     const from = Number(time.toFixed(6));
     isDragged = true;
-    if (entry.isInput && isPlaying && from > 0) attempt(slider, () => changes.setFrom(entry.name, value, from));
-    else attempt(slider, () => changes.set({ [entry.name]: Math.max(value, entry.spread ? rounded(changes.starts[entry.name] / 100) : value) }));
+    if (entry.isInput && isPlaying && from > 0) attempt(element, () => changes.setFrom(name, value, from));
+    else attempt(element, () => changes.set({ [name]: Math.max(value, entry.spread ? rounded(changes.starts[name] / 100) : value) }));
   });
   // a slider that is dragged back to its value has no event `change`
-  ["change", "pointerup", "pointercancel"].forEach((end) => slider.addEventListener(end, () => {
+  ["change", "pointerup", "pointercancel"].forEach((end) => element.addEventListener(end, () => {
     isDragged = false;
   }));
-  row.append(slider, message);
   /** Show the value at the present time, except in a field with the focus or with a refused text. */
   const follow = () => {
-    const value = changes.valueAt(entry.name, now().time);
-    if (document.activeElement !== field && field.checkValidity()) field.value = valueText(value, parameter.unit);
-    if (entry.name in changes.inputSteps ? !isDragged : document.activeElement !== slider) slider.value = String(STEPS * toPosition(value));
-    slider.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
-    slider.setAttribute("aria-valuetext", `${numberText(value)} ${unit}`);
+    const value = changes.valueAt(name, now().time);
+    if (document.activeElement !== field && field.checkValidity()) field.value = valueText(value, changes.parameters.get(name).unit);
+    if (name in changes.inputSteps ? !isDragged : document.activeElement !== element) element.value = String(STEPS * toPosition(value));
+    element.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
+    element.setAttribute("aria-valuetext", `${numberText(value)} ${unit()}`);
   };
-  return { name: entry.name, row, follow, refresh: () => {
-    refresh();
-    slider.setCustomValidity("");
-    explain(row);
+  return { element, follow, show: () => {
+    element.setCustomValidity("");
     follow();
-    row.classList.toggle("changed", changes.isChanged(entry.name));
   } };
 }
 

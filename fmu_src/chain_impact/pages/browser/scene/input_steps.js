@@ -9,7 +9,7 @@ export function inputStepTexts({ inputSteps }) {
   return Object.entries(inputSteps).map(([name, steps]) => [`${name}${MARK}`, steps.map((step) => step.map(numberText).join(":")).join()]);
 }
 
-/** Return the inputSteps inputs in the parts of a link, and the other parts. An error says what is allowed. */
+/** Return the inputs with steps in the parts of a link, and the other parts. An error says what is allowed. */
 export function inputStepsIn(texts, changes) {
   const [others, inputSteps] = [{}, {}];
   for (const [key, text] of Object.entries(texts)) {
@@ -24,7 +24,7 @@ export function inputStepsIn(texts, changes) {
   return { others, inputSteps };
 }
 
-/** Return the pairs of a time and a value in the text of a inputSteps input. */
+/** Return the pairs of a time and a value in the text of an input. */
 function stepsOf(name, text, changes) {
   const steps = text.split(",").map((step) => step.split(":"));
   const refused = steps.find(([time, value, ...more], k) => {
@@ -39,7 +39,7 @@ function stepsOf(name, text, changes) {
 }
 
 /**
- * Return signals that drive all changed inputs: name → contents. An input without a inputSteps value has a constant signal:
+ * Return signals that drive all changed inputs: name → contents. An input without steps has a constant signal:
  * `simulate()` takes no target velocity as an input beside a signal for the target angle.
  */
 export function inputSignals(changes) {
