@@ -8,6 +8,7 @@ import { STOPS } from "../scene/geometry.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
 
 const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
+const STOP_HEADS = { joint_min: "Stop from", joint_max: "Stop to" };
 const SLIDER = { angle: "Slider: angle", mass: "Mass, kg", friction: "Friction, N", min: "Stop from, m", max: "Stop to, m" };
 export class Editor {
   /** `open` shows a scene with some contents and changed inputs, or throws an error; `first` shows the page's own scene. */
@@ -81,8 +82,7 @@ export class Editor {
   #draw() {
     const { scene: { file } } = this.changes;
     find("edit-base").value = file.chain.base;
-    const hasJoint = file.chain.base !== "free" || file.chain.links.length > 1;
-    const heads = ["Link", "Length, m", "Mass, kg", "Offset, m", "Box height, m", ...(hasJoint ? ["Stop from", "Stop to"] : []), ""];
+    const heads = ["Link", "Length, m", "Mass, kg", "Offset, m", "Box height, m", ...stopsShown(file.chain).map((stop) => STOP_HEADS[stop]), ""];
     fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
     const points = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
     fillTable(find("edit-points"), ["Point", "Link", "Along, m", "Left, m", "Radius, m", "Name", ""], points.map(([site, s]) => this.#pointRow(file, site, s)));
@@ -102,8 +102,8 @@ export class Editor {
   /** Return the fields of a link. A free base has no joint, and so no stop; the last link cannot be removed. */
   #linkRow({ chain: { base, links } }, link, k) {
     const field = (key, unit) => this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value), unit);
-    const isFree = k === 0 && base === "free";
-    const stops = isFree ? STOPS.slice(links.length > 1 ? 0 : 2).map(() => "") : STOPS.map((stop) => field(stop, "rad"));
+    const hasJoint = k > 0 || base !== "free";
+    const stops = stopsShown({ base, links }).map((stop) => (hasJoint ? field(stop, "rad") : ""));
     const remover = links.length > 1 ? this.#remover(`link ${k + 1}`, (all) => removeLink(all, k)) : "";
     return [`${k + 1}`, ...["length", "mass", "center_of_mass_offset", "height"].map((key) => field(key)), ...stops, remover];
   }
@@ -148,6 +148,11 @@ export class Editor {
     button.addEventListener("click", () => this.#change(remove));
     return button;
   }
+}
+
+/** Return the stops that the table of links shows; a free chain of one link has no joint. */
+function stopsShown({ base, links }) {
+  return base === "free" && links.length === 1 ? [] : STOPS;
 }
 
 function fillTable(table, heads, rows) {
