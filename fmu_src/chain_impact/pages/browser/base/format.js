@@ -73,9 +73,9 @@ export function unitsOf({ atStop }) {
   return atStop ? { speed: "rad/s", force: "N·m" } : { speed: "m/s", force: "N" };
 }
 
-/** Return a name in which a line may be broken after each part. */
+/** Return a name or a unit in which a line may be broken after each part. */
 export function breakable(name) {
-  return name.replaceAll(/(\.|_)/g, "$1\u200b");
+  return name.replaceAll(/([._/])/g, "$1\u200b");
 }
 
 /** Return a number as text with the fewest digits from which the same number is read. */

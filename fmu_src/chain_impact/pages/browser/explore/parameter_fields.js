@@ -1,6 +1,7 @@
 // The fields for values of parameters, with the reason why a value is refused, and with a button for the scene's value.
 
 import { make } from "../base/dom.js";
+import { unitOfPower, unitText } from "../base/format.js";
 import { valueText } from "../scene/angles.js";
 
 /** Make a change; if its value is refused, mark the field, and show the reason in its row. */
@@ -25,6 +26,12 @@ export function refusal() {
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   row.querySelector(".refusal").textContent = refused ? `Not taken: ${refused.validationMessage}.` : "";
+}
+
+/** Return the unit of a parameter as text; the unit of a stiffness depends on the exponent of its law. */
+export function presentUnit(changes, name) {
+  const { unit } = changes.parameters.get(name);
+  return unit.includes("^") ? unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"))) : unitText(unit);
 }
 
 /** Return a field for a number, or a choice, whose value follows the changes. */

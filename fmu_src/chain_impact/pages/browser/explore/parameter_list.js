@@ -1,8 +1,8 @@
 // The list of all parameters, which can be searched.
 
 import { make } from "../base/dom.js";
-import { breakable, unitText } from "../base/format.js";
-import { explain, refusal, resetButton, valueField } from "./parameter_fields.js";
+import { breakable } from "../base/format.js";
+import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
  * Fill the list of all parameters when it is first opened; `search` leaves the parameters whose name or meaning contains a
@@ -36,16 +36,17 @@ export function showParameterList(details, changes) {
 }
 
 function listRow(changes, parameter) {
-  const { name, unit, text, allowed } = parameter;
+  const { name, text, allowed } = parameter;
   const { field, refresh } = valueField(changes, parameter);
   const words = make("span", { className: "parameter-name", title: `${text}; ${allowed}` }, breakable(name));
-  const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field,
-    make("small", { textContent: unitText(unit) }), refusal());
+  const unitElement = make("small");
+  const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field, unitElement, refusal());
   return {
     row,
     text: `${name} ${text}`.toLowerCase(),
     refresh: () => {
       refresh();
+      unitElement.textContent = /deg/.test(field.value) ? "" : breakable(presentUnit(changes, name)); // a text has its own unit
       explain(row);
       row.classList.toggle("changed", changes.isChanged(name));
     },

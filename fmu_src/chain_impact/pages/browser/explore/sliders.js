@@ -1,9 +1,9 @@
 // The sliders of the main parameters, of inputs and of signals.
 
 import { make } from "../base/dom.js";
-import { breakable, numberText, unitOfPower, unitText } from "../base/format.js";
+import { breakable, numberText } from "../base/format.js";
 import { valueText } from "../scene/angles.js";
-import { attempt, explain, refusal, resetButton, valueField } from "./parameter_fields.js";
+import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /** The main parameters, which have a slider: name, label, and the ends of the slider. */
 export const MAIN_PARAMETERS = [
@@ -38,10 +38,9 @@ function rounded(value) {
   return Number(value.toPrecision(3));
 }
 
-/** Return the label of a main parameter, and a function that shows its unit; the unit of a stiffness depends on the exponent. */
+/** Return the label of a main parameter, with functions that return and show its unit. */
 function labelOf(changes, { name, label: words }) {
-  const { unit } = changes.parameters.get(name);
-  const text = () => (unit.includes("^") ? unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"))) : unitText(unit));
+  const text = () => presentUnit(changes, name);
   const label = make("label", { className: "main-parameter-label", textContent: words.includes(" ") ? words : breakable(words), title: name });
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
