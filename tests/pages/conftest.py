@@ -1,4 +1,4 @@
-"""A Chromium for the tests of the pages, with the page, or with the kernel alone."""
+"""A Chromium for the tests of the pages, with a page or with the kernel alone, and what tests do in pages."""
 
 import base64
 import io
@@ -50,6 +50,26 @@ async function compiled(text) {
   return modules.get(text);
 }
 const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"""
+ROWS = """async ([chart, colour]) => {
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  const style = getComputedStyle(document.documentElement).getPropertyValue(`--${colour}`);
+  const wanted = style.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+  const canvas = document.querySelector(`#${chart} canvas`);
+  const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  const rows = [];
+  for (let k = 0; k < data.length; k += 4) {
+    const isFound = data[k + 3] > 200 && wanted.every((part, c) => Math.abs(part - data[k + c]) < 30);
+    if (isFound) rows.push(Math.floor(k / 4 / canvas.width));
+  }
+  return rows; }"""
+"""The rows of the pixels of a chart with a colour of the style sheet."""
+PIXELS = f"async (asked) => (await ({ROWS})(asked)).length"
+"""Number of pixels of a chart with a colour of the style sheet."""
+SUBTITLE = "document.getElementById('subtitle').textContent"
+TIME_TEXT = "document.getElementById('time').textContent"
+LIGHT_CHAIN, DARK_CHAIN = "#2b4a9f", "#9db4ff"
 
 
 @pytest.fixture(scope="module")
@@ -165,30 +185,6 @@ def packed_module(law_file=""):
 def bits(text):
     """Return the bits of the numbers of a typed array, as whole numbers."""
     return np.frombuffer(base64.b64decode(text), np.int64)
-
-
-# --- the page of a recording, and what tests do in both pages -------------------------------------------
-
-ROWS = """async ([chart, colour]) => {
-  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-  const style = getComputedStyle(document.documentElement).getPropertyValue(`--${colour}`);
-  const wanted = style.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
-  const canvas = document.querySelector(`#${chart} canvas`);
-  const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
-  context.drawImage(canvas, 0, 0);
-  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-  const rows = [];
-  for (let k = 0; k < data.length; k += 4) {
-    const isFound = data[k + 3] > 200 && wanted.every((part, c) => Math.abs(part - data[k + c]) < 30);
-    if (isFound) rows.push(Math.floor(k / 4 / canvas.width));
-  }
-  return rows; }"""
-"""The rows of the pixels of a chart with a colour of the style sheet."""
-PIXELS = f"async (asked) => (await ({ROWS})(asked)).length"
-"""Number of pixels of a chart with a colour of the style sheet."""
-SUBTITLE = "document.getElementById('subtitle').textContent"
-TIME_TEXT = "document.getElementById('time').textContent"
-LIGHT_CHAIN, DARK_CHAIN = "#2b4a9f", "#9db4ff"
 
 
 @pytest.fixture(scope="module")
