@@ -19,57 +19,68 @@ function keepsDistance({ chain: { slider, links }, walls }, sites, point, name, 
 
 /** Return the parts of a scene on which its variables and its record depend. */
 export function partsOf(file, { boxWalls, signals, constants }) {
-  const { chain: { base, links, slider }, walls, contact, inputs, outputs } = file;
+  const { chain: { base, links, slider }, walls, contact, inputs } = file;
   const count = links.length;
-  const [points, stops, there] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
+  const [points, stops, existingWalls] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
   const [sites, sliderStops] = [sitesOf(file), sliderStopsOf(file)];
   const movable = sites.flatMap(({ link, x, y }, s) => (base === "pinned" && link === 0 && x === 0 && y === 0 ? [] : [count + 1 + s]));
   const touching = [...points, ...movable];
   const reaches = (point, name) => !keepsDistance(file, sites, point, name, constants.parallel);
-  const mayTouch = there.length > 0 && (slider || sites.length > 0)
-    ? touching.some((point) => there.some((name) => reaches(point, name))) : touching.length > 0;
+  const mayTouch = existingWalls.length > 0 && (slider || sites.length > 0)
+    ? touching.some((point) => existingWalls.some((name) => reaches(point, name))) : touching.length > 0;
   const wallNames = [...boxWalls, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
-  const numbers = wallNames.flatMap((name, number) => (there.includes(name) ? [number] : []));
+  const numbers = wallNames.flatMap((name, number) => (existingWalls.includes(name) ? [number] : []));
   const pairs = touching.flatMap((point) => numbers.map((wall) => [point, wall])).filter(([point, wall]) => reaches(point, wallNames[wall]));
   const materials = Object.values(contact.wall);
-  const rubs = mayTouch && there.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
+  const rubs = mayTouch && existingWalls.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
     materials.some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));
   const firstJoint = base === "free" ? 2 : 1;
   const joints = range(count).map((k) => k + 1).filter((joint) => joint >= firstJoint);
-  const rubbing = joints.filter((joint) => links[joint - 1].joint_friction > 0);
-  const moving = wallNames.filter((name) => there.includes(name) && inputs.wall_motion.some((other) => other === "*" || other === name));
+  const rubbingJoints = joints.filter((joint) => links[joint - 1].joint_friction > 0);
+  const movingWalls = wallNames.filter((name) => existingWalls.includes(name) && inputs.wall_motion.some((other) => other === "*" || other === name));
   const candidates = [
     ...pairs,
     ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)]),
     ...sliderStops.map((stop) => [0, wallNames.indexOf(stop)]),
   ];
   const driven = drivenBy(file, signals);
-  const hasFriction = rubs || rubbing.length > 0 || slider?.friction > 0;
-  const isDriven = anyOnChain(inputs) || inputs.wall_motion.length > 0 || slider?.force_limit !== undefined || links.some((link) => link.joint_torque_limit !== undefined);
-  const facts = {
+  const hasFriction = rubs || rubbingJoints.length > 0 || slider?.friction > 0;
+  const parts = {
+    file, driven, points, sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, hasFriction, movingWalls, joints,
+  };
+  return { ...parts, facts: factsOf(parts, rubs), sizes: sizesOf(parts) };
+}
+
+/** Return the conditions under which variables exist, as in `shape.py`; `rubs`: whether contacts at walls have friction. */
+function factsOf({ file: { chain, inputs, outputs, stops: { model } }, pairs, sliderStops, stops, hasFriction }, rubs) {
+  const hasContacts = pairs.length > 0 || sliderStops.length > 0;
+  const hasLimits = chain.slider?.force_limit !== undefined || chain.links.some((link) => link.joint_torque_limit !== undefined);
+  return {
     ...flags(inputs, "inputs"),
     ...flags(outputs, "outputs"),
     always: true,
-    free: base === "free",
-    contacts: pairs.length > 0 || sliderStops.length > 0,
+    free: chain.base === "free",
+    contacts: hasContacts,
     stops: stops.length > 0,
-    law: pairs.length > 0 || sliderStops.length > 0 || (stops.length > 0 && !file.stops.model),
+    law: hasContacts || (stops.length > 0 && !model),
     contact_friction: rubs,
     friction: hasFriction,
-    driven: isDriven,
-  }; // in the order of `shape.py`
-  const sizes = [
-    count,
+    driven: anyOnChain(inputs) || inputs.wall_motion.length > 0 || hasLimits,
+  };
+}
+
+/** Return the sizes of the record, in the order of `COUNTS` of `affine.py`. */
+function sizesOf({ file: { chain: { links, slider }, inputs, outputs }, candidates, hasFriction, wallNames, movingWalls, sites, driven }) {
+  return [
+    links.length,
     candidates.length,
-    hasFriction ? count + candidates.length + (slider ? 1 : 0) : 0,
-    outputs.loads ? count + wallNames.length : 0,
-    2 * inputs.base_motion + 2 * moving.length,
+    hasFriction ? links.length + candidates.length + (slider ? 1 : 0) : 0,
+    outputs.loads ? links.length + wallNames.length : 0,
+    2 * inputs.base_motion + 2 * movingWalls.length,
     sites.length,
     driven.length,
     driven.reduce((sum, { knots }) => sum + knots, 0),
   ];
-
-  return { file, driven, points, sites, mayTouch, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, hasFriction, moving, joints, facts, sizes };
 }
 
 /** Return the values of a table under their dotted keys. */
@@ -80,29 +91,29 @@ function flags(table, name) {
 /**
  * Return the elements of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and conditions.
  */
-export function elementsOf({ file, sites, sliderStops, stops, there, wallNames, pairs, candidates, rubbing, moving, joints, sizes: [links] }) {
+export function elementsOf({ file, sites, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, movingWalls, joints, sizes: [links] }) {
   const ofJoints = (numbers) => numbers.map((n) => ({ n, at: n - 1 }));
   const { inputs, outputs, chain: { slider } } = file;
   return {
     one: [{}],
     link: range(links).map((at) => {
       const follows = inputs.joint_targets && joints.includes(at + 1);
-      return { n: at + 1, at, follows, rests: !follows, rubs: rubbing.includes(at + 1) };
+      return { n: at + 1, at, follows, rests: !follows, rubs: rubbingJoints.includes(at + 1) };
     }),
     point: range(links + 1 + sites.length).map((n) => ({ n, at: n })),
     joint: ofJoints(joints),
-    "rubbing joint": ofJoints(rubbing),
+    "rubbing joint": ofJoints(rubbingJoints),
     site: sites.map(({ link, entry, corner }, at) => ({ n: entry + 1, of: link + 1, at, link, entry, corner, placed: !corner })),
     slider: slider ? [{ rests: !inputs.joint_targets, rubs: slider.friction > 0, at: links }] : [],
     line: file.walls.map(({ name }, at) => ({ name, at })),
-    material: pairs.length ? there.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
+    material: pairs.length ? existingWalls.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
     contact: [
       ...pairs.map(([n, wall], at) => ({ n, name: wallNames[wall], at })),
       ...sliderStops.map((name, k) => ({ n: 0, name, at: pairs.length + stops.length + k, contact_friction: false })),
     ],
     stop: [...new Set(stops.map(([joint]) => joint))].map((n) =>
       ({ n, at: pairs.length + candidates.slice(pairs.length).findIndex(([joint]) => joint === n) })),
-    "moving wall": moving.map((name, k) => ({ name, at: 2 * inputs.base_motion + 2 * k })),
+    "moving wall": movingWalls.map((name, k) => ({ name, at: 2 * inputs.base_motion + 2 * k })),
     "touched wall": wallNames.flatMap((name, number) => (pairs.some(([, wall]) => wall === number) ? [{ name, at: links + number }] : [])),
     impact: range(outputs.impacts).map((at) => ({ n: at + 1, at })),
   };

@@ -55,15 +55,40 @@ function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns)
   };
 }
 
+/** Return the parameters of a scene: those of some rows that the scene has, and some others. */
+function parametersOf(rows, others, values, { facts, sizes }) {
+  const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
+  const names = new Set(shown.map(({ name }) => name));
+  return [...shown, ...others].map(({ name, element, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row }) => {
+    const { steps = null, derived, number: start = number } = values.get(name) ?? {};
+    const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
+    const index = word ? wordIndex(given && facts[givenIf] ? given : word, sizes, element.at) : -1;
+    // numbers of a signal have the unit of the driven input
+    const unit = row.unit === "1" ? element.unit ?? row.unit : row.unit;
+    return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, element), start, derived: follows };
+  });
+}
+
+/** Return the words for the reasons of a refusal: each candidate, each link, and the base at each wall. */
+function reasonsOf({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
+  return [
+    ...pairs.map(([point, wall]) => `${pointText(pointNames, point)} at the wall ${wallNames[wall]}`),
+    ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
+    ...sliderStops.map((stop) => `the slider at its ${stop}`),
+    ...file.chain.links.map((_, k) => `link[${k + 1}]`),
+    ...pairs.map(([, wall]) => `the base at the wall ${wallNames[wall]}`),
+  ];
+}
+
 /** Return the model of a scene; `command` are the words after `chain-impact simulate` that repeat a run. */
 export function describe(kit, file, command) {
   const parts = partsOf(file, kit);
-  const { sizes, stops, wallNames, there, facts } = parts;
+  const { sizes, stops, wallNames, existingWalls, facts } = parts;
   const pointNames = parts.sites.flatMap(({ name }, s) => (name ? [[sizes[0] + 1 + s, name]] : []));
   const elements = elementsOf(parts);
   const all = (groups) => instances(groups, elements, facts).filter(({ has }) => has);
-  const [moving, settable] = [all(kit.still), all(kit.inputs)];
-  const byName = new Map([...settable, ...moving].map((row) => [row.name, row]));
+  const [motions, settable] = [all(kit.still), all(kit.inputs)];
+  const byName = new Map([...settable, ...motions].map((row) => [row.name, row]));
   const units = new Map([...byName].map(([name, { unit }]) => [name, unit]));
   checkDriven(parts.driven, units);
   const driving = drivenRows(parts.driven);
@@ -72,19 +97,9 @@ export function describe(kit, file, command) {
   const values = valuesOf(file, rows);
   const record = recordOf(kit, parts, rows, values, byName);
   const reals = new Float64Array(record.buffer);
-  const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
-  const names = new Set(shown.map(({ name }) => name));
   const inputs = settable
     .filter(isFree)
     .map((row) => ({ ...row, number: reals[wordIndex(row.word, sizes, row.element.at)] }));
-  const parameter = ({ name, element, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row }) => {
-    const { steps = null, derived, number: start = number } = values.get(name) ?? {};
-    const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
-    const index = word ? wordIndex(given && facts[givenIf] ? given : word, sizes, element.at) : -1;
-    // numbers of a signal have the unit of the driven input
-    const unit = row.unit === "1" ? element.unit ?? row.unit : row.unit;
-    return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, element), start, derived: follows };
-  };
   const times = kit.times.map((row) => ({ ...row, element: {} }));
   valuesOf(file, times).forEach((value, name) => values.set(name, value));
   const driven = [...byName.values()].filter((row) => !isFree(row)).map(({ name, unit }) => {
@@ -102,7 +117,7 @@ export function describe(kit, file, command) {
     links: sizes[0],
     pinned: file.chain.base === "pinned",
     wallNames,
-    walls: wallsAt({ walls: Object.fromEntries(there.map((name) => [name, null])) }, (name) => values.get(name)?.number),
+    walls: wallsAt({ walls: Object.fromEntries(existingWalls.map((name) => [name, null])) }, (name) => values.get(name)?.number),
     stops: [...new Set(stops.map(([joint]) => joint))],
     openArc: kit.constants.openArc,
     inputsJump: kit.constants.inputsJump,
@@ -113,21 +128,15 @@ export function describe(kit, file, command) {
     record,
     layout: wordIndices(kit.layout, sizes),
     inputs: inputs.map(({ name }) => name),
-    still: moving.filter(isFree).map(({ name }) => name),
+    still: motions.filter(isFree).map(({ name }) => name),
     forms: kit.signals.other,
     driven: driven.filter(({ name }) => named.has(name)),
     moved: driven.filter(({ name }) => /^wall\..*\.displacement$/.test(name)),
-    parameters: [...shown, ...inputs, ...times].map(parameter),
+    parameters: parametersOf(rows, [...inputs, ...times], values, parts),
     columns,
     drawn: drawnOf(kit, parts, columns),
     rigidWithFriction: kit.rigidWithFriction,
     statuses: kit.statuses,
-    reasons: [ // the words for the reasons of a refusal: each candidate, each link, and the base at each wall
-      ...parts.pairs.map(([point, wall]) => `${pointText(new Map(pointNames), point)} at the wall ${wallNames[wall]}`),
-      ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
-      ...parts.sliderStops.map((stop) => `the slider at its ${stop}`),
-      ...file.chain.links.map((_, k) => `link[${k + 1}]`),
-      ...parts.pairs.map(([, wall]) => `the base at the wall ${wallNames[wall]}`),
-    ],
+    reasons: reasonsOf(parts, new Map(pointNames)),
   };
 }

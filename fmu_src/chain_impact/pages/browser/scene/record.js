@@ -24,7 +24,7 @@ function actingOf({ acts: [number, index], element: { at } }) {
 
 /** Return the record of the scene, not initialized; `byName` are the scene's inputs, with or without a signal. */
 export function recordOf(kit, parts, rows, values, byName) {
-  const { file, sizes, candidates, pairs, sites, sliderStops, stops, hasFriction, moving, wallNames, mayTouch, facts } = parts;
+  const { file, sizes, candidates, pairs, sites, sliderStops, stops, hasFriction, movingWalls, wallNames, mayTouch, facts } = parts;
   const { inputs, outputs, chain } = file;
   const bytes = new Uint8Array(wordIndex(kit.size, sizes) * BYTES);
   const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
@@ -51,8 +51,8 @@ export function recordOf(kit, parts, rows, values, byName) {
   put("base_moves", Number(inputs.base_motion));
   put("follows", 1);
   const first = 2 * inputs.base_motion;
-  moving.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
-  each("channel", candidates.map(([, wall]) => (moving.includes(wallNames[wall]) ? first + 2 * moving.indexOf(wallNames[wall]) : -1)));
+  movingWalls.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
+  each("channel", candidates.map(([, wall]) => (movingWalls.includes(wallNames[wall]) ? first + 2 * movingWalls.indexOf(wallNames[wall]) : -1)));
   putSignals(parts.driven, kit.signals, (input) => actingOf(byName.get(input)), put);
   put("kept", outputs.impacts);
   put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));

@@ -215,13 +215,13 @@ function checkContents(file, boxWalls) {
     const others = [...boxWalls, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...walls.slice(0, k).map((wall) => wall.name)];
     if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
   });
-  const there = wallsOf(file);
+  const existingWalls = wallsOf(file);
   const named = [
     ...Object.keys(contact.wall).map((name) => [`contact.wall.${name}`, name]),
     ...inputs.wall_motion.map((name) => ["inputs.wall_motion", name]),
   ];
   for (const [path, name] of named) {
-    if (name !== "*" && !there.includes(name)) refuse(path, `= "${name}" is no wall of the scene; must be one of ${there.join(", ")}`);
+    if (name !== "*" && !existingWalls.includes(name)) refuse(path, `= "${name}" is no wall of the scene; must be one of ${existingWalls.join(", ")}`);
   }
   const bases = { free: "a free base", pinned: "a pinned base", slider: "a base on a slider" };
   if (inputs.base_motion && chain.base !== "pinned") refuse("inputs.base_motion", `= true must be false for ${bases[chain.base]}`);

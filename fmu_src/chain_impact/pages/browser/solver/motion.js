@@ -54,50 +54,22 @@ function interleaved(each) {
   return rows;
 }
 
-/**
- * Return the parts of a `Recording`, and how the runs ended; the generator yields the finished fraction.
- *
- * @param curves names of outputs that are needed over time.
- * @param inputSteps inputs with other values from some times on: name → pairs of a time and a value.
- */
-export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
-  const { scene } = kernel;
-  const valueOf = (name) => {
-    const parameter = kernel.parameters.get(name);
-    return parameter && (values[name] ?? parameter.start);
-  };
-  const stop = valueOf("simulation.stop_time");
-  const began = performance.now();
-  const { driven } = scene;
-  const steps = stepsForKernel(kernel, inputSteps);
-  const firstTimes = driven.length || steps.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
-  const chosen = scene.columns.filter(({ name }) => curves.includes(name));
-  const runs = chosen.length ? 3 : 2;
-  const first = yield* withProgress(kernel.run(values, firstTimes, driven, { timesPerCall: Math.ceil(firstTimes.length / PARTS), inputSteps: steps }), 0, runs);
-  const spent = performance.now() - began;
-  const end = first.status === 0 ? stop : Math.min(first.reached, stop);
-  const { status, reason, reached, statistics, impacts } = first;
-  const ending = { status, reason, reached, statistics, impacts, spent };
-  if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
-  const contacts = contactsOf(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
-  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, IMPACT_TIME, frameRateOf(scene, valueOf, stop));
-  const { points, energies, touches, loads } = scene.drawn;
+/** Return the words of the record that the page draws. */
+function drawnWords({ drawn: { points, energies, touches, loads }, moved }) {
   const ofTouches = touches.flatMap(({ force, depth, friction, sticking }) => [force, depth, friction, sticking]);
-  const { moved } = scene;
-  const words = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])]
-    .filter((word) => word !== null);
-  const sparse = contacts.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
-  const dense = sparse.length ? withImpacts(times, sparse) : times;
-  const { time, columns } = yield* withProgress(kernel.run(values, dense, words.map((word) => ({ word })), { inputSteps: steps }), 1, runs);
-  if (time.length < 2) return { ...ending, parts: null };
-  const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
+  const all = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])];
+  return all.filter((word) => word !== null);
+}
+
+/** Return the rows of a recording in the form for `framesOf`; `column` returns the values of a word of the record. */
+function rowsOf(scene, valueOf, { time, contacts, column }) {
+  const { drawn: { points, energies, touches, loads }, moved } = scene;
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
-  const walls = wallsAt(scene, valueOf);
-  const reach = viewOf(x, y, points.length, {}, 0, false).view;
-  const size = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
+  const [low, high] = viewOf(x, y, points.length, {}, 0, false).view;
+  const size = Math.max(high[0] - low[0], high[1] - low[1]);
   const touching = scene.contactPoints.map((point) => [point, radiusOf(scene, valueOf, point)]);
   const largest = Math.max(0, ...touching.map(([, radius]) => radius));
-  const rows = {
+  return {
     name: scene.name,
     links: scene.links,
     pointCount: points.length,
@@ -115,7 +87,7 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
     })),
     loads: loads.map(({ joint, x: along, y: up }) => ({ joint, x: column(along), y: column(up) })),
     contacts,
-    walls,
+    walls: wallsAt(scene, valueOf),
     moved: Object.fromEntries(moved.map(({ name, word }) => [name.split(".")[1], column(word)])),
     stops: rangesOf(scene, valueOf),
     radius: largest > ALONE * size ? largest : 0,
@@ -125,19 +97,63 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
     rail: railOf(Array.from(time, (_, row) => [x, y].map((all) => all[row * points.length])), size, valueOf),
     pinned: scene.pinned,
   };
-  const inputs = { time: first.time, curves: [
-    ...driven.map(({ name, unit }, k) => ({ name, unit, values: first.columns[k] })),
-    ...Object.entries(inputSteps).map(([name, pairs]) => ({
-      name,
-      unit: kernel.parameters.get(name).unit,
-      isStepped: true,
-      values: first.time.map((now) => pairs.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
-    })),
-  ] };
+}
+
+/** Return the curves of the inputs over time: of driven inputs from a run, and of inputs with steps. */
+function inputCurves({ scene, parameters }, { time, columns }, inputSteps, valueOf) {
+  const driven = scene.driven.map(({ name, unit }, k) => ({ name, unit, values: columns[k] }));
+  const stepped = Object.entries(inputSteps).map(([name, pairs]) => ({
+    name,
+    unit: parameters.get(name).unit,
+    isStepped: true,
+    values: time.map((now) => pairs.findLast(([from]) => from <= now)?.[1] ?? valueOf(name)),
+  }));
+  return { time, curves: [...driven, ...stepped] };
+}
+
+/**
+ * Return the parts of a `Recording`, and how the runs ended; the generator yields the finished fraction.
+ *
+ * @param curves names of outputs that are needed over time.
+ * @param inputSteps inputs with other values from some times on: name → pairs of a time and a value.
+ */
+export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
+  const { scene } = kernel;
+  const valueOf = (name) => {
+    const parameter = kernel.parameters.get(name);
+    return parameter && (values[name] ?? parameter.start);
+  };
+  const stop = valueOf("simulation.stop_time");
+  const began = performance.now();
+  const steps = stepsForKernel(kernel, inputSteps);
+  const chosen = scene.columns.filter(({ name }) => curves.includes(name));
+  const runs = chosen.length ? 3 : 2;
+  const run = (number, times, outputs, timesPerCall) =>
+    withProgress(kernel.run(values, times, outputs, { timesPerCall, inputSteps: steps }), number, runs);
+
+  const firstTimes = scene.driven.length || steps.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
+  const first = yield* run(0, firstTimes, scene.driven, Math.ceil(firstTimes.length / PARTS));
+  const spent = performance.now() - began;
+  const { status, reason, reached, statistics, impacts } = first;
+  const end = status === 0 ? stop : Math.min(reached, stop);
+  const ending = { status, reason, reached, statistics, impacts, spent };
+  if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
+
+  const contacts = contactsOf(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
+  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, IMPACT_TIME, frameRateOf(scene, valueOf, stop));
+  const sparse = contacts.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
+  const dense = sparse.length ? withImpacts(times, sparse) : times;
+  const words = drawnWords(scene);
+  const { time, columns } = yield* run(1, dense, words.map((word) => ({ word })));
+  if (time.length < 2) return { ...ending, parts: null };
+  const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
+  const rows = rowsOf(scene, valueOf, { time, contacts, column });
+  const inputs = inputCurves(kernel, first, inputSteps, valueOf);
+
   const frames = dense === times ? time : times.slice(0, lastBefore(times, time.at(-1)) + 1);
   const outputs = { time: frames, curves: [] };
   if (chosen.length) {
-    const result = yield* withProgress(kernel.run(values, withImpacts(frames, contacts), chosen, { inputSteps: steps }), 2, runs);
+    const result = yield* run(2, withImpacts(frames, contacts), chosen);
     outputs.time = result.time;
     outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, isStepped: integer, values: result.columns[k] }));
   }
