@@ -65,12 +65,13 @@ def test_no_files_need_each_other_not_even_for_types():
     graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
 
 
-def test_no_folders_of_the_pages_need_each_other():
+def test_no_folders_of_the_pages_need_each_other_and_each_script_says_what_it_is_for():
     """oxlint finds circles of files."""
     found = {}
     for file in SCRIPTS:
-        imports = re.findall(r'from "\.\./(\w+)/', file.read_text(encoding="utf-8"))
-        found.setdefault(file.parent.name, set()).update(imports)
+        text = file.read_text(encoding="utf-8")
+        assert re.match(r"// [A-Z]", text), file.name
+        found.setdefault(file.parent.name, set()).update(re.findall(r'from "\.\./(\w+)/', text))
     graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
 
 
