@@ -46,7 +46,7 @@ def test_the_polynomial_goes_through_the_stages(step):
     d, n = step, sundman_u_at(LINKS)
     stages = d.implicit.stages.copy()
     d.touch.listings = 7
-    collocation.keep_stages(d)
+    collocation.keep_stages(d, False)
     assert d.implicit.last[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
     assert d.implicit.listing == 7
     y = np.zeros(len(d.step.state))
@@ -69,7 +69,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     bends = np.abs(np.diff(basis(parts)[:RADAU_STAGES], 2, axis=1)).max(axis=1) / parts[1] ** 2
     assert bends == pytest.approx(bound, rel=1e-2, abs=1e-6)
     d = step
-    collocation.keep_stages(d)
+    collocation.keep_stages(d, False)
     d.search.curvature[:] = -1.0
     collocation.curvatures(d, H)
     for k, c in enumerate(d.touch.active_index[:2]):
@@ -81,7 +81,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
 def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clearances(step, monkeypatch):
     """The changes are zero at the ends of the step; they are tested at a third and two thirds."""
     d, rng = step, np.random.default_rng(43)
-    collocation.keep_stages(d)
+    collocation.keep_stages(d, False)
     before, changes = {}, {}
     for theta in (0.0, 1 / 3, 2 / 3, 1.0):
         before[theta] = np.zeros(len(d.step.state))
@@ -113,7 +113,7 @@ def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clea
 
 def test_without_contacts_with_a_force_there_is_nothing_to_follow(step):
     d = step
-    collocation.keep_stages(d)
+    collocation.keep_stages(d, False)
     make_rigid(d)
     before = d.step.dense.copy()
     locate_points(d, d.step.state_end)

@@ -9,7 +9,7 @@ from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.ode import explicit, last_step, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.dense import interpolate
-from chain_impact.scene.scene import load_scene
+from chain_impact.scene.scene import load_scene, scene_from_dict
 from tests.helpers.plain import begun
 
 H = 0.01  # s
@@ -94,6 +94,37 @@ def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method
     last_step.roll_back(d)
     np.testing.assert_array_equal(d.step.state_end, start)
     assert d.step.end == 0.0
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method):
+    """Each step dissipates less than half of the last digit of 1e6 J; a refused step leaves nothing."""
+    links = [
+        {"length": 1.0, "mass": 1.0, "joint_friction": 1.0},
+        {"length": 1.0, "mass": 1.0, "joint_damping": 0.1},
+    ]
+    chain, initial = (
+        {"base": "pinned", "links": links},
+        {"angles": [0.0, 0.0], "angular_velocities": [0.0, 2e-4]},
+    )
+    scene = scene_from_dict(
+        {"name": "Sticks", "gravity": [0.0, 0.0], "chain": chain, "initial": initial}, "sticks"
+    )
+    lost, digit, found = state.dissipated_at(2), np.spacing(1e6), []
+    for before in (0.0, 1e6):
+        d = begun(scene)
+        assert d.friction.stuck_count == 1
+        d.step.method, d.step.state_end[lost] = method, before
+        for _ in range(12):
+            for size in (3.0 * H, H):
+                d.step.state_end[-1] = 0.0
+                with_a_step(d, size)
+                if size != H:
+                    last_step.roll_back(d)
+        found.append(d.step.state_end[lost] - before)
+        assert found[0] / 12 < 0.5 * digit < 0.25 * found[0]
+        assert abs(d.step.remainder_end) <= 0.5 * digit
+    assert found[1] + d.step.remainder_end == pytest.approx(found[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("how", ["mark_jump", "roll_back", "truncate_step", "reset_step"])

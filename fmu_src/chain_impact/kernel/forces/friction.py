@@ -197,20 +197,12 @@ def static_power(d):
     return dissipated
 
 
-def work_of_friction(d, sticking_only):
-    """Return the work [J] of dry friction along the distances of elements from their anchors.
-
-    Only differences of this work have a meaning, because a sliding element has left its anchor.
-
-    Args:
-        d: the instance, with the points located.
-        sticking_only: whether to count the sticking elements only.
-    """
+def work_of_holding(d):
+    """Return the work [J] of the sticking elements along their distances from their anchors."""
     work = 0.0
-    for i in range(d.friction.count):
-        e = d.element.index[i]
-        if d.element.mode[e] == STICKS or not sticking_only:
-            work += d.element.force[e] * (tangential_position(d, e) - d.element.anchor[e])
+    for i in range(d.friction.stuck_count):
+        e = d.element.stuck[i]
+        work += d.element.force[e] * (tangential_position(d, e) - d.element.anchor[e])
     return work
 
 

@@ -234,8 +234,7 @@ def extrapolate_stages(d, h, size):
 def extrapolate_polynomial(d, h, size):
     """Set the stages by extrapolating the last step's polynomial, with a lower degree if this is far."""
     implicit = d.implicit
-    span = d.step.size
-    base = (d.step.end - d.step.start) / span
+    span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0
     dropped = 0
     while dropped < len(FORETOLD) and beyond > FORETOLD[dropped]:
@@ -339,13 +338,14 @@ def coefficient(stages, m, j):
     return total
 
 
-def keep_stages(d):
-    """Store the stages of the tried step for the prediction of the next stages, and set the dense output."""
+def keep_stages(d, faded):
+    """Set the dense output; keep the stages for the next prediction, without parts that have ``faded``."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
             implicit.last[i, j] = implicit.stages[i, j]
-        clear_faded(d, implicit.last[i])
+        if faded:
+            clear_faded(d, implicit.last[i])
     implicit.listing = d.touch.listings
     for j in range(len(d.work.y)):
         set_dense(d.step, j, implicit.last, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)

@@ -204,7 +204,7 @@ def set_scales(d, y, scale, contacts):
 
 
 def clear_faded(d, y):
-    """Set coordinates and rates that are smaller than FADED to 0."""
+    """Set coordinates and rates that are smaller than FADED to 0; return whether there are any."""
     count = 0
     for j in range(dissipated_at(d.links)):
         count += 0.0 < abs(y[j]) < FADED
@@ -213,6 +213,7 @@ def clear_faded(d, y):
         # this changes only the value: a tangent instance keeps the derivatives
         if 0.0 < abs(y[j]) < FADED:
             y[j] = 0.0
+    return count > 0
 
 
 def no_step(d):

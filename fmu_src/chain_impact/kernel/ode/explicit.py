@@ -13,7 +13,7 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
-from chain_impact.kernel.functions import sequence
+from chain_impact.kernel.functions import inlined, sequence
 from chain_impact.kernel.ode.control import (
     RUNS_BACK,
     conclude,
@@ -116,21 +116,31 @@ STEP_EVALUATIONS = LAST - 1
 DENSE_EVALUATIONS = STAGES - LAST  # number of right-hand sides for the dense output
 
 
-def combination(row):
-    """Return a function for ``out = base + h Σ_j row[j] k_j``, unrolled over the stages j in the row.
-
-    The function takes (stages, base, h, out), with the stages k_j the rows of ``stages``, which may
-    be longer than ``base`` and ``out``.
-    """
+def weighted_sum(row):
+    """Return a function of (stages, j) for component j of Σ_m row[m] k_m, with the stages k_m as rows."""
     names, coefficients = tuple(row), tuple(row.values())
     count = len(row)
 
+    def summed(stages, j):
+        total = 0.0
+        for m in range(count):
+            total += coefficients[m] * stages[names[m], j]
+        return total
+
+    return inlined(summed)
+
+
+def combination(row):
+    """Return a function for ``out = base + h Σ_m row[m] k_m``, unrolled over the stages m in the row.
+
+    The function takes (stages, base, h, out), with the stages k_m the rows of ``stages``, which may
+    be longer than ``base`` and ``out``.
+    """
+    summed = weighted_sum(row)
+
     def combine(stages, base, h, out):
         for j in range(len(base)):
-            total = 0.0
-            for m in range(count):
-                total += coefficients[m] * stages[names[m], j]
-            out[j] = base[j] + h * total
+            out[j] = base[j] + h * summed(stages, j)
 
     return combine
 
@@ -172,7 +182,7 @@ def _stage(i, accepted):
 
 
 _stages = sequence(*(_stage(i, accepted=False) for i in range(1, LAST)))
-_step_end = combination(B)
+_step_end, _step_sum = combination(B), weighted_sum(B)
 _dense_stages = sequence(*(_stage(i, accepted=True) for i in range(LAST + 1, STAGES)))
 _errors = combinations(E5, E3)
 _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
@@ -269,6 +279,11 @@ def make(d, h):
     quadrature, count = d.quadrature, d.quadrature.count
     if count > 0:
         _step_end(quadrature.stage, quadrature.state_end[:count], h, quadrature.tried[:count])
+
+
+def change_by_rates(d, j):
+    """Return the change of component j of y in the tried step, not rounded by the sum in y."""
+    return d.trial.size * _step_sum(d.work.stage, j)
 
 
 def dense_output(d, h):

@@ -1,14 +1,17 @@
-"""The energy that dry friction dissipates in an implicit step: the work along the motion that was found.
+"""The energy that dry friction dissipates in a step: the work along the motion that was found.
 
-The last iteration corrects the motion after the rates have been evaluated. At rest the corrections are larger
-than the motion itself, and the force of friction stays large although the speed is zero. Without this module,
-the work of friction along the corrections would be an error of the energy balance that grows in every step.
+The last iteration of an implicit step corrects the motion after the rates have been evaluated; round-off and
+the projection onto constraints change the end of any step. At rest these changes are larger than the motion
+itself, and the force of friction stays large although the speed is zero. Without this module, the work of
+friction along these changes would be an error of the energy balance that grows in every step.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points_now, move_points
 from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, sundman_u_at
-from chain_impact.kernel.forces.friction import STICKS, work_of_friction
+from chain_impact.kernel.forces.friction import STICKS, work_of_holding
 from chain_impact.kernel.forces.inputs import set_inputs
+from chain_impact.kernel.ode import explicit
+from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, Q
 from chain_impact.kernel.rows.geometry import along, any_sticking, tangent
 
@@ -23,16 +26,40 @@ def settle_friction(d, h):
 
 def work_of_correction(d, h, i):
     """Return the work [J] of sliding friction along the part of stage i that the rates do not contain."""
-    implicit, work, change = d.implicit, 0.0, d.work.change
+    implicit, change = d.implicit, d.work.change
     for j in range(coordinate_count(d.links)):
         by_rates = 0.0
         for m in range(RADAU_STAGES):
             by_rates += Q[i][m] * implicit.rates[m, j]
         change[j] = implicit.stages[i, j] - h * by_rates
+    return work_along(d, change, True)
+
+
+def work_beside_rates(d):
+    """Return the work [J] of dry friction along the part of the tried step that its rates do not contain.
+
+    The points must be located at the end of the step.
+    """
+    change = d.work.change
+    for j in range(coordinate_count(d.links)):
+        change[j] = (d.trial.state[j] - d.step.state_end[j]) - change_by_rates(d, j)
+    return work_along(d, change, False)
+
+
+def change_by_rates(d, j):
+    """Return the change of component j of y in the tried step, not rounded by the sum in y."""
+    if d.step.method == IMPLICIT:
+        return d.implicit.stages[RADAU_STAGES - 1, j]
+    return explicit.change_by_rates(d, j)
+
+
+def work_along(d, change, sliding_only):
+    """Return the work [J] of dry friction, or of sliding friction only, along a change of the coordinates."""
+    work = 0.0
     move_points(d, d.work.link, change, d.work.motion)
     for k in range(d.friction.count):
         e = d.element.index[k]
-        if d.element.mode[e] != STICKS:
+        if d.element.mode[e] != STICKS or not sliding_only:
             work += d.element.force[e] * along(tangent(d, e), d.work.motion)
     return work
 
@@ -55,4 +82,4 @@ def holding_at(d, z, elapsed):
     if d.channels > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
-    return work_of_friction(d, True)
+    return work_of_holding(d)

@@ -17,7 +17,7 @@ from chain_impact.kernel.chain.kinematics import (
 from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.equations import located_rate, state_rate
-from chain_impact.kernel.forces.friction import keep_anchors, work_of_friction
+from chain_impact.kernel.forces.friction import keep_anchors
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, clear_faded, rescale
@@ -31,6 +31,7 @@ from chain_impact.kernel.ode.dense import (
     settle_impulses,
     truncate_quadratures,
 )
+from chain_impact.kernel.ode.friction_work import change_by_rates, work_beside_rates
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import any_sticking
@@ -66,11 +67,12 @@ def reset_times(d, time):
 
 def accept(d):
     """Make the tried step the last step."""
+    step, y = d.step, d.trial.state
+    step.remainder = step.remainder_end
     if any_constraint(d):
         project_trial(d)
         keep_anchors(d)
-    clear_faded(d, d.trial.state)
-    step, y = d.step, d.trial.state
+    faded = clear_faded(d, y)
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
         step.state_end[j] = y[j]
@@ -83,7 +85,7 @@ def accept(d):
     step.rate_known = 0
     note_points_elsewhere(d)
     if step.last_method == IMPLICIT:
-        collocation.keep_stages(d)
+        collocation.keep_stages(d, faded)
     else:
         # the error control of this method has located the points at the end if contacts are active
         find_rate(d, d.touch.active_count > 0)
@@ -93,13 +95,19 @@ def project_trial(d):
     """Project the end of the tried step onto the constraints.
 
     The projection moves sticking elements back to their anchors, and others with them: dry friction does work
-    along this way.
+    along this way. At rest this work, and the energy that the step dissipates, are below the last digit of
+    the dissipated energy. The part that is lost in the sum is added to the energy of the next step; otherwise
+    these parts would add up.
     """
-    y, sticking = d.trial.state, any_sticking(d)
-    before = work_of_friction(d, False) if sticking else 0.0
+    step, y, lost = d.step, d.trial.state, dissipated_at(d.links)
+    if not any_sticking(d):
+        project_state(d, y)
+        return
+    y[lost] = step.remainder_end + change_by_rates(d, lost)
     project_state(d, y)
-    if sticking:
-        y[dissipated_at(d.links)] -= work_of_friction(d, False) - before
+    change = y[lost] - work_beside_rates(d)
+    y[lost] = step.state_end[lost] + change
+    step.remainder_end = change - (y[lost] - step.state_end[lost])
 
 
 def dissipate(d, energy):
@@ -125,6 +133,7 @@ def roll_back(d):
     step.end = step.start
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
+    step.remainder_end = step.remainder
     roll_back_quadratures(d)
     mark_jump(d)
 

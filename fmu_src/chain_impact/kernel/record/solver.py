@@ -42,6 +42,9 @@ def step_dtype(links: int) -> np.dtype:
         ("flight_size", REAL),
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
+        # J, the parts of the dissipated energy at `start` and at `end` that are below its last digit in y
+        ("remainder", REAL),
+        ("remainder_end", REAL),
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # coefficients of the dense output over `size`
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
         ("dense_for", INTEGER),  # the user of the dense output, see kernel/ode/last_step.py
