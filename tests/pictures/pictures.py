@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
-from chain_impact.pictures import pages
+from chain_impact.pictures import figures
 from chain_impact.pictures.overview import fill
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes
@@ -27,7 +27,7 @@ def recorded(model):
 
 def write(recording, path):
     """Write the picture of a recording to a file."""
-    pages.drawn(functools.partial(fill, recording=recording), path)
+    figures.drawn(functools.partial(fill, recording=recording), path)
 
 
 def hit(time, point, wall, speed):
@@ -74,7 +74,7 @@ def drawn(recording):
     The page is drawn once and cached.
     """
     if id(recording) not in _PAGES:
-        page = Figure(figsize=pages.SIZE, layout="constrained")
+        page = Figure(figsize=figures.SIZE, layout="constrained")
         fill(page, recording)
         page.draw_without_rendering()
         # the recording is kept, too, so that no other recording gets the same id

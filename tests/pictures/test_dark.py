@@ -8,7 +8,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.dark import luminance
-from chain_impact.pictures.style import suit_page
+from chain_impact.pictures.style import suit_figure
 from tests.pictures.pictures import recorded
 
 
@@ -74,9 +74,9 @@ def test_a_map_keeps_its_colours_and_cells_without_value_get_dark():
     mesh = axes.pcolormesh(np.ma.masked_invalid([[1.0, np.nan]]), cmap="cividis")
     mesh.set_cmap(mesh.get_cmap().with_extremes(bad="0.8"))
     before = mesh.get_cmap()(0.3)
-    suit_page(page)
+    suit_figure(page)
     assert to_hex(mesh.get_cmap().get_bad()) == "#cccccc"
     with matplotlib.style.context("dark_background"):
-        suit_page(page)
+        suit_figure(page)
     assert luminance(mesh.get_cmap().get_bad()) < 0.1
     assert mesh.get_cmap()(0.3) == before

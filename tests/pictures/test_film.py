@@ -11,7 +11,7 @@ from PIL import Image
 from chain_impact import Recording, SceneWarning, load_scene, record_slowly
 from chain_impact.pictures.arrow_scale import LONGEST, ArrowScale
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
-from chain_impact.pictures.film_page import CHAIN, ENERGIES, FORCE, STYLE, Film, rate_text
+from chain_impact.pictures.film_figure import CHAIN, ENERGIES, FORCE, STYLE, Film, rate_text
 from chain_impact.pictures.style import LOAD, force_text
 from chain_impact.recording.pacing import frame_times, slow_spans
 from tests.helpers.friction import pendulum, sled
@@ -71,7 +71,7 @@ def test_positions_alone_make_a_film():
 
 def test_a_pinned_base_stands_on_ground(monkeypatch):
     (with_mark,) = pictures(swing(-1.0), 0.0)
-    monkeypatch.setattr("chain_impact.pictures.film_page.pin_mark", lambda _: [])
+    monkeypatch.setattr("chain_impact.pictures.film_figure.pin_mark", lambda _: [])
     (without,) = pictures(swing(-1.0), 0.0)
     assert (abs(with_mark.astype(float) - without).max(axis=-1) > 100).sum() > 30
 

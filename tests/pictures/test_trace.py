@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact import Recording, load_scene, record_slowly, simulate
-from chain_impact.pictures.film_page import Film
+from chain_impact.pictures.film_figure import Film
 from chain_impact.pictures.trace import trace_of
 
 

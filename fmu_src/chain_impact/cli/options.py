@@ -152,12 +152,12 @@ def add_plot(command: argparse.ArgumentParser, what: str) -> None:
         "--size",
         action=Once,
         metavar="MM",
-        type=page_size,
+        type=figure_size,
         help="width of the picture in millimetres, as 84, or width and height, as 120x150",
     )
 
 
-def page_size(text: str) -> Size:
+def figure_size(text: str) -> Size:
     """Return the width and the height of a picture [inches] from a text in millimetres.
 
     The height is None for a text without height.

@@ -62,10 +62,10 @@ class Canvas:
         """Draw by ``plot(path, size=size)`` into the file, and by ``fill(page)`` into the window."""
         write_picture(self.path, self.size, plot)
         if self.window:
-            from chain_impact.pictures.style import suit_page  # this import takes a second
+            from chain_impact.pictures.style import suit_figure  # this import takes a second
 
             fill(self.window)
-            suit_page(self.window)
+            suit_figure(self.window)
 
 
 @dataclass(frozen=True)

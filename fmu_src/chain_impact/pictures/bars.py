@@ -9,21 +9,21 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.style import BLUE, GREY, INK, LEAST_TICKS, VERMILLION, headline, is_narrow, styled
 
-# [inch] the width of the page, the space above and below the bars, and the height for one bar
+# [inch] the width of the figure, the space above and below the bars, and the height for one bar
 WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
-# NUMBER: [inch] the space for a number beside a bar. PART: the width of the axes over the width of the page.
+# NUMBER: [inch] the space for a number beside a bar. PART: the width of the axes, relative to the figure.
 NUMBER, PART = 0.7, 0.45
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 
 
 def bars_size(count: int) -> tuple[float, float]:
-    """Return the default size of a page [inches] for a number of bars."""
+    """Return the default size of a figure [inches] for a number of bars."""
     return WIDTH, AROUND + BAR * max(count, 2)
 
 
 @styled()
 def fill_bars(
-    page: Figure,
+    figure: Figure,
     *,
     title: str,
     conditions: str,
@@ -32,10 +32,10 @@ def fill_bars(
     told: Sequence[str],
     label: str,
 ) -> None:
-    """Draw one bar for each name, the first name at the top, on an empty page.
+    """Draw one bar for each name, the first name at the top, on an empty figure.
 
     Args:
-        page: the page to draw on.
+        figure: the figure to draw on.
         title: the title of the picture.
         conditions: the text below the title.
         names: the names of the bars.
@@ -43,8 +43,8 @@ def fill_bars(
         told: the text at the end of each bar.
         label: the label of the axis.
     """
-    headline(page, title, conditions)
-    axes = page.subplots()
+    headline(figure, title, conditions)
+    axes = figure.subplots()
     rows = range(len(names))
     colours = [BLUE if value > 0.0 else VERMILLION for value in values]
     axes.barh(rows, values, THICK, color=colours)
@@ -66,8 +66,8 @@ def fill_bars(
     axes.spines["left"].set_visible(False)
     axes.set_xlabel(label)
     low, high = min([0.0, *values]), max([0.0, *values])
-    room = (high - low or 1.0) * NUMBER / (PART * page.get_figwidth())
+    room = (high - low or 1.0) * NUMBER / (PART * figure.get_figwidth())
     axes.set_xlim(low - (room if low < 0.0 else 0.0), high + (room if high > 0.0 else 0.0))
-    axes.xaxis.set_major_locator(MaxNLocator(4 if is_narrow(page) else 6, min_n_ticks=LEAST_TICKS))
+    axes.xaxis.set_major_locator(MaxNLocator(4 if is_narrow(figure) else 6, min_n_ticks=LEAST_TICKS))
     if not names:
         axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=GREY)

@@ -1,4 +1,4 @@
-"""The page with derivatives: the changes of outputs and impacts by a small change of each parameter.
+"""The figure with derivatives: the changes of outputs and impacts by a small change of each parameter.
 
 The curves show the derivative times a small change of the parameter: 1 % of its value, or 0.01 of its unit
 where the value is zero. So all parameters share an axis, in the unit of the output.
@@ -38,8 +38,8 @@ Looks = list[dict[str, Any]]
 
 
 @styled()
-def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
-    """Draw, for each parameter, the changes of outputs and of the speeds of impacts on an empty page.
+def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
+    """Draw, for each parameter, the changes of outputs and of the speeds of impacts on an empty figure.
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
@@ -48,10 +48,10 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
     names = found.drawn(outputs)
     relative = relative_changes(recording, found, names)
     parameters = plural(len(found.parameters), "parameter")
-    headline(page, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
+    headline(figure, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
     looks = looks_of(found, relative)
-    across = 1 if is_narrow(page) else 2
-    grid = page.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
+    across = 1 if is_narrow(figure) else 2
+    grid = figure.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
     panels, rest = grid[: len(names) + 1], grid[len(names) + 1 :]
     for axes in rest:
         axes.remove()
@@ -67,8 +67,8 @@ def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str
         axes.set_xlabel(
             "; ".join(filter(None, ("time [s]", impact_lines(recording, *recording.time[[0, -1]]))))
         )
-    legend_at_foot(page, panels[0].get_legend_handles_labels()[0])
-    page.supxlabel("\n".join(found.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True)
+    legend_at_foot(figure, panels[0].get_legend_handles_labels()[0])
+    figure.supxlabel("\n".join(found.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True)
 
 
 def calm(recording: Recording) -> np.ndarray:

@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.figures import settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import hit, write_head
 from chain_impact.pictures.over_time import impact_lines, mark_impacts
-from chain_impact.pictures.pages import settle
 from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled, write_foot
 from chain_impact.recording.curves import Curves
@@ -36,7 +36,7 @@ SIDE = 8  # the largest number of curves whose names are at the side of the pane
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
-    """Return the default size of a page with curves [inches]."""
+    """Return the default size of a figure with curves [inches]."""
     return FULL, max(3.4, AROUND + PANEL * len(curves.panels))
 
 
@@ -58,8 +58,8 @@ def check_curves(curves: Curves) -> None:
 
 
 @styled()
-def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
-    """Draw the curves on an empty page.
+def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
+    """Draw the curves on an empty figure.
 
     The title "" stands for the impact in view or the summary of the run, None for no title.
 
@@ -70,18 +70,18 @@ def fill_curves(page: Figure, recording: Recording, curves: Curves, title: str |
     if title is not None:
         seen = in_view(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
-        write_head(page, recording, title or summary, seen if title else "")
+        write_head(figure, recording, title or summary, seen if title else "")
     panels, zero = curves.panels, always_zero(curves)
     if zero:
-        write_foot(page, f"0 in the whole view: {few(zero, TOLD)}")
-    grid = page.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
+        write_foot(figure, f"0 in the whole view: {few(zero, TOLD)}")
+    grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     draw_all(list(grid), recording, curves)
     for axes in grid:
         axes.tick_params(labelbottom=True)
         if axes is not grid[-1]:
             axes.set_xlabel("")
-    page.align_ylabels()
-    settle(page)
+    figure.align_ylabels()
+    settle(figure)
 
 
 def in_view(recording: Recording, curves: Curves) -> str:
@@ -109,8 +109,8 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
 
 def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, beside: bool = True) -> None:
     """Draw the panels into the axes of a grid; ``beside``: whether names may be at the side of a panel."""
-    page = grid[0].get_figure(root=True)
-    wide = beside and page is not None and not is_narrow(page)
+    figure = grid[0].get_figure(root=True)
+    wide = beside and figure is not None and not is_narrow(figure)
     start, factor, label = 0.0, 1.0, "time [s]"
     if curves.onset is not None:
         start, factor = curves.onset, 1e3

@@ -1,4 +1,4 @@
-"""Dark grounds: the colours of pictures are chosen for a white page, and change to suit a dark one."""
+"""Dark grounds: the colours of pictures are chosen for a white figure, and change to suit a dark one."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Ground(NamedTuple):
     text: Any
 
     def suited(self, colour: Any) -> Colour:
-        """Return the colour that replaces a colour for a white page, with the same opacity."""
+        """Return the colour that replaces a colour for a white figure, with the same opacity."""
         red, green, blue, alpha = to_rgba(colour)
         if colorsys.rgb_to_hsv(red, green, blue)[1] >= COLOURED:
             return lighter(colour)
@@ -44,7 +44,7 @@ class Ground(NamedTuple):
         return red, green, blue, alpha
 
     def suit(self, artists: Iterable[Artist]) -> None:
-        """Give artists that were drawn for a white page the colours for this ground.
+        """Give artists that were drawn for a white figure the colours for this ground.
 
         An axis comes after its ticks, as in ``findobj``.
         """

@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.film_figure import COLOURS, ROOM, STYLE, Film
 from chain_impact.pictures.film_files import write_gif, write_mp4
-from chain_impact.pictures.film_page import COLOURS, ROOM, STYLE, Film
 from chain_impact.progress import Progress
 from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
@@ -24,7 +24,7 @@ RATES = {".gif": 20, ".mp4": 30}
 FRAMES_OF_SINE = 8.0
 # the largest number of frames of a film that is slowed down for a sine; more take minutes to draw
 MOST_FRAMES = 1500
-# pixels per inch: the usual number, the least number with energies, and the number on a page without energies
+# pixels per inch: the usual number, the least number with energies, and the number without energies
 DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
 
 

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.dark import Ground, is_dark
+from chain_impact.pictures.figures import break_labels
 from chain_impact.pictures.legends import fit_legends
-from chain_impact.pictures.pages import break_labels
 from chain_impact.pictures.style import COLOURS, styled
 
 TIMES = 3  # the number of times that axes are moved: with other axes their texts may get other sizes
@@ -43,41 +43,41 @@ def fit_into_figure(axes: Sequence[Axes]) -> None:
 
     A figure that arranges its axes by itself does so when it is drawn.
     """
-    for page in {page for one in axes if (page := one.get_figure(root=True)) is not None}:
-        own = [one for one in axes if one.get_figure(root=True) is page]
-        page.draw_without_rendering()
-        fit_legends(page, own)
-        break_labels(page, own)
-        if page.get_layout_engine() is not None:
-            page.draw_without_rendering()
-            fit_legends(page, own)
+    for figure in {figure for one in axes if (figure := one.get_figure(root=True)) is not None}:
+        own = [one for one in axes if one.get_figure(root=True) is figure]
+        figure.draw_without_rendering()
+        fit_legends(figure, own)
+        break_labels(figure, own)
+        if figure.get_layout_engine() is not None:
+            figure.draw_without_rendering()
+            fit_legends(figure, own)
             continue
         for _ in range(TIMES):
             for one in own:
-                _fit(one, page)
-            fit_legends(page, own)
+                _fit(one, figure)
+            fit_legends(figure, own)
 
 
-def _fit(axes: Axes, page: Figure) -> None:
+def _fit(axes: Axes, figure: Figure) -> None:
     """Make axes smaller where they or their texts are beyond their room."""
-    box, room = axes.get_tightbbox(), _room(axes, page)
+    box, room = axes.get_tightbbox(), _room(axes, figure)
     if box is None:
         return
-    (left, low), (right, high) = axes.get_position(original=True).transformed(page.transFigure).get_points()
+    (left, low), (right, high) = axes.get_position(original=True).transformed(figure.transFigure).get_points()
     width, height = LEAST_SIDE * (right - left), LEAST_SIDE * (high - low)
     left, low = left + max(0.0, room.x0 - box.x0), low + max(0.0, room.y0 - box.y0)
     right, high = right - max(0.0, box.x1 - room.x1), high - max(0.0, box.y1 - room.y1)
     if right - left >= width and high - low >= height:
-        moved = Bbox([[left, low], [right, high]]).transformed(page.transFigure.inverted())
+        moved = Bbox([[left, low], [right, high]]).transformed(figure.transFigure.inverted())
         axes.set_position(moved, which="both")
 
 
-def _room(axes: Axes, page: Figure) -> Bbox:
+def _room(axes: Axes, figure: Figure) -> Bbox:
     """Return the room of axes with their texts [pixels]: the figure up to the neighbours of the axes."""
     own = axes.get_position(original=True)
-    space = SPACE * page.dpi / 72.0
-    (left, low), (right, high) = page.bbox.padded(-space).get_points()
-    for other in page.axes:
+    space = SPACE * figure.dpi / 72.0
+    (left, low), (right, high) = figure.bbox.padded(-space).get_points()
+    for other in figure.axes:
         beside, texts = other.get_position(original=True), other.get_tightbbox()
         if other is axes or texts is None:
             continue

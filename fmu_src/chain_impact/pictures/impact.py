@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.figures import settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import hit
-from chain_impact.pictures.pages import settle
 from chain_impact.pictures.style import (
     BLUE,
     GREEN,
@@ -32,34 +32,34 @@ from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed, speed_unit
 
-SIZE = (7.5, 4.8)  # [inch] default width and height of the page
+SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
 PEAK = 0.95  # the force, relative to the largest force, from which on the peak counts as reached
 AFTER_PEAK = 4.0  # the least time for which an impact is shown, relative to the time until the peak force
 # the ratio of the durations of contact and impact above which only the time of the impact is shown
 MUCH_LONGER = 2.0
 EDGE = 0.03  # the shown time before the onset, relative to the whole shown time
 DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
-LOOP = 1.6  # the height of the loop on a narrow page, relative to the height of a panel over time
+LOOP = 1.6  # the height of the loop on a narrow figure, relative to the height of a panel over time
 
 
 @styled()
-def fill_impact(page: Figure, recording: Recording, number: int, course: Course) -> None:
-    """Draw the impact ``number`` on an empty page, with the loop on the right or, on a narrow page, below."""
+def fill_impact(figure: Figure, recording: Recording, number: int, course: Course) -> None:
+    """Draw the impact ``number`` on an empty figure, with the loop on the right or, if narrow, below."""
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
     title = f"{recording.name}: {hit(recording, impact)}, impact {number}"
-    headline(page, title, conditions(impact, course, stop))
-    if not is_narrow(page):
-        grid = page.add_gridspec(3, 2)
-        loop = page.add_subplot(grid[:, 1], label="loop")
+    headline(figure, title, conditions(impact, course, stop))
+    if not is_narrow(figure):
+        grid = figure.add_gridspec(3, 2)
+        loop = figure.add_subplot(grid[:, 1], label="loop")
     else:
-        grid = page.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
-        loop = page.add_subplot(grid[3, 0], label="loop")
+        grid = figure.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
+        loop = figure.add_subplot(grid[3, 0], label="loop")
     shown = shown_time(impact, course)
     time_factor, time_unit = prefixed(shown, "s")
     timed: list[Axes] = []
     for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
-        axes = page.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
+        axes = figure.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
         timed.append(axes)
         factor, told = prefixed(np.abs(values).max(initial=0.0), unit)
         axes.set_ylabel(f"{name} [{told}]")
@@ -76,9 +76,9 @@ def fill_impact(page: Figure, recording: Recording, number: int, course: Course)
     timed[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
     draw_loop(loop, impact, course, at_stop=stop)
     give_ticks(*timed, loop)
-    page.align_ylabels(timed)
-    settle(page)
-    page.set_layout_engine("none")
+    figure.align_ylabels(timed)
+    settle(figure)
+    figure.set_layout_engine("none")
 
 
 def shown_time(impact: np.void, course: Course) -> float:

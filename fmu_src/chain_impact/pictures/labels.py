@@ -50,16 +50,16 @@ class Label(NamedTuple):
 
 
 class Ink:
-    """The pixels of a page that are drawn on, except areas of one colour on which labels may stand."""
+    """The pixels of a figure that are drawn on, except areas of one colour on which labels may stand."""
 
-    def __init__(self, page: Figure) -> None:
-        """Draw the page, which also arranges its contents, and store its pixels."""
-        own = page.canvas
-        canvas: Any = FigureCanvasAgg(page)  # matplotlib has no type information for the canvas
+    def __init__(self, figure: Figure) -> None:
+        """Draw the figure, which also arranges its contents, and store its pixels."""
+        own = figure.canvas
+        canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
         canvas.draw()
-        page.set_canvas(own)
-        grounds = [*FLAT, page.get_facecolor(), *(axes.get_facecolor() for axes in page.axes)]
-        grounds += [faint(axes, SHADE) for axes in page.axes]
+        figure.set_canvas(own)
+        grounds = [*FLAT, figure.get_facecolor(), *(axes.get_facecolor() for axes in figure.axes)]
+        grounds += [faint(axes, SHADE) for axes in figure.axes]
         colours = np.ascontiguousarray(canvas.buffer_rgba())[::-1].view(np.uint32)[..., 0]
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
@@ -104,7 +104,7 @@ def place_labels(
     Args:
         axes: the axes inside which the labels stay.
         labels: the labels to write.
-        ink: the used pixels of the page; afterwards they include the labels.
+        ink: the used pixels of the figure; afterwards they include the labels.
         lines: whether a label may be far from its place, connected by a line.
         look: properties of the text, with matplotlib's names.
     """
@@ -128,9 +128,9 @@ def place_labels(
 
 def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
     """Return the best position of a label: two corners of a box in pixels, shape (2, 2)."""
-    page = axes.get_figure(root=True)
-    assert page is not None
-    middle = axes.transData.transform(label.place) + np.array(label.away) * (CLOSE * page.dpi / 72.0 + half)
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    middle = axes.transData.transform(label.place) + np.array(label.away) * (CLOSE * figure.dpi / 72.0 + half)
     return np.array([middle - half, middle + half])
 
 
@@ -153,13 +153,13 @@ def _place(
         label: the place, and the best direction from it.
         homes: the best positions of the labels that are written later, shape (H, 2, 2).
         sizes: the texts, the best first → half of the width and of the height of each [pixels].
-        ink: the used pixels of the page.
+        ink: the used pixels of the figure.
         steps: factors on the distance from the place that are tried, in this order.
         look: properties of the text, with matplotlib's names.
     """
-    page = axes.get_figure(root=True)
-    assert page is not None
-    point, inside = page.dpi / 72.0, axes.get_window_extent()
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    point, inside = figure.dpi / 72.0, axes.get_window_extent()
     at = np.asarray(axes.transData.transform(label.place))
     style: dict[str, Any] = {
         "textcoords": "offset points",

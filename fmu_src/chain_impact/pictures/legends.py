@@ -32,15 +32,15 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: i
         _put(axes, list(handles), labels, columns)
 
 
-def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
+def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Give each legend above its axes the most columns with which it is not wider than the axes.
 
-    On a narrow page, a legend does not repeat entries of a legend below, and is removed if no entry remains.
+    In a narrow figure, a legend does not repeat entries of a legend below; without entries it is removed.
     Returns whether a legend has changed.
     """
     is_changed = False
     told: set[str] = set()
-    for axes in reversed(page.axes if wanted is None else wanted):
+    for axes in reversed(figure.axes if wanted is None else wanted):
         legend: Any = axes.get_legend()  # matplotlib has no type information for the columns
         if legend is None or legend.get_gid() != MARK:
             continue
@@ -50,7 +50,7 @@ def fit_legends(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         kept = [(handle, label) for handle, label in entries if label not in told]
         handles: list[Any] = [handle for handle, _ in kept]
         labels = [label for _, label in kept]
-        if is_narrow(page):
+        if is_narrow(figure):
             told.update(labels)
         before = legend.get_window_extent().size
         if not labels:

@@ -40,14 +40,14 @@ def hit(recording: Recording, impact: np.void) -> str:
     return f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
 
 
-def write_head(page: Figure, recording: Recording, title: str, *first: str) -> None:
+def write_head(figure: Figure, recording: Recording, title: str, *first: str) -> None:
     """Write a title, or the message if the title is "", and the conditions, which begin with other parts.
 
     If the message is short, the conditions give the lost energy.
     """
-    short = is_narrow(page)
+    short = is_narrow(figure)
     told = [dissipated(recording)] if short and not title else []
-    headline(page, title or message(recording, short=short), conditions(recording, *first, *told))
+    headline(figure, title or message(recording, short=short), conditions(recording, *first, *told))
 
 
 def conditions(recording: Recording, *first: str) -> str:

@@ -1,4 +1,4 @@
-"""The page on a recording: the motion with its impacts, the energy, and the impacts over time."""
+"""The figure on a recording: the motion with its impacts, the energy, and the impacts over time."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from chain_impact.pictures.figures import SIZE, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.labels import Ink, listed
 from chain_impact.pictures.lines import SEPARATOR
@@ -25,24 +26,23 @@ from chain_impact.pictures.over_time import (
     number_impacts,
     rubbing_places,
 )
-from chain_impact.pictures.pages import SIZE, settle
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import view_of
-from chain_impact.pictures.sizes import Size, page_size
+from chain_impact.pictures.sizes import Size, figure_size
 from chain_impact.pictures.style import FULL, WIDE, broken, is_narrow, styled, write_foot
 from chain_impact.recording.recording import Recording
 
 SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion, relative to its height
 # the height of the panel of dry friction, and of each of its lines, relative to the height of the energies
 RUBBING, RUBBING_ROW = 0.15, 0.3
-HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the page
+HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the figure
 # ABOVE_TIME: the largest height of the panel of motion above the other panels; CLOCK: the height of the axis
 # of colours; both over the height of the energies
 ABOVE_TIME, CLOCK = 1.1, 0.06
-# BESIDE: the ratio of width to height of a motion above which its panel has the whole width of the page;
-# BROADEST: this ratio of a motion that needs the largest height above the other panels on a narrow page
+# BESIDE: the ratio of width to height of a motion above which its panel has the whole width of the figure;
+# BROADEST: this ratio of a motion that needs the largest height above the other panels on a narrow figure
 BESIDE, BROADEST = 2.2, 1.7
-# [inch] sizes on a page whose height suits its contents. PANEL: the height of a panel over time with its
+# [inch] sizes on a figure whose height suits its contents. PANEL: the height of a panel over time with its
 # legend and numbers; LOWEST, HIGHEST: the least and the largest height of the panel of motion beside others;
 # ROUND: the width of the numbers and labels beside the motion; HEADS: the height of the headline, of the
 # legend above the motion, and of the labels below
@@ -66,48 +66,48 @@ TOLD_AS = {"motion": "motion", "impacts": "speeds"}
 
 
 @styled()
-def fill(page: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
-    """Draw panels of PANELS on an empty page; by default all panels for which the recording has data.
+def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
+    """Draw panels of PANELS on an empty figure; by default all panels for which the recording has data.
 
-    On a wide page the motion is to the left of the panels over time, on a narrow page above them. The title
-    "" stands for the summary of the run, None for no title.
+    In a wide figure the motion is to the left of the panels over time, in a narrow figure above them. The
+    title "" stands for the summary of the run, None for no title.
 
     Raises:
         ValueError: when a panel does not exist.
     """
     shown = chosen(recording, panels)
     if title is not None:
-        write_head(page, recording, title)
+        write_head(figure, recording, title)
     for told in filter(None, (full_names(recording), SEPARATOR.join(recording.passing))):
-        write_foot(page, told)
-    found = axes_of(page, recording, shown)
+        write_foot(figure, told)
+    found = axes_of(figure, recording, shown)
     for name, axes in found.items():
         if name in shown:
             PANELS[name](axes, recording)
         else:
             draw_clock(axes, recording)
-    page.align_ylabels([axes for name, axes in found.items() if name in ("energy", "impacts")])
+    figure.align_ylabels([axes for name, axes in found.items() if name in ("energy", "impacts")])
     motion = found.get("motion")
-    settle(page, motion)
+    settle(figure, motion)
     if motion is not None:
-        room = motion.get_position(original=True).transformed(page.transFigure)
+        room = motion.get_position(original=True).transformed(figure.transFigure)
         motion.clear()
         draw_motion(motion, recording, room.height / room.width)
-        settle(page, motion)
-    number_and_tell(page, found, recording)
+        settle(figure, motion)
+    number_and_tell(figure, found, recording)
 
 
-def number_and_tell(page: Figure, found: dict[str, Axes], recording: Recording) -> None:
+def number_and_tell(figure: Figure, found: dict[str, Axes], recording: Recording) -> None:
     """Write the numbers of impacts into all panels, and at the foot which have no room.
 
     The text at the foot takes room from the panels, in which then fewer numbers may have room.
     """
-    engine, foot = page.get_layout_engine(), None
+    engine, foot = figure.get_layout_engine(), None
     room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None
-    page.set_layout_engine("none")  # artists that were drawn to find room for labels keep their positions
-    missing = number_all(page, found, recording)
+    figure.set_layout_engine("none")  # artists that were drawn to find room for labels keep their positions
+    missing = number_all(figure, found, recording)
     for _ in range(FEET if missing else 0):
-        page.set_layout_engine(engine)
+        figure.set_layout_engine(engine)
         if isinstance(engine, ConstrainedLayoutEngine):
             engine.set(rect=room)
         for axes in (found[name] for name in NUMBERS if name in found):
@@ -115,22 +115,22 @@ def number_and_tell(page: Figure, found: dict[str, Axes], recording: Recording) 
                 text.remove()
         if foot is not None:
             foot.remove()
-        foot, told = write_foot(page, missing), broken(page, missing)
-        settle(page, found.get("motion"))
-        page.set_layout_engine("none")
-        missing = number_all(page, found, recording)
-        if foot is None or broken(page, missing).count("\n") <= told.count("\n"):
+        foot, told = write_foot(figure, missing), broken(figure, missing)
+        settle(figure, found.get("motion"))
+        figure.set_layout_engine("none")
+        missing = number_all(figure, found, recording)
+        if foot is None or broken(figure, missing).count("\n") <= told.count("\n"):
             break
     if foot is not None:
-        foot.set_text(broken(page, missing))
+        foot.set_text(broken(figure, missing))
 
 
-def number_all(page: Figure, found: dict[str, Axes], recording: Recording) -> str:
+def number_all(figure: Figure, found: dict[str, Axes], recording: Recording) -> str:
     """Write the numbers of impacts into all panels that have numbers.
 
     Returns a sentence on the numbers without room.
     """
-    ink, parts = Ink(page), []
+    ink, parts = Ink(figure), []
     for name, write in NUMBERS.items():
         if name in found and (left := write(found[name], recording, ink)):
             parts.append(f"{listed(left)} in the {TOLD_AS[name]}")
@@ -154,10 +154,10 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
                 one.set_xlim(time.start, max(time.end, time.start + 1e-9))
                 one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
         fit_into_figure(given)
-        for page in {one.get_figure(root=True) for one in given}:
-            ink = Ink(page)
+        for figure in {one.get_figure(root=True) for one in given}:
+            ink = Ink(figure)
             for name, one in zip(shown, given, strict=True):
-                if name in NUMBERS and one.get_figure(root=True) is page:
+                if name in NUMBERS and one.get_figure(root=True) is figure:
                     NUMBERS[name](one, recording, ink)
 
 
@@ -175,7 +175,7 @@ def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
 def usual_size(
     recording: Recording, panels: Sequence[str] = (), size: Size | None = None
 ) -> tuple[float, float]:
-    """Return the default size of a page [inches] that is not narrow: it is low for a broad motion.
+    """Return the default size of a figure [inches] that is not narrow: it is low for a broad motion.
 
     Only the width of the wanted ``size`` counts.
 
@@ -184,7 +184,7 @@ def usual_size(
     """
     shown = chosen(recording, panels)
     heights, ratio = heights_of(recording, shown), broadness(recording)
-    if "motion" not in shown or not heights or (size and page_size(size)[0] < WIDE):
+    if "motion" not in shown or not heights or (size and figure_size(size)[0] < WIDE):
         return SIZE
     if ratio > BESIDE:
         return FULL, HEADS + (FULL - ROUND) / ratio + PANEL * sum(heights)
@@ -199,7 +199,7 @@ def broadness(recording: Recording) -> float:
 
 
 def motion_share(ratio: float) -> float:
-    """Return the width of the panel of motion beside other panels, relative to the width of the page."""
+    """Return the width of the panel of motion beside other panels, relative to the width of the figure."""
     return HEIGHT * min(max(ratio, SLIM), BROAD)  # with this share the motion fills its panel
 
 
@@ -210,28 +210,28 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     return [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
 
 
-def axes_of(page: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
+def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
     """Return the axes of the panels, and of the axis of colours below the panels over time, by name."""
     timed = [name for name in shown if name != "motion"]
     heights, ratio = heights_of(recording, shown), broadness(recording)
     parts = [part for part, there in (("motion", "motion" in shown), ("time", timed)) if there]
-    share, narrow = motion_share(ratio), is_narrow(page)
+    share, narrow = motion_share(ratio), is_narrow(figure)
     across = len(parts) > 1 and not narrow and ratio <= BESIDE
     above = ABOVE_TIME * min(1.0, BROADEST / ratio) if narrow else ((FULL - ROUND) / ratio + LABELS) / PANEL
     sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": above, "time": sum(heights)}
     ratios = [sizes[part] for part in parts]
     if across:
-        grid = page.add_gridspec(1, len(parts), width_ratios=ratios)
+        grid = figure.add_gridspec(1, len(parts), width_ratios=ratios)
     else:
-        grid = page.add_gridspec(len(parts), 1, height_ratios=ratios)
+        grid = figure.add_gridspec(len(parts), 1, height_ratios=ratios)
     found = {}
     for part, cell in zip(parts, [grid[k] for k in range(len(parts))], strict=True):
         if part == "motion":
-            found[part] = page.add_subplot(cell, label=part)
+            found[part] = figure.add_subplot(cell, label=part)
             continue
         # the panels over time have their own margin
         rows = cell.subgridspec(len(heights), 1, height_ratios=heights)
-        found[part] = clock = page.add_subplot(rows[-1], label=part)
+        found[part] = clock = figure.add_subplot(rows[-1], label=part)
         for k, name in enumerate(timed):
-            found[name] = page.add_subplot(rows[k], sharex=clock, label=name)
+            found[name] = figure.add_subplot(rows[k], sharex=clock, label=name)
     return found

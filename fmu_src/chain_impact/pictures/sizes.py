@@ -1,4 +1,4 @@
-"""The size of a page for a picture."""
+"""The size of a figure for a picture."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import math
 from collections.abc import Sequence
 
 Size = Sequence[float | None]
-"""Width and height of a page [inches]; a height of None is the height that the contents need."""
-# [inch] the least and the largest width and height of a page; a larger size is probably in other units, and
+"""Width and height of a figure [inches]; a height of None is the height that the contents need."""
+# [inch] the least and the largest width and height of a figure; a larger size is probably in other units, and
 # would fill the memory with pixels
 LEAST, LARGEST = 2.0, 60.0
 MM = 25.4  # millimetres in an inch
 
 
-def page_size(size: Size) -> tuple[float, float | None]:
-    """Return the width and the height of a page [inches]; the height may be None.
+def figure_size(size: Size) -> tuple[float, float | None]:
+    """Return the width and the height of a figure [inches]; the height may be None.
 
     Raises:
         ValueError: when the size is not a pair, or a side is not a number from LEAST to LARGEST; only the

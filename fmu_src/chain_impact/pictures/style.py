@@ -72,15 +72,15 @@ COLOURS: Any = {
         *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
     )
 }
-"""Settings with which everything is drawn: as for a white page, also if ``suit_page`` then makes it dark."""
+"""Settings with which everything is drawn: for a white figure, which ``suit_figure`` may then make dark."""
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
-"""The kinds of settings that have an effect when a page is drawn."""
+"""The kinds of settings that have an effect when a figure is drawn."""
 DPI = 160
-FULL, WIDE = 10.0, 6.0  # [inch] FULL: the width of a page; WIDE: the least width for two columns of axes
-LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the page
+FULL, WIDE = 10.0, 6.0  # [inch] FULL: the width of a figure; WIDE: the least width for two columns of axes
+LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 GAP = 0.09  # [inch] space below the headline, and below the conditions
-MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the page
-MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the height of the page
+MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the figure
+MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the height of the figure
 # the font sizes that are tried for a headline longer than a line, then than two, relative to its usual size
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
@@ -98,14 +98,14 @@ def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
         yield
 
 
-class Page(Figure):
-    """An empty page for a picture.
+class StyledFigure(Figure):
+    """An empty figure for a picture.
 
-    A notebook shows the page exactly once, whatever backend of matplotlib is in use.
+    A notebook shows the figure exactly once, whatever backend of matplotlib is in use.
     """
 
     def __init__(self, **options: Any) -> None:
-        """Make a page that arranges its contents; the options are those of a matplotlib figure."""
+        """Make a figure that arranges its contents; the options are those of a matplotlib figure."""
         with styled():
             super().__init__(**{"layout": "constrained"} | options)
             new_canvas: Any = FigureCanvasAgg  # matplotlib has no type information for the canvas
@@ -115,7 +115,7 @@ class Page(Figure):
             }
 
     def draw(self, renderer: Any) -> None:
-        """Draw with the settings for which the page was arranged, because they determine fonts and ticks."""
+        """Draw with the settings with which the figure was arranged, as they determine fonts and ticks."""
         with mpl.rc_context(self.settings):
             super().draw(renderer)
 
@@ -131,15 +131,15 @@ class Page(Figure):
         return file.getvalue()
 
 
-def suit_page(page: Figure) -> None:
-    """Give a page, which is drawn for white paper, the colours of the style in use if this is dark."""
+def suit_figure(figure: Figure) -> None:
+    """Give a figure, which is drawn for white paper, the colours of the style in use if this is dark."""
     ground = Ground(mpl.rcParams["figure.facecolor"], mpl.rcParams["text.color"])
     if not is_dark(ground.ground):
         return
-    ground.suit(page.findobj())
-    page.set_facecolor(ground.ground)
-    if isinstance(page, Page):
-        page.settings |= {name: mpl.rcParams[name] for name in COLOURS} | {"savefig.facecolor": "auto"}
+    ground.suit(figure.findobj())
+    figure.set_facecolor(ground.ground)
+    if isinstance(figure, StyledFigure):
+        figure.settings |= {name: mpl.rcParams[name] for name in COLOURS} | {"savefig.facecolor": "auto"}
 
 
 def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
@@ -150,14 +150,14 @@ def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
 
 
 def is_full(axes: Axes) -> bool:
-    """Return whether axes belong to a page of full width."""
-    page = axes.get_figure(root=True)
-    return page is None or page.get_figwidth() >= FULL
+    """Return whether axes belong to a figure of full width."""
+    figure = axes.get_figure(root=True)
+    return figure is None or figure.get_figwidth() >= FULL
 
 
-def is_narrow(page: Figure) -> bool:
-    """Return whether a page is too narrow for two columns of axes."""
-    return bool(page.get_figwidth() < WIDE)
+def is_narrow(figure: Figure) -> bool:
+    """Return whether a figure is too narrow for two columns of axes."""
+    return bool(figure.get_figwidth() < WIDE)
 
 
 def give_ticks(*axes: Axes) -> None:
@@ -168,78 +168,78 @@ def give_ticks(*axes: Axes) -> None:
                 axis.set_major_locator(MaxNLocator("auto", steps=list(STEPS), min_n_ticks=LEAST_TICKS))
 
 
-def headline(page: Figure, message: str, conditions: str = "") -> None:
+def headline(figure: Figure, message: str, conditions: str = "") -> None:
     """Write a message above the picture and, in a smaller font below it, the conditions.
 
-    Lines are broken at the edge of the page, after the font of the message was made smaller. On a narrow page
-    the conditions are at the foot. A page that is too low has no conditions.
+    Lines are broken at the edge of the figure, after the font of the message was made smaller. In a narrow
+    figure the conditions are at the foot. A figure that is too low has no conditions.
     """
-    width, height = page.get_size_inches()
+    width, height = figure.get_size_inches()
     place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
-    said = page.suptitle(message, y=1.0 - TOP / height, va="top", **place)
-    size, inside = float(said.get_fontsize()), (width - 2.0 * LEFT) * page.dpi
+    said = figure.suptitle(message, y=1.0 - TOP / height, va="top", **place)
+    size, inside = float(said.get_fontsize()), (width - 2.0 * LEFT) * figure.dpi
     for lines, smaller in product((1, 2), SMALLER):
         said.set(text=message, fontsize=smaller * size)
         if in_lines(said, inside) <= lines:
             break
-    top = TOP + said.get_window_extent().height / page.dpi + GAP
-    if conditions and is_narrow(page):
-        write_foot(page, conditions)
+    top = TOP + said.get_window_extent().height / figure.dpi + GAP
+    if conditions and is_narrow(figure):
+        write_foot(figure, conditions)
     elif conditions:
         look: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "top"}
-        told = page.text(s=broken(page, conditions), y=1.0 - top / height, **place, **look)
-        room = told.get_window_extent().height / page.dpi + GAP
+        told = figure.text(s=broken(figure, conditions), y=1.0 - top / height, **place, **look)
+        room = told.get_window_extent().height / figure.dpi + GAP
         if top + room <= MOST_HEAD * height:
             top += room
         else:
             told.remove()
-    _reserve(page, top / height, 0.0)
+    _reserve(figure, top / height, 0.0)
 
 
-def broken(page: Figure, text: str, more: int = 1) -> str:
+def broken(figure: Figure, text: str, more: int = 1) -> str:
     """Return a small text in lines that fit between the margins; ``more`` is as in ``in_lines``."""
-    probe = page.text(0.0, 0.0, text, fontsize="small")
-    in_lines(probe, (page.get_figwidth() - 2.0 * LEFT) * page.dpi, more=more)
+    probe = figure.text(0.0, 0.0, text, fontsize="small")
+    in_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more=more)
     probe.remove()
     return str(probe.get_text())
 
 
-def write_foot(page: Figure, text: str) -> Text | None:
-    """Write a text at the foot of a page, above other texts there; return None if the page is too low."""
-    (width, height), low = page.get_size_inches(), _foot(page)
+def write_foot(figure: Figure, text: str) -> Text | None:
+    """Write a text at the foot of a figure, above other texts there; return None if the figure is too low."""
+    (width, height), low = figure.get_size_inches(), _foot(figure)
     look: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
-    told = page.text(LEFT / width, low + 0.5 * GAP / height, "", **look)
+    told = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **look)
     for more in (1, 0):
-        told.set_text(broken(page, text, more))
-        room = (told.get_window_extent().height / page.dpi + GAP) / height
+        told.set_text(broken(figure, text, more))
+        room = (told.get_window_extent().height / figure.dpi + GAP) / height
         if low + room <= MOST_FOOT:
-            _reserve(page, 0.0, low + room)
+            _reserve(figure, 0.0, low + room)
             return told
     told.remove()
     return None
 
 
-def legend_at_foot(page: Figure, handles: Sequence[Any], **look: Any) -> None:
-    """Put a legend for all axes at the foot of the page, above other texts there, in as few rows as fit."""
-    low, room, count = _foot(page), (page.get_figwidth() - 2.0 * LEFT) * page.dpi, len(handles)
+def legend_at_foot(figure: Figure, handles: Sequence[Any], **look: Any) -> None:
+    """Put a legend for all axes at the foot of the figure, above other texts there, in as few rows as fit."""
+    low, room, count = _foot(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, len(handles)
     place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, low), "columnspacing": 1.2}
     for rows in range(1, max(count, 1) + 1):
-        legend = page.legend(handles=list(handles), ncols=max(1, -(-count // rows)), **place, **look)
+        legend = figure.legend(handles=list(handles), ncols=max(1, -(-count // rows)), **place, **look)
         if rows >= count or legend.get_window_extent().width <= room:
             break
         legend.remove()
-    _reserve(page, 0.0, low + legend.get_window_extent().height / page.bbox.height)
+    _reserve(figure, 0.0, low + legend.get_window_extent().height / figure.bbox.height)
 
 
-def _foot(page: Figure) -> float:
-    """Return the height of the texts at the foot, relative to the height of the page."""
-    engine = page.get_layout_engine()
+def _foot(figure: Figure) -> float:
+    """Return the height of the texts at the foot, relative to the height of the figure."""
+    engine = figure.get_layout_engine()
     return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
 
 
-def _reserve(page: Figure, top: float, bottom: float) -> None:
-    """Keep a part of the page's height free of axes, at the top and at the bottom."""
-    engine = page.get_layout_engine()
+def _reserve(figure: Figure, top: float, bottom: float) -> None:
+    """Keep a part of the figure's height free of axes, at the top and at the bottom."""
+    engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, low, width, height = engine.get()["rect"]
         high = min(low + height, 1.0 - top)
@@ -247,11 +247,11 @@ def _reserve(page: Figure, top: float, bottom: float) -> None:
         engine.set(rect=(left, low, width, high - low))
 
 
-def words_of(page: Figure) -> dict[str, str]:
+def words_of(figure: Figure) -> dict[str, str]:
     """Return the words of a picture for its file: the headline, and all texts except the numbers at ticks."""
-    title = page.get_suptitle()
-    told = [text.get_text().replace("\n", " ") for text in page.texts if text.get_text() != title]
-    for axes in page.axes:
+    title = figure.get_suptitle()
+    told = [text.get_text().replace("\n", " ") for text in figure.texts if text.get_text() != title]
+    for axes in figure.axes:
         legend = axes.get_legend()
         told += [axes.get_title(), axes.get_xlabel(), axes.get_ylabel()]
         told += [text.get_text() for text in (*axes.texts, *(legend.get_texts() if legend else ()))]
@@ -261,17 +261,17 @@ def words_of(page: Figure) -> dict[str, str]:
 def save(
     path: str | os.PathLike[str], fill: Callable[[Figure], None], size: tuple[float, float] | None = None
 ) -> None:
-    """Draw an empty page with ``fill``, and write it into a file; the suffix determines the kind.
+    """Draw an empty figure with ``fill``, and write it into a file; the suffix determines the kind.
 
     Raises:
         OSError: when the file cannot be written.
     """
     with written_whole(Path(path)) as fresh:
-        page = Page(figsize=size, dpi=DPI)
-        fill(page)
-        suit_page(page)
-        told = words_of(page) if Path(path).suffix == ".png" else None
-        page.savefig(fresh, dpi="figure", metadata=told)
+        figure = StyledFigure(figsize=size, dpi=DPI)
+        fill(figure)
+        suit_figure(figure)
+        told = words_of(figure) if Path(path).suffix == ".png" else None
+        figure.savefig(fresh, dpi="figure", metadata=told)
 
 
 def force_text(value: float, unit: str) -> str:

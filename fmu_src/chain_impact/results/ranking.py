@@ -162,8 +162,8 @@ class Ranking:
 
         return pictures.drawn(self.fill, path, size, pictures.bars_size(min(len(self.effects), DRAWN)))
 
-    def fill(self, page: Figure) -> None:
-        """Draw the bars on an empty page."""
+    def fill(self, figure: Figure) -> None:
+        """Draw the bars on an empty figure."""
         from chain_impact import pictures
 
         percent = f"{100.0 * PART:g} %"
@@ -179,7 +179,7 @@ class Ranking:
             f"without {' and '.join(self.left_out)}" if self.left_out else "",
         ]
         pictures.fill_bars(
-            page,
+            figure,
             title=f"{self.source}: effect of + {percent} on {self.quantity} = {digits(self.value)}{unit}",
             conditions="; ".join(filter(None, parts)),
             names=[

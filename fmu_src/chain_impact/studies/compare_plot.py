@@ -18,9 +18,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
+from chain_impact.pictures.figures import check_alone, drawn
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.pages import check_alone, drawn
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
@@ -38,7 +38,7 @@ from chain_impact.scene.unit_text import of_power
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
-SIZE = (10.0, 4.8)  # [inch] default size of the page
+SIZE = (10.0, 4.8)  # [inch] default size of the figure
 NAMED = 6  # largest number of laws that get a colour
 FINE = 400  # number of penetrations at which a band is computed
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
@@ -65,14 +65,14 @@ def plot_comparison(
 
 
 @styled()
-def fill(page: Figure, comparison: LawRuns) -> None:
-    """Draw the two panels on an empty page."""
+def fill(figure: Figure, comparison: LawRuns) -> None:
+    """Draw the two panels on an empty figure."""
     looks = looks_of(comparison)
-    headline(page, message(comparison), conditions(comparison, looks))
-    loops, energy = page.subplots(*((2, 1) if is_narrow(page) else (1, 2)))
+    headline(figure, message(comparison), conditions(comparison, looks))
+    loops, energy = figure.subplots(*((2, 1) if is_narrow(figure) else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
-    legend_at_foot(page, legend_handles(energy))
+    legend_at_foot(figure, legend_handles(energy))
 
 
 def message(comparison: LawRuns) -> str:

@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.pictures.figures import drawn
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.pages import drawn
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
@@ -75,13 +75,13 @@ def plot_fit(
 
 
 @styled()
-def fill(page: Figure, fit: Estimates) -> None:
-    """Draw all panels on an empty page."""
+def fill(figure: Figure, fit: Estimates) -> None:
+    """Draw all panels on an empty figure."""
     names = list(fit.columns)[:MOST_PANELS]
-    across = 1 if len(names) == 1 or is_narrow(page) else 2
+    across = 1 if len(names) == 1 or is_narrow(figure) else 2
     down = math.ceil(len(names) / across)
     results = [_model(fit, k) for k in range(len(fit.data))]
-    grid = page.add_gridspec(down, across)
+    grid = figure.add_gridspec(down, across)
     for k, name in enumerate(names):
         _panel(grid[k // across, k % across], fit, name, results)
     labels = [_estimate_text(fit, label) for label in fit.values]
@@ -90,7 +90,7 @@ def fill(page: Figure, fit: Estimates) -> None:
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
-    headline(page, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
+    headline(figure, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
 
 
 def _model(fit: Estimates, k: int) -> Result:

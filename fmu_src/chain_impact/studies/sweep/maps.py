@@ -33,7 +33,7 @@ NEVER = "no run has a finite value"
 
 
 def draw_maps(
-    page: Figure,
+    figure: Figure,
     panels: Sequence[Axes],
     runs: Runs,
     quantities: Sequence[Quantity],
@@ -51,7 +51,7 @@ def draw_maps(
         shown = np.ma.masked_invalid(shown[np.ix_(y.order, x.order)])
         axes.set_facecolor(FAILED_COLOUR)
         if shown.count():
-            _draw_map(page, axes, (x, y), quantity, shown)
+            _draw_map(figure, axes, (x, y), quantity, shown)
         else:
             axes.set_title(f"{quantity.label}: {NEVER}", fontsize="medium")
         axes.set_xscale("log" if x.logarithmic else "linear")
@@ -65,10 +65,12 @@ def draw_maps(
         if np.ma.is_masked(shown):
             grey = [Patch(facecolor=FAILED_COLOUR, label="failed")]
     if grey:
-        legend_at_foot(page, grey)
+        legend_at_foot(figure, grey)
 
 
-def _draw_map(page: Figure, axes: Axes, scales: tuple[Scale, Scale], quantity: Quantity, shown: Any) -> None:
+def _draw_map(
+    figure: Figure, axes: Axes, scales: tuple[Scale, Scale], quantity: Quantity, shown: Any
+) -> None:
     """Draw the colours of one map, and the bar that explains them."""
     x, y = scales
     least, most = float(shown.min()), float(shown.max())
@@ -85,7 +87,7 @@ def _draw_map(page: Figure, axes: Axes, scales: tuple[Scale, Scale], quantity: Q
         norm = LogNorm(least, most)
     colours = colours.with_extremes(bad=FAILED_COLOUR)
     mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, rasterized=True)
-    bar = page.colorbar(mesh, ax=axes, label=quantity.label)
+    bar = figure.colorbar(mesh, ax=axes, label=quantity.label)
     if isinstance(norm, LogNorm) and most < LONGEST:
         bar.formatter = FuncFormatter(lambda value, _: f"{value:g}")
     if ticks:

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
-from chain_impact.pictures.pages import drawn
+from chain_impact.pictures.figures import drawn
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     give_ticks,
@@ -56,7 +56,7 @@ MOST_VARIED = 2  # largest number of parameters that vary
 MOST_DRAWN = 2**18  # largest number of runs in a picture
 FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
-ALONE = 6.5  # [inch] the width of a page with one panel
+ALONE = 6.5  # [inch] the width of a figure with one panel
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
 
 
@@ -96,21 +96,21 @@ def plot_sweep(
 
 
 @styled()
-def fill(page: Figure, runs: Runs, results: Results) -> None:
-    """Draw all panels on an empty page."""
+def fill(figure: Figure, runs: Runs, results: Results) -> None:
+    """Draw all panels on an empty figure."""
     quantities, kind = results.drawn, kind_of(runs.design)
     varying = varying_in(runs.design)
     parts = [conditions(runs, varying), constants(runs, results)]
     mark = "" if kind == MAPS else " (×)"
-    headline(page, title(runs, results, mark), "; ".join(filter(None, parts)))
+    headline(figure, title(runs, results, mark), "; ".join(filter(None, parts)))
     # parameters that are numbers come before choices
     first, *others = sorted(varying, key=lambda variation: bool(variation.choices))
     if kind == DOTS:
-        _dots(page, runs, quantities, first)
+        _dots(figure, runs, quantities, first)
     elif kind == CURVES:
-        _curves(page, runs, quantities, first, *others)
+        _curves(figure, runs, quantities, first, *others)
     else:
-        draw_maps(page, _panels(page, len(quantities)), runs, quantities, (first, *others))
+        draw_maps(figure, _panels(figure, len(quantities)), runs, quantities, (first, *others))
 
 
 def kind_of(design: Design) -> str:
@@ -123,7 +123,7 @@ def kind_of(design: Design) -> str:
 
 
 def usual_size(runs: Runs, results: Results) -> tuple[float, float]:
-    """Return the default size of the page [inches]."""
+    """Return the default size of the figure [inches]."""
     count, kind = len(results.drawn), kind_of(runs.design)
     if kind == DOTS:
         return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(runs.design)[0].values)
@@ -166,14 +166,14 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _across(count: int, kind: str) -> int:
-    """Return how many panels are in a row of a wide page: two, or three curves beside each other."""
+    """Return how many panels are in a row of a wide figure: two, or three curves beside each other."""
     return 3 if count == 3 and kind == CURVES else 2  # noqa: PLR2004 - three panels leave no gap
 
 
-def _panels(page: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
-    """Return empty panels, at most ``most`` in a row; on a narrow page, one below the other."""
-    across = 1 if is_narrow(page) else min(count, most)
-    grid = page.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
+def _panels(figure: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
+    """Return empty panels, at most ``most`` in a row; on a narrow figure, one below the other."""
+    across = 1 if is_narrow(figure) else min(count, most)
+    grid = figure.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)
     for unused in panels[count:]:
         unused.remove()
@@ -181,14 +181,14 @@ def _panels(page: Figure, count: int, most: int = 2, *, sharey: bool = False) ->
 
 
 def _curves(
-    page: Figure,
+    figure: Figure,
     runs: Runs,
     quantities: list[Quantity],
     across: Variation,
     choice: Variation | None = None,
 ) -> None:
     """Draw a panel for each quantity over a parameter, with one line for each choice."""
-    panels = _panels(page, len(quantities), _across(len(quantities), CURVES))
+    panels = _panels(figure, len(quantities), _across(len(quantities), CURVES))
     values = runs[across.name]
     for axes, quantity in zip(panels, quantities, strict=True):
         shown = quantity.of(runs)
@@ -209,17 +209,17 @@ def _curves(
         _dress(axes, quantity, shown)
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
-        if is_narrow(page):
-            legend_at_foot(page, handles, title=choice.name)
+        if is_narrow(figure):
+            legend_at_foot(figure, handles, title=choice.name)
         else:
-            page.legend(handles, labels, loc="outside right center", title=choice.name)
+            figure.legend(handles, labels, loc="outside right center", title=choice.name)
 
 
-def _dots(page: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
+def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
     """Draw a panel for each quantity, with a dot in the row of each choice."""
     names = across.shown(across.values).tolist()
     panels = _panels(
-        page, len(quantities), max(1, int((page.get_figwidth() - NAMES) / DOTS_WIDTH)), sharey=True
+        figure, len(quantities), max(1, int((figure.get_figwidth() - NAMES) / DOTS_WIDTH)), sharey=True
     )
     rows = np.arange(len(runs))
     for axes, quantity in zip(panels, quantities, strict=True):

@@ -1,4 +1,4 @@
-"""Pages of a given size for pictures, with a check that all panels have room and labels do not overlap."""
+"""Figures of a given size for pictures, with a check that all panels have room and labels do not overlap."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.lines import in_lines
-from chain_impact.pictures.sizes import LEAST, Size, page_size
-from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, Page, save, styled, suit_page
+from chain_impact.pictures.sizes import LEAST, Size, figure_size
+from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, StyledFigure, save, styled, suit_figure
 
-SIZE = (FULL, 5.4)  # [inch] the default width and height of a page
+SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
 LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
-USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label on a page without a given height
-NEARLY = 1.0  # [pixels] how far texts may reach beyond the page, or overlap
+USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label on a figure without a given height
+NEARLY = 1.0  # [pixels] how far texts may reach beyond the figure, or overlap
 ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
-# the largest number of quarters of an inch by which the height of a page is increased, to find a sufficient
+# the largest number of quarters of an inch by which the height of a figure is increased, to find a sufficient
 # height
 HIGHER = 40
 APART = 0.35  # the least space between two numbers of an axis, relative to their height
 # the length of a label, relative to the length of its axis, above which it is broken into two lines
 LONGER = 1.1
 Fill = Callable[[Figure], None]
-"""A function that draws a picture on an empty page."""
+"""A function that draws a picture on an empty figure."""
 
 
 class NoRoomError(ValueError):
-    """Raised for a page without room for its contents.
+    """Raised for a figure without room for its contents.
 
     Attributes:
         least: a sufficient height [inches]; None if there is none.
@@ -58,11 +58,11 @@ def drawn(
     size: Size | None = None,
     usual: tuple[float, float] = SIZE,
 ) -> Figure | None:
-    """Draw a page into a file, or return the page.
+    """Draw a figure into a file, or return the figure.
 
     Args:
-        fill: function that draws the page.
-        path: the file; its suffix png, svg or pdf determines the kind. None returns the page.
+        fill: function that draws the figure.
+        path: the file; its suffix png, svg or pdf determines the kind. None returns the figure.
         size: width and height [inches]; the height may be None, for a height that the contents need.
         usual: width and height [inches] if ``size`` is None.
 
@@ -72,7 +72,7 @@ def drawn(
     """
     inches, filled = usual, fill
     if size is not None:
-        width, height = page_size(size)
+        width, height = figure_size(size)
         if height is None:
             inches = width, needed_height(fill, width, usual)
         else:
@@ -80,10 +80,10 @@ def drawn(
     if path is not None:
         save(Path(path), filled, inches)
         return None
-    page = Page(figsize=inches)
-    filled(page)
-    suit_page(page)
-    return page
+    figure = StyledFigure(figsize=inches)
+    filled(figure)
+    suit_figure(figure)
+    return figure
 
 
 def check_alone(path: object, size: object) -> None:
@@ -96,36 +96,36 @@ def check_alone(path: object, size: object) -> None:
         raise ValueError("ax: axes that are there have their size and their figure, which writes files")
 
 
-def fill_or_refuse(fill: Fill, page: Figure) -> None:
-    """Draw on a page, or refuse a page with too little room; the error names a sufficient height.
+def fill_or_refuse(fill: Fill, figure: Figure) -> None:
+    """Draw on a figure, or refuse a figure with too little room; the error names a sufficient height.
 
     Raises:
         ValueError: when there is too little room.
     """
-    if has_room(fill, page):
+    if has_room(fill, figure):
         return
-    width, height = map(float, page.get_size_inches())
+    width, height = map(float, figure.get_size_inches())
     least = least_height(fill, width, height)
     raise NoRoomError(width, height, f"at least {least:g} high for the panels, or have fewer panels", least)
 
 
 def needed_height(fill: Fill, width: float, usual: tuple[float, float]) -> float:
-    """Return the height of a page [inches] of a given width.
+    """Return the height of a figure [inches] of a given width.
 
-    The height is the usual one on a narrow page, and less on another page that is narrower than usual; it is
-    larger if this is too low for the contents.
+    The height is the usual one for a narrow figure, and less for another figure that is narrower than usual;
+    it is larger if this is too low for the contents.
 
     Raises:
         ValueError: when no height is enough.
     """
     height = max(LEAST, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
-    page = Page(figsize=(width, height), dpi=DPI)
-    is_enough = has_room(fill, page, USUAL_SIDE)
+    figure = StyledFigure(figsize=(width, height), dpi=DPI)
+    is_enough = has_room(fill, figure, USUAL_SIDE)
     return height if is_enough else least_height(fill, width, height, USUAL_SIDE)
 
 
 def least_height(fill: Fill, width: float, height: float, mean: float = 0.0) -> float:
-    """Return the least height of a page [inches], above a height that is too low, with room for all panels.
+    """Return the least height of a figure [inches], above a height that is too low, with room for all panels.
 
     Raises:
         ValueError: when no height is enough.
@@ -133,8 +133,8 @@ def least_height(fill: Fill, width: float, height: float, mean: float = 0.0) -> 
     heights = math.ceil(4.0 * height) / 4.0 + 0.25 * np.arange(1, HIGHER)
 
     def fits(higher: float) -> bool:
-        """Return whether a page of this height has room for all panels."""
-        return has_room(fill, Page(figsize=(width, higher), dpi=DPI), mean)
+        """Return whether a figure of this height has room for all panels."""
+        return has_room(fill, StyledFigure(figsize=(width, higher), dpi=DPI), mean)
 
     least = bisect_left(heights, True, key=fits)
     if least == len(heights):
@@ -143,31 +143,31 @@ def least_height(fill: Fill, width: float, height: float, mean: float = 0.0) -> 
 
 
 @styled()
-def has_room(fill: Fill, page: Figure, mean: float = 0.0) -> bool:
-    """Draw on a page; return whether axes have some height and texts are complete and do not overlap.
+def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
+    """Draw on a figure; return whether axes have some height and texts are complete and do not overlap.
 
     ``mean`` is the least mean height of axes with a label [inches].
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
-        fill(page)
-        if not isinstance(page.get_layout_engine(), PlaceHolderLayoutEngine):
-            page.draw_without_rendering()
-        sides = [axes.bbox.height / page.dpi for axes in page.axes if axes.get_ylabel()]
+        fill(figure)
+        if not isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
+            figure.draw_without_rendering()
+        sides = [axes.bbox.height / figure.dpi for axes in figure.axes if axes.get_ylabel()]
         if sides and (min(sides) < LEAST_SIDE or np.mean(sides) < mean):
             return False
-        boxes = list(text_boxes(page))
-        whole = Bbox.union([page.bbox, *boxes])
-        is_within = bool((np.abs(whole.get_points() - page.bbox.get_points()) <= NEARLY).all())
+        boxes = list(text_boxes(figure))
+        whole = Bbox.union([figure.bbox, *boxes])
+        is_within = bool((np.abs(whole.get_points() - figure.bbox.get_points()) <= NEARLY).all())
         return is_within and not any(one.padded(-NEARLY).overlaps(two) for one, two in combinations(boxes, 2))
     return False
 
 
-def text_boxes(page: Figure) -> Iterator[Bbox]:
-    """Yield the rectangles of texts and legends around the axes of a page, in pixels."""
-    texts, legends = list(page.texts), [legend for axes in page.axes if (legend := axes.get_legend())]
+def text_boxes(figure: Figure) -> Iterator[Bbox]:
+    """Yield the rectangles of texts and legends around the axes of a figure, in pixels."""
+    texts, legends = list(figure.texts), [legend for axes in figure.axes if (legend := axes.get_legend())]
     yield from (legend.get_window_extent() for legend in legends)
-    for axes in page.axes:
+    for axes in figure.axes:
         texts += [axes.xaxis.label, axes.yaxis.label]
         for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
             low, high = sorted(axis.get_view_interval())
@@ -177,22 +177,22 @@ def text_boxes(page: Figure) -> Iterator[Bbox]:
     yield from (text.get_window_extent() for text in texts if text.get_text())
 
 
-def settle(page: Figure, scaled: Axes | None = None) -> None:
-    """Arrange a page: legends get the width of their axes, and labels longer than their axes are broken.
+def settle(figure: Figure, scaled: Axes | None = None) -> None:
+    """Arrange a figure: legends get the width of their axes, and labels longer than their axes are broken.
 
     Axes with the same scale along x and y have room for their labels, even if they become narrow.
     """
-    engine = page.get_layout_engine()
-    fit_legends(page)
+    engine = figure.get_layout_engine()
+    fit_legends(figure)
     for _ in range(2):
         if scaled is not None:
             scaled.set_aspect("auto")
         if engine is not None:
-            engine.execute(page)
+            engine.execute(figure)
         if scaled is not None:
             scaled.set_aspect("equal")
-        is_changed = break_labels(page)
-        if not (fit_legends(page) or is_changed):
+        is_changed = break_labels(figure)
+        if not (fit_legends(figure) or is_changed):
             return
 
 
@@ -201,13 +201,13 @@ def meet(one: Bbox, two: Bbox) -> bool:
     return bool(one.x1 + APART * one.height > two.x0)
 
 
-def break_labels(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
+def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break labels that are longer than their axes, and give axes fewer numbers if these would overlap.
 
-    By default of all axes of the page. Returns whether a label was broken.
+    By default of all axes of the figure. Returns whether a label was broken.
     """
-    before = labels_of(page)
-    for axes in page.axes if wanted is None else wanted:
+    before = labels_of(figure)
+    for axes in figure.axes if wanted is None else wanted:
         label, inside = axes.yaxis.label, axes.get_window_extent()
         if label.get_window_extent().height > LONGER * inside.height:
             label.set_text(label.get_text().replace(" [", "\n["))
@@ -218,9 +218,9 @@ def break_labels(page: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         if label.get_window_extent().width > LONGER * inside.width:
             label.set_text(label.get_text().replace("\n", " "))
             in_lines(label, LONGER * inside.width, "; ")
-    return labels_of(page) != before
+    return labels_of(figure) != before
 
 
-def labels_of(page: Figure) -> list[str]:
+def labels_of(figure: Figure) -> list[str]:
     """Return the labels of all axes."""
-    return [axis.label.get_text() for axes in page.axes for axis in (axes.xaxis, axes.yaxis)]
+    return [axis.label.get_text() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]

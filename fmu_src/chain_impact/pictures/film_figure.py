@@ -1,4 +1,4 @@
-"""The page on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
+"""The figure on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.
 STYLE: Any = PICTURES | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
 STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
-ROOM = (8.0, 4.5)  # [inch] the least width and height of a page with energies
-# position and size of the axes: left, bottom, width and height, relative to the size of the page
+ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
+# position and size of the axes: left, bottom, width and height, relative to the size of the figure
 SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)
-# position of the texts: left and middle of the height, relative to the size of the page
+# position of the texts: left and middle of the height, relative to the size of the figure
 CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
-"""The axes and texts on a page that has no room for energies, in the form of SCENE, CLOCK and RATE."""
+"""The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
 # half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
 # the scene
 BAR, CORNER = 0.035, 0.035
@@ -59,7 +59,7 @@ REAL, SLOW, TENS = 0.02, 0.5, 9.95
 
 
 class Film:
-    """The page on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
+    """The figure on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
 
     def __init__(self, figure: Figure, recording: Recording, times: np.ndarray) -> None:
         """Draw the parts that do not move."""
@@ -134,7 +134,7 @@ class Film:
         view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
         # x and y have the same scale: the axes show the view, and more space beside or above the view, as the
-        # page allows
+        # figure allows
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
         seen = room * (size / room).max()
         low = view[0] - anchor * (seen - size)
