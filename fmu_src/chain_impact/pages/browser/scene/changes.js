@@ -9,10 +9,10 @@ export class Changes {
   #openers = [];
 
   constructor(scene) {
-    this.#take(scene);
+    this.#use(scene);
   }
 
-  #take(scene) {
+  #use(scene) {
     this.scene = scene;
     this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
@@ -22,7 +22,7 @@ export class Changes {
 
   /** Use another scene, without changes except for changes `from` before of inputs that this scene also has. */
   open(scene, from = { values: {}, inputSteps: {} }) {
-    this.#take(scene);
+    this.#use(scene);
     this.#openers.forEach((opener) => opener());
     const [values, inputSteps] = [from.values, from.inputSteps].map((table) => without(table, Object.keys(table).filter((name) => !scene.inputs.includes(name))));
     this.replace(this.with(values), inputSteps);

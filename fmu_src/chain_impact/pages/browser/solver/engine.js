@@ -1,10 +1,10 @@
 // The part of the page that sends requests to the worker.
 
 export class Engine {
-  #number = 0;
-  #waiting = new Map();
-  #begun;
-  #fault; // whether the worker has ended, after which it does not answer
+  #number = 0; // of the newest request
+  #waiting = new Map(); // number of a request → functions for its result, error and progress
+  #sceneSent; // a promise of the moment when the worker has the scene
+  #fault; // the error with which the worker has ended, if any
   #ended = false;
 
   /**
@@ -13,9 +13,9 @@ export class Engine {
    */
   constructor(address, scene, module) {
     this.worker = new Worker(address);
-    this.worker.onmessage = ({ data }) => this.#take(data);
+    this.worker.onmessage = ({ data }) => this.#receive(data);
     this.worker.onerror = ({ message }) => this.#fail(new Error(message || "the browser does not let it begin"));
-    this.#begun = module.then((compiled) => this.worker.postMessage({ kind: "scene", scene, module: compiled }));
+    this.#sceneSent = module.then((compiled) => this.worker.postMessage({ kind: "scene", scene, module: compiled }));
   }
 
   /**
@@ -23,13 +23,13 @@ export class Engine {
    * with the finished fraction.
    */
   async ask(kind, values, options = {}, progress = () => {}) {
-    await this.#begun;
+    await this.#sceneSent;
     if (this.#fault) throw this.#fault;
     if (this.#ended) return null;
     this.#number += 1;
     const number = this.#number;
-    return new Promise((give, fail) => {
-      this.#waiting.set(number, { give, fail, progress });
+    return new Promise((resolve, reject) => {
+      this.#waiting.set(number, { resolve, reject, progress });
       this.worker.postMessage({ kind, number, values, options });
     });
   }
@@ -38,24 +38,24 @@ export class Engine {
   end() {
     this.#ended = true;
     this.worker.terminate();
-    this.#waiting.forEach(({ give }) => give(null));
+    this.#waiting.forEach(({ resolve }) => resolve(null));
   }
 
   #fail(error) {
     this.worker.terminate();
     this.#fault = error;
-    this.#waiting.forEach(({ fail }) => fail(error));
+    this.#waiting.forEach(({ reject }) => reject(error));
     this.#waiting.clear();
   }
 
-  #take({ number, done, result, fault }) {
-    const { give, fail, progress } = this.#waiting.get(number);
+  #receive({ number, done, result, fault }) {
+    const { resolve, reject, progress } = this.#waiting.get(number);
     if (done !== undefined) {
       progress(done);
       return;
     }
     this.#waiting.delete(number);
-    if (fault) fail(new Error(fault));
-    else give(result);
+    if (fault) reject(new Error(fault));
+    else resolve(result);
   }
 }
