@@ -41,6 +41,14 @@ def test_the_legend_takes_no_width_from_the_panels(comparison):
     assert legend.get_window_extent().y1 <= min(box.y0 for box in boxes)
 
 
+def test_the_legend_of_a_narrow_page_is_complete(comparison):
+    page = comparison.plot(size=(84 / 25.4, None))
+    page.draw_without_rendering()
+    (legend,) = page.legends
+    box = legend.get_window_extent()
+    assert page.bbox.x0 <= box.x0 <= box.x1 <= page.bbox.x1
+
+
 @pytest.mark.full("takes long")
 def test_every_law_has_a_look_and_twins_share_one(comparison):
     labels = [re.sub(r" \(.*", "", look["label"]) for look in looks_of(comparison).values()]

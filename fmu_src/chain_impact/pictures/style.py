@@ -225,10 +225,21 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **look: Any) -> None:
     place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, low), "columnspacing": 1.2}
     for rows in range(1, max(count, 1) + 1):
         legend = figure.legend(handles=list(handles), ncols=max(1, -(-count // rows)), **place, **look)
-        if rows >= count or legend.get_window_extent().width <= room:
+        if legend.get_window_extent().width <= room:
+            break
+        if rows >= count:
+            fit_entries(legend, room)
             break
         legend.remove()
     _reserve(figure, 0.0, low + legend.get_window_extent().height / figure.bbox.height)
+
+
+def fit_entries(legend: Any, room: float) -> None:
+    """Break the entries of a legend with one column into lines that fit into a width [pixels]."""
+    texts = legend.get_texts()
+    beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
+    for text in texts:
+        in_lines(text, room - beside)
 
 
 def _foot(figure: Figure) -> float:

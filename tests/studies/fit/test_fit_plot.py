@@ -54,6 +54,16 @@ def test_rows_with_a_point_and_a_wall_stand_at_their_own_impacts():
     assert ticks == sorted(numbers)
 
 
+def test_an_impact_that_the_model_has_later_than_the_data_is_drawn():
+    _, result = motion(0.7)
+    table = {
+        name: np.asarray(values)[:2] for name, values in impacts(result, ["onset", "peak_force"]).items()
+    }
+    table["onset"] -= 1e-4  # s
+    found = fit(scene(), table, FREE, sigma={"onset": 1e-4, "peak_force": "1%"})
+    assert [axes.get_lines()[0].get_xdata().tolist() for axes in found.plot().axes] == [[1, 2]] * 4
+
+
 def test_a_narrow_page_has_one_column(found):
     page = found.plot(size=(84 / 25.4, 12.0))
     assert (

@@ -26,6 +26,7 @@ QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
 JOINT_FORCE = "joint_force"
 SIGMA = "sigma({})"
+LATE = 1.25  # latest time of an impact of the model that is compared, relative to the measured time
 PERCENT = "%"
 
 
@@ -105,6 +106,16 @@ class Measurements:
         order[~self.of_impact] = self.times[self.row[~self.of_impact]]
         order[self.of_impact] = onsets[self.row[self.of_impact]]
         return order
+
+    def end(self, stop_time: float) -> float:
+        """Return the time [s] up to which a model must run to cover all measurements.
+
+        An impact without a measured time may happen at any time until the scene's stop time.
+        """
+        last = float(np.nanmax(self.order, initial=0.0))
+        if np.isnan(self.order).any():
+            last = max(last, stop_time)
+        return LATE * last if self.of_impact.any() else last
 
     def until(self, stop: float) -> Measurements:
         """Return the measurements up to a time [s].

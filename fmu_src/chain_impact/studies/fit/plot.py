@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -96,9 +97,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
 def _model(fit: Estimates, k: int) -> Result:
     """Return the run of a data set with the fitted values, with rows dense enough for a smooth curve."""
     data, scene = fit.data[k], fit.scenes[k]
-    stop = max(1e-9, float(np.nanmax(data.order, initial=0.0)))
-    if np.isnan(data.order).any():  # an impact without a measured time can happen at any time
-        stop = max(stop, scene.simulation.stop_time)
+    stop = max(1e-9, data.end(scene.simulation.stop_time))
     inputs = {
         parameter.name: fit.values[parameter.label]
         for parameter in fit.parameters
@@ -128,7 +127,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             label = None if several else "model"
             values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=7, label=label)
         else:
-            _curve(values, residuals, results[part.run], name, INK if not several else colour)
+            _curve(axes, results[part.run], name, part.at.max(), INK if not several else colour)
             values.plot(part.at, measured[part.rows], **look, label=dots_label, alpha=0.7)
         residuals.plot(
             part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
@@ -147,14 +146,17 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
         )
 
 
-def _curve(values: Axes, residuals: Axes, result: Result, name: str, colour: str) -> None:
-    """Draw the model over time, and lines at its impacts."""
-    for axes in (values, residuals):
-        onsets = result.impacts["onset"]
+def _curve(panels: Sequence[Axes], result: Result, name: str, last: float, colour: str) -> None:
+    """Draw the model over time, and lines at its impacts, until the last measurement [s]."""
+    onsets, until = result.impacts["onset"], result.time <= last
+    onsets = onsets[onsets <= last]
+    for axes in panels:
         axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
-    words = "model; lines: its impacts" if len(result.impacts) else "model"
+    words = "model; lines: its impacts" if len(onsets) else "model"
     label = words if colour == INK else None
-    values.plot(result.time, result[name], color=colour, linewidth=0.9, label=label, zorder=4)
+    panels[0].plot(
+        result.time[until], result[name][until], color=colour, linewidth=0.9, label=label, zorder=4
+    )
 
 
 def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:

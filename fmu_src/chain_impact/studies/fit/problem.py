@@ -14,7 +14,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import AT_ONSET, Differentiated, DifferentiatedRun
 from chain_impact.simulation.instance import SimulationError
-from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
+from chain_impact.studies.fit.data import DURATION, LATE, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
 SMALLEST = 1e-300  # size of a column of zeros, so that it is not zero
@@ -24,7 +24,6 @@ AT_BOUND = 0.01
 # the distance from a bound, relative to the distance between both bounds, at which a parameter counts as at
 # the bound
 AT_BOUND_PART = 1e-9
-LATE = 1.25  # latest time of an impact of the model that is compared, relative to the measured time
 
 
 @dataclass(frozen=True)
@@ -141,17 +140,6 @@ class Problem:
             return outputs
         return np.array([self.names[group] in ("onset", "end") for group in self.group])
 
-    def end(self, k: int) -> float:
-        """Return the time [s] up to which the model of a data set must run to cover all measurements.
-
-        An impact without a measured time may happen at any time until the scene's stop time.
-        """
-        data = self.data[k]
-        last = float(np.nanmax(data.order, initial=0.0))
-        if np.isnan(data.order).any():
-            last = max(last, self.scenes[k].simulation.stop_time)
-        return LATE * last if data.of_impact.any() else last
-
     def values(self, coordinates: np.ndarray) -> np.ndarray:
         """Return the values of the parameters at some coordinates."""
         return np.array(
@@ -223,7 +211,7 @@ class Problem:
         data = self.data[k]
         times = data.times[: np.searchsorted(data.times, horizon, side="right")]
         if len(data.impacts):
-            end = min(self.end(k), LATE * horizon)
+            end = min(self.data[k].end(self.scenes[k].simulation.stop_time), LATE * horizon)
             times = np.append(times[times < end], end)
         return self._runs[k].run(values, times)
 
