@@ -72,7 +72,6 @@ def update_modes(d, jumped):
         set_slack(d, d.element.index[i])
     if any_sticking(d):
         project_state(d, d.step.state_end)
-        locate_points(d, d.step.state_end)
     for i in range(friction.count):
         widen_slack(d, d.element.index[i])
 
