@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
-from chain_impact.pictures.figures import check_alone, drawn
+from chain_impact.pictures.figures import check_alone, drawn, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.sizes import Size
@@ -73,6 +73,7 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
     legend_at_foot(figure, legend_handles(energy))
+    settle(figure)
 
 
 def message(comparison: LawRuns) -> str:

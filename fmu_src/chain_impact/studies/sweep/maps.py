@@ -10,10 +10,11 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator
 
 from chain_impact.pictures.style import legend_at_foot, raised
 from chain_impact.scene.unit_text import in_brackets, of_power
@@ -23,11 +24,11 @@ from chain_impact.studies.sweep.variation import Variation
 
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 WIDE_RANGE = 1e3  # the ratio of values above which an axis is logarithmic
-# the ratio of values above which their colours are logarithmic: with linear colours, values below a hundredth
+# the ratio of values above which their colours are logarithmic: with linear colours, values below a twentieth
 # of the largest one look the same
-WIDE_COLOURS = 100.0
+WIDE_COLOURS = 20.0
 MOST = 0.95  # the part of the values for which these ratios are computed; the rest are extremes
-LONGEST = 1e4  # the number from which on numbers at a bar of logarithmic colours are powers of ten
+FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 MOST_COLOURS = 12  # the largest number of colours of counts; more counts share colours
 NEVER = "no run has a finite value"
 
@@ -88,11 +89,18 @@ def _draw_map(
     colours = colours.with_extremes(bad=FAILED_COLOUR)
     mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, rasterized=True)
     bar = figure.colorbar(mesh, ax=axes, label=quantity.label)
-    if isinstance(norm, LogNorm) and most < LONGEST:
-        bar.formatter = FuncFormatter(lambda value, _: f"{value:g}")
+    if isinstance(norm, LogNorm) and most < WIDE_RANGE * least:
+        number_few_decades(bar.ax.yaxis)
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
         bar.ax.tick_params(which="both", length=0)
+
+
+def number_few_decades(axis: Axis) -> None:
+    """Label a logarithmic axis of few decades at 1, 2 and 5 of each decade, without powers."""
+    axis.set_minor_locator(LogLocator(subs=FEW_TICKS))
+    for kind in (axis.set_major_formatter, axis.set_minor_formatter):
+        kind(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def spread(values: np.ndarray) -> float:

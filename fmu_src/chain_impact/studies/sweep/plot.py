@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.figures import drawn
+from chain_impact.pictures.figures import drawn, settle
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     give_ticks,
@@ -39,6 +39,7 @@ from chain_impact.studies.sweep.maps import (
     draw_maps,
     is_logarithmic,
     label_of,
+    number_few_decades,
     spread,
     unit_of,
 )
@@ -54,7 +55,6 @@ CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linest
 NAMES, DOTS_WIDTH = 0.9, 2.0  # [inch] width of the names of choices, and smallest width of a panel with dots
 MOST_VARIED = 2  # largest number of parameters that vary
 MOST_DRAWN = 2**18  # largest number of runs in a picture
-FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
 ALONE = 6.5  # [inch] the width of a figure with one panel
 DOTS, CURVES, MAPS = "dots", "curves", "maps"
@@ -111,6 +111,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
         _curves(figure, runs, quantities, first, *others)
     else:
         draw_maps(figure, _panels(figure, len(quantities)), runs, quantities, (first, *others))
+    settle(figure)
 
 
 def kind_of(design: Design) -> str:
@@ -247,6 +248,4 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
         if is_over_log or spread(finite) >= WIDE_RANGE:
             axes.set_yscale("log")
         if axes.get_yscale() == "log" and finite.max() < WIDE_RANGE * finite.min():
-            axes.yaxis.set_minor_locator(LogLocator(subs=FEW_TICKS))
-            for kind in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
-                kind(FuncFormatter(lambda value, _: f"{value:g}"))
+            number_few_decades(axes.yaxis)
