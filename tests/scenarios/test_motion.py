@@ -6,68 +6,14 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact import Chain, SceneError, SceneWarning, SimulationError, load_scene, simulate
+from chain_impact import Chain, SceneError, SceneWarning, SimulationError, simulate
 from chain_impact.fmu.references import reference
 from chain_impact.pages.recorded import data
 from chain_impact.pictures.film_figure import Film
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers import driven
-
-G = 9.81
-LINKS = ({"length": 0.5, "mass": 1.0}, {"length": 0.4, "mass": 0.7})
-LAWS = ("zhang_sharf", "jankowski", "newton_impact")
-
-
-def scene_of(links=LINKS, *, base="free", box=None, contact=None, inputs=None, **others):
-    """Return a scene; ``others`` are more of its tables, by their keys."""
-    tables = {"solver": {"tolerance": 1e-12}, "simulation": {"stop_time": 1.0, "step_size": 0.01}}
-    for name, table in others.items():
-        tables[name] = tables.get(name, {}) | table if isinstance(table, dict) else table
-    chain = {"base": base, "links": [dict(link) for link in links]}
-    inputs = {"base_motion": True} if inputs is None else inputs
-    data = {"name": "Moves", "chain": chain, "box": box or {}, "contact": contact or {}, "inputs": inputs}
-    return scene_from_dict(data | tables, "moves")
-
-
-def pendulum(**others):
-    """Return two links that hang from a base that moves."""
-    others.setdefault("initial", {"position": [0.1, 0.2], "angles": [-1.0, -0.4]})
-    return scene_of(base="pinned", **others)
-
-
-def room(model="zhang_sharf", velocity=(0.5, 0.0), walls=("y_min", "x_max"), **contact):
-    """Return a free chain that falls to a floor and against a wall, both of which may move."""
-    return scene_of(
-        box={"y_min": 0.0, "x_max": 2.0} if "x_max" in walls else {"y_min": 0.0},
-        contact={"model": model, "stiffness": 1e6, "restitution": 0.6} | contact,
-        inputs={"wall_motion": list(walls)},
-        initial={
-            "position": [0.6, 1.0],
-            "angles": [0.4, -0.6],
-            "velocity": list(velocity),
-            "angular_velocities": [1.0, -2.0],
-        },
-    )
-
-
-def resting(model, *, friction=0.0, stop=3600.0, **others):
-    """Return a rod that lies on a floor that moves."""
-    return scene_of(
-        LINKS[:1],
-        box={"y_min": 0.0},
-        contact={"model": model, "stiffness": 1e6, "restitution": 0.3, "friction": friction},
-        inputs={"wall_motion": True},
-        solver={"tolerance": 1e-8},
-        simulation={"stop_time": stop, "step_size": stop / 600.0},
-        initial={"angles": [0.0]},
-        **others,
-    )
-
-
-def unbalanced(result):
-    """Return the largest change of the energy balance [J]."""
-    return np.ptp(result["energy.total"] + result["energy.dissipated"] - result["energy.supplied"])
+from tests.helpers.moving_scenes import LAWS, LINKS, G, pendulum, resting, room, scene_of, unbalanced
 
 
 @pytest.mark.parametrize("armature", [0.0, 0.05])
@@ -211,150 +157,6 @@ def test_the_speed_of_a_belt_may_jump():
     assert unbalanced(result) < 1e-6
 
 
-def shaken(time, amplitude=0.05, rate=5.0):
-    """Return position, velocity and acceleration of a base."""
-    angle = rate * time
-    return (
-        0.1 + amplitude * math.sin(angle),
-        amplitude * rate * math.cos(angle),
-        -amplitude * rate**2 * math.sin(angle),
-    )
-
-
-def stepped(scene, step, count, given, names=("base.x", "base.vx", "base.ax")):
-    """Return the chain after each step, as a master steps it that gives a motion at communication points."""
-    chain, rows = Chain(scene), []
-    for k in range(count):
-        chain.set(dict(zip(names, given(k * step), strict=False)))
-        chain.step_to((k + 1) * step)
-        rows.append((chain.time, *chain.get(["point[0].x", "point[0].vx", "link[1].angle"])))
-    return np.array(rows).T
-
-
-def test_a_constant_acceleration_is_followed_exactly_from_communication_points():
-    time, x, _, angle = stepped(pendulum(), 0.01, 100, lambda t: (0.1 + 0.65 * t * t, 1.3 * t, 1.3))
-    still = simulate(pendulum().with_values({"gravity.x": -1.3}))
-    assert np.abs(x - 0.1 - 0.65 * time**2).max() < 1e-14
-    assert np.abs(angle - still["link[1].angle"][1:]).max() < 1e-11
-
-
-@pytest.mark.parametrize(("names", "order"), [(3, 3), (2, 2)])
-def test_a_smooth_motion_is_followed_with_an_error_that_falls_with_the_step(names, order):
-    errors = []
-    for step in (0.02, 0.01):
-        given = ("base.x", "base.vx", "base.ax")[:names]
-        time, x, _, _ = stepped(pendulum(), step, round(1 / step), lambda t: shaken(t)[:names], given)
-        errors.append(np.abs(x - 0.1 - 0.05 * np.sin(5.0 * time)).max())
-    assert errors[0] / errors[1] == pytest.approx(2**order, rel=0.1)
-
-
-def test_a_position_alone_is_followed_with_a_warning():
-    chain = Chain(pendulum())
-    chain.set("base.x", shaken(0.0)[0])
-    chain.step_to(0.01)
-    chain.set("base.x", shaken(0.01)[0])
-    with pytest.warns(
-        SceneWarning, match=r"base\.x has been moved by 0.0024.* in 0.01 s, .* velocity of 0 m/s"
-    ):
-        chain.step_to(0.02)
-    for k in range(2, 100):
-        chain.set("base.x", shaken(0.01 * k)[0])
-        chain.step_to(0.01 * (k + 1))
-    assert chain.get("point[0].x") == pytest.approx(shaken(1.0)[0], abs=2e-4)
-    assert chain.get("point[0].vx") == pytest.approx(shaken(1.0)[1], abs=2e-2)
-
-
-def test_a_motion_does_not_drift_in_an_hour():
-    slow = [0.05, 0.05]
-    time, x, _, _ = stepped(pendulum(), 1.0, 3600, lambda t: shaken(t, *slow))
-    assert np.abs(x - 0.1 - 0.05 * np.sin(0.05 * time))[-100:].max() < 2e-6
-
-
-def test_held_inputs_are_followed_as_by_a_chain_that_is_stepped():
-    inputs = {name: (lambda t, k=k: shaken(t)[k]) for k, name in enumerate(("base.x", "base.vx"))}
-    result = simulate(pendulum(), inputs=inputs, interpolation="hold")
-    _, _, _, angle = stepped(pendulum(), 0.01, 100, lambda t: shaken(t)[:2], ("base.x", "base.vx"))
-    assert (result["link[1].angle"][1:] == angle).all()
-
-
-def test_a_saved_state_goes_on_bit_by_bit():
-    chain = Chain(pendulum())
-    chain.set({"base.vx": 0.3, "base.ax": -0.4})
-    chain.step(0.05)
-    state = chain.save()
-    chain.step(0.05)
-    before = chain.get("*")
-    chain.restore(state)
-    chain.step(0.05)
-    assert (chain.get("*") == before).all()
-
-
-def test_samples_of_a_position_are_joined_smoothly():
-    times = np.linspace(0.0, 1.0, 201)
-    sampled = simulate(pendulum(), inputs={"base.x": (times, 0.1 + 0.05 * np.sin(5.0 * times))})
-    exact = simulate(pendulum(), inputs={"base.x": lambda t: shaken(t)[0]})
-    assert np.abs(sampled["link[1].angle"] - exact["link[1].angle"]).max() < 1e-7
-
-
-def test_a_velocity_alone_is_integrated():
-    exact = simulate(pendulum(), inputs={"base.x": lambda t: shaken(t)[0]})
-    inputs = {"base.vx": lambda t: shaken(t)[1]}
-    assert np.abs(simulate(pendulum(), inputs=inputs)["link[1].angle"] - exact["link[1].angle"]).max() < 1e-10
-
-
-VARIED = ("link[1].mass", "contact.stiffness", "wall.y_min.displacement", "wall.y_min.velocity")
-
-
-@pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
-def test_derivatives_of_a_bounce_on_a_moving_floor_are_those_of_differences(model):
-    names = [name for name in VARIED if model != "newton_impact" or name != "contact.stiffness"]
-    scene = room(model, walls=("y_min",))
-
-    def height(t):
-        return 0.02 * math.sin(7.0 * t)
-
-    def run(changed=None, by=0.0, **options):
-        inputs = {
-            "wall.y_min.displacement": lambda t: (
-                height(t) + by * {"wall.y_min.displacement": 1.0, "wall.y_min.velocity": t}.get(changed, 0.0)
-            )
-        }
-        value = {changed: scene.values[changed] + by} if changed in scene.values else {}
-        return simulate(scene.with_values(value), 0.5, inputs=inputs, **options)
-
-    result = run(sensitivities=names)
-    assert len(result.impacts) >= 1
-    for name in names:
-        step = 3e-3 * max(abs(scene.values.get(name) or 0.0), 0.01)
-        slope = sum(
-            factor * (run(name, k * step)["link[2].angle"] - run(name, -k * step)["link[2].angle"])
-            for k, factor in ((1, 45.0), (2, -9.0), (3, 1.0))
-        ) / (60.0 * step)
-        found = result.sensitivity("link[2].angle", name)
-        assert np.abs(found - slope)[-1] < 1e-8 * max(1.0, np.abs(slope).max()), name
-
-
-def test_the_derivative_by_the_position_of_a_base_moves_all_points():
-    result = simulate(
-        pendulum(), inputs={"base.x": lambda t: shaken(t)[0]}, sensitivities=["base.*", "initial.x"]
-    )
-    assert result.sensitivity("point[2].x", "base.x") == pytest.approx(1.0)
-    assert result.sensitivity("link[1].angle", "base.x") == pytest.approx(0.0)
-    assert result.sensitivity("point[0].x", "base.vx") == pytest.approx(result.time)
-    gravity = simulate(pendulum(), inputs={"base.x": lambda t: shaken(t)[0]}, sensitivities=["gravity.x"])
-    assert result.sensitivity("link[2].angle", "base.ax") == pytest.approx(
-        -gravity.sensitivity("link[2].angle", "gravity.x"), abs=1e-9
-    )
-
-
-def test_an_initial_position_is_that_of_a_base_that_moves():
-    chain = Chain(pendulum())
-    chain.set("initial.x", 0.7)
-    assert chain.get(["base.x", "point[0].x"]) == pytest.approx([0.7, 0.7])
-    chain.set("base.x", 0.4)
-    assert chain.get("point[0].x") == pytest.approx(0.4)
-
-
 REFUSED = {
     "jump of the position": (lambda t: 0.1 * (t > 0.5), "the position jumps at t = 0.5 s.*give a velocity"),
     "kink": (lambda t: abs(t - 0.5), "the velocity jumps at t = 0.5 s.*give a velocity"),
@@ -442,34 +244,6 @@ def test_walls_are_drawn_where_they_are(tmp_path):
     assert floors == pytest.approx([0.0, height(0.4)])
 
 
-def test_velocities_that_are_given_without_positions_are_integrated():
-    chain, step = Chain(room(walls=("y_min",))), 1.0 / 128
-    found = []
-    for speed in (0.1, 0.3, 0.0):
-        chain.set("wall.y_min.velocity", speed)
-        for _ in range(8):
-            chain.step(step)
-        found.append(chain.get("wall.y_min.position"))
-    # the first velocity acts at once, and each other velocity after one step
-    assert np.diff(found) == pytest.approx([0.3 * 8 * step - 0.2 * step / 2, 0.3 * step / 2], abs=1e-15)
-    assert found[0] == pytest.approx(0.1 * 8 * step, abs=1e-15)
-    chain.set({"wall.y_min.displacement": found[-1] + 0.001, "wall.y_min.velocity": 0.1})
-    for _ in range(8):
-        chain.step(step)
-    assert chain.get("wall.y_min.position") == pytest.approx(found[-1] + 0.001 + 0.1 * 8 * step, abs=1e-15)
-
-
-def test_an_acceleration_that_is_given_alone_changes_the_velocity():
-    chain = Chain(pendulum())
-    for acceleration, count in ((2.0, 8), (-1.0, 16), (0.0, 8)):
-        chain.set("base.ax", acceleration)
-        for _ in range(count):
-            chain.step(1.0 / 64)
-    # v = 0.25 after 1/8 s, and 0 after another 1/4 s
-    assert chain.get("point[0].vx") == pytest.approx(0.0, abs=1e-14)
-    assert chain.get("point[0].x") == pytest.approx(0.1 + 0.5 * 0.25 / 8 + 0.5 * 0.25 / 4, abs=1e-14)
-
-
 def test_the_reference_results_of_an_fmu_have_motions_that_agree_with_their_velocities(recwarn):
     scene = pendulum(box={"y_min": -1.0}, inputs={"base_motion": True, "wall_motion": True})
     found = reference(PreparedScene(scene))
@@ -479,29 +253,6 @@ def test_the_reference_results_of_an_fmu_have_motions_that_agree_with_their_velo
     for position, velocity in (("base.y", "base.vy"), ("wall.y_min.displacement", "wall.y_min.velocity")):
         slope = np.gradient(inputs[position], step, edge_order=2)
         assert slope == pytest.approx(inputs[velocity], abs=0.02 * np.abs(slope).max())
-
-
-PROFILES = {
-    "smoothstep": ("base.x", lambda s: 0.1 * (3.0 * s**2 - 2.0 * s**3)),
-    "quintic": ("base.x", lambda s: 0.1 * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5)),
-    "versine": ("base.x", lambda s: 0.05 * (1.0 - math.cos(math.pi * s))),
-    "trapezoid": ("base.vx", lambda s: 0.1 * min(1.0, 4.0 * s, 4.0 * (1.0 - s))),
-    "step of acceleration": ("base.ax", lambda s: 1.0 if s < 1.0 else 0.0),
-}
-
-
-@pytest.mark.parametrize("name", PROFILES)
-@pytest.mark.parametrize("until", [0.1, 0.37, 0.5])
-def test_profiles_of_machines_whose_acceleration_jumps_are_followed(name, until):
-    """A continuous velocity does not jump at its kinks."""
-    signal, course = PROFILES[name]
-    scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True})
-    inputs = {signal: lambda time: course(min(time / until, 1.0))}
-    result = simulate(scene, 0.6, inputs=inputs, output_step=0.1)
-    if signal == "base.x":
-        assert result["point[0].x"][-1] == pytest.approx(course(1.0), abs=1e-9)
-    else:
-        assert result["point[0].vx"][-1] == pytest.approx(0.0 if signal == "base.vx" else until, abs=1e-6)
 
 
 @pytest.mark.parametrize("speed", [0.5, 0.05])
