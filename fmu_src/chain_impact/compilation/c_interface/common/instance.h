@@ -42,8 +42,8 @@ enum { ANY_PHASE = IN(PHASES) - 1 };
 /* values of fmi2Status and fmi3Status; PENDING exists in FMI 2.0 only. Functions that return a status return an int. */
 enum { OK, WARNING, DISCARD, ERROR, PENDING = 5 };
 
-/* The sizes at the start of a record, on which its layout depends: the counts COUNTS and FEATURES of compilation/affine.py,
-   and the number of tangent instances. */
+/* The sizes at the start of a record, on which its layout depends: COUNTS and FEATURES of compilation/affine.py, and
+   the number of tangent instances. */
 enum { COUNTS = 8, FEATURES = 2, SIZES = COUNTS + FEATURES + 1 };
 
 typedef struct Instance Instance;
@@ -84,33 +84,33 @@ struct Instance {
 /* life.c: the parts of the standard's calls that both versions have in common; `call` is the name of a call */
 Instance *new_instance(Instance draft, const char *call, const char *token, const char *resources);
 Instance *another_instance(const Instance *first, const char *call, const char *name); /* shares the table */
-void free_instance(Instance *one);
-int set_logging(Instance *one, const char *call, int on, size_t count, const char *const names[]);
-int set_up(Instance *one, const char *call, int with_tolerance, double tolerance, double start, int with_stop,
+void free_instance(Instance *instance);
+int set_logging(Instance *instance, const char *call, int on, size_t count, const char *const names[]);
+int set_up(Instance *instance, const char *call, int with_tolerance, double tolerance, double start, int with_stop,
            double stop);
-int enter_initialization(Instance *one, const char *call);
-int exit_initialization(Instance *one, const char *call);
-int terminate(Instance *one, const char *call);
-int reset(Instance *one, const char *call);
-int do_step(Instance *one, const char *call, double now, double size, int *onset_due);
-int start(Instance *one, const char *call); /* computes the start if it is not computed yet */
-int fail(Instance *one, int status, int fault); /* after a fault of the kernel no step can follow */
+int enter_initialization(Instance *instance, const char *call);
+int exit_initialization(Instance *instance, const char *call);
+int terminate(Instance *instance, const char *call);
+int reset(Instance *instance, const char *call);
+int do_step(Instance *instance, const char *call, double now, double size, int *onset_due);
+int start(Instance *instance, const char *call); /* computes the start if it is not computed yet */
+int fail(Instance *instance, int status, int fault); /* after a fault of the kernel no step can follow */
 
 /* variables.c */
 typedef enum { FLOAT64S, INT32S, INT64S } Element; /* type of the importer's arrays */
-int get(Instance *one, const char *call, Element element, const uint32_t vr[], size_t count, void *values,
+int get(Instance *instance, const char *call, Element element, const uint32_t vr[], size_t count, void *values,
         size_t length);
-int set(Instance *one, const char *call, Element element, const uint32_t vr[], size_t count, const void *values,
+int set(Instance *instance, const char *call, Element element, const uint32_t vr[], size_t count, const void *values,
         size_t length);
-int none(const Instance *one, const char *call, size_t count, const char *missing); /* accepts an empty list only */
+int none(const Instance *instance, const char *call, size_t count, const char *missing); /* accepts an empty list */
 
 /* states.c */
-int get_state(Instance *one, const char *call, void **place);
-int set_state(Instance *one, const char *call, void *state);
-int free_state(const Instance *one, const char *call, void **place);
-int state_size(const Instance *one, const char *call, void *state, size_t *size);
-int serialize(const Instance *one, const char *call, void *state, void *bytes, size_t size);
-int deserialize(const Instance *one, const char *call, const void *bytes, size_t size, void **place);
+int get_state(Instance *instance, const char *call, void **place);
+int set_state(Instance *instance, const char *call, void *state);
+int free_state(const Instance *instance, const char *call, void **place);
+int state_size(const Instance *instance, const char *call, void *state, size_t *size);
+int serialize(const Instance *instance, const char *call, void *state, void *bytes, size_t size);
+int deserialize(const Instance *instance, const char *call, const void *bytes, size_t size, void **place);
 
 /* messages.c */
 #define ALL_CATEGORIES (~0u)
@@ -118,11 +118,11 @@ int deserialize(const Instance *one, const char *call, const void *bytes, size_t
 #define REFUSALS (1u << DISCARD | 1u << ERROR)
 unsigned category_bit(const char *name); /* 0 if no category has the name */
 /* Send a sentence to the importer's log if the importer wants its category; return the status. */
-int say(const Instance *one, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
+int say(const Instance *instance, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Return whether a call is allowed in the present phase, or whether an argument is not NULL; else log an error. */
-int allowed(const Instance *one, const char *call, unsigned phases);
-int given(const Instance *one, const char *call, const char *name, const void *argument);
-const char *when(const Instance *one); /* the present phase in words */
+int allowed(const Instance *instance, const char *call, unsigned phases);
+int given(const Instance *instance, const char *call, const char *name, const void *argument);
+const char *when(const Instance *instance); /* the present phase in words */
 typedef struct { char text[1000]; } Sentence;
 Sentence reason(const Table *table, const Word *record, int status); /* sentence of a status, with words for its place */
 typedef struct { char text[32]; } Number;

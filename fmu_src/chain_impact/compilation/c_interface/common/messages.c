@@ -21,8 +21,8 @@ unsigned category_bit(const char *name) {
     return 0;
 }
 
-int say(const Instance *one, int status, const char *format, ...) {
-    int wanted = (one->categories & 1u << status) || (status >= ERROR && one->interface->says_errors);
+int say(const Instance *instance, int status, const char *format, ...) {
+    int wanted = (instance->categories & 1u << status) || (status >= ERROR && instance->interface->says_errors);
     if (!wanted) return status;
     char text[LONGEST], message[2 * LONGEST], *end = message;
     va_list arguments;
@@ -30,51 +30,51 @@ int say(const Instance *one, int status, const char *format, ...) {
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     for (const char *at = text; *at; at++) {
-        if (strchr(one->interface->escaped, *at)) *end++ = *at;
+        if (strchr(instance->interface->escaped, *at)) *end++ = *at;
         *end++ = *at;
     }
     *end = '\0';
-    one->interface->log(one, status, CATEGORIES[status], message);
+    instance->interface->log(instance, status, CATEGORIES[status], message);
     return status;
 }
 
-const char *when(const Instance *one) {
+const char *when(const Instance *instance) {
     static const char *const WHEN[] = {"before initialization", "in initialization mode", "after initialization",
                                        "after terminate", "after a step that failed", "in event mode"};
-    return one->phase == STEPPING && one->event_mode ? "in step mode" : WHEN[one->phase];
+    return instance->phase == STEPPING && instance->event_mode ? "in step mode" : WHEN[instance->phase];
 }
 
-int allowed(const Instance *one, const char *call, unsigned phases) {
-    if (!one) return 0;
-    if (!(phases & IN(one->phase))) say(one, ERROR, "%s cannot be called %s", call, when(one));
-    return (phases & IN(one->phase)) != 0;
+int allowed(const Instance *instance, const char *call, unsigned phases) {
+    if (!instance) return 0;
+    if (!(phases & IN(instance->phase))) say(instance, ERROR, "%s cannot be called %s", call, when(instance));
+    return (phases & IN(instance->phase)) != 0;
 }
 
-int given(const Instance *one, const char *call, const char *name, const void *argument) {
-    if (!argument) say(one, ERROR, "%s: the argument %s is a null pointer", call, name);
+int given(const Instance *instance, const char *call, const char *name, const void *argument) {
+    if (!argument) say(instance, ERROR, "%s: the argument %s is a null pointer", call, name);
     return argument != NULL;
 }
 
 Number number(double value) {
     uint64_t registers = usual_registers();
-    Number found = {"nan"};
+    Number result = {"nan"};
     for (int digits = 15; digits <= 17 && value == value; digits++) {
-        snprintf(found.text, sizeof found.text, "%.*g", digits, value);
-        if (strtod(found.text, NULL) == value) break;
+        snprintf(result.text, sizeof result.text, "%.*g", digits, value);
+        if (strtod(result.text, NULL) == value) break;
     }
-    char *comma = strchr(found.text, ','); /* the decimal mark of the importer's locale */
+    char *comma = strchr(result.text, ','); /* the decimal mark of the importer's locale */
     if (comma) *comma = '.';
-    if (found.text[strspn(found.text, "-0123456789")] == '\0') strcat(found.text, ".0");
+    if (result.text[strspn(result.text, "-0123456789")] == '\0') strcat(result.text, ".0");
     put_registers_back(registers);
-    return found;
+    return result;
 }
 
 Number rounded(double value) {
     uint64_t registers = usual_registers();
-    Number found;
-    snprintf(found.text, sizeof found.text, "%.9g", value);
+    Number result;
+    snprintf(result.text, sizeof result.text, "%.9g", value);
     put_registers_back(registers);
-    return found;
+    return result;
 }
 
 Sentence reason(const Table *table, const Word *record, int status) {
@@ -83,8 +83,8 @@ Sentence reason(const Table *table, const Word *record, int status) {
     const char *what = known ? text_of(table, statuses[status]) : "unknown status";
     int64_t place = record[table->place_word].integer; /* places count from 1 */
     int placed = place >= 1 && place <= table->place_count;
-    Sentence found;
-    snprintf(found.text, sizeof found.text, placed ? "%s: %s" : "%s", what,
+    Sentence sentence;
+    snprintf(sentence.text, sizeof sentence.text, placed ? "%s: %s" : "%s", what,
              placed ? text_of(table, places[place - 1]) : "");
-    return found;
+    return sentence;
 }

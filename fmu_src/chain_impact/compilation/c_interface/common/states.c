@@ -19,102 +19,102 @@ enum { BEGIN = offsetof(State, guid) };
 static const char MAGIC[] = "chainimp";
 
 /* Return the state to which an argument points; NULL, with an error, if the state is not valid. */
-static State *state_in(const Instance *one, const char *call, void *state) {
-    if (!allowed(one, call, ANY_PHASE) || !given(one, call, one->interface->state, state)) return NULL;
+static State *state_in(const Instance *instance, const char *call, void *state) {
+    if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, state)) return NULL;
     if (memcmp(((State *)state)->magic, MAGIC, sizeof ((State *)state)->magic) == 0) return state;
-    return say(one, ERROR, "%s: %s is no state", call, one->interface->state), NULL;
+    return say(instance, ERROR, "%s: %s is no state", call, instance->interface->state), NULL;
 }
 
 static size_t size_of(const State *state) { return BEGIN + (size_t)state->size; }
 
-static int is_own(const Instance *one, const State *state) {
-    return memcmp(state->guid, one->table->guid, sizeof state->guid) == 0 &&
-           size_of(state) == sizeof(State) + (size_t)one->table->record_size;
+static int is_own(const Instance *instance, const State *state) {
+    return memcmp(state->guid, instance->table->guid, sizeof state->guid) == 0 &&
+           size_of(state) == sizeof(State) + (size_t)instance->table->record_size;
 }
 
 /* Return whether the kernel can continue from a state, whatever its origin. */
-static int is_sound(const Instance *one, State *state) {
+static int is_sound(const Instance *instance, State *state) {
     Word *record = (Word *)(state + 1);
     int started = state->phase != INSTANTIATED && state->phase != INITIALIZING;
-    return state->phase >= 0 && state->phase < PHASES && (state->phase != EVENT || one->event_mode) &&
+    return state->phase >= 0 && state->phase < PHASES && (state->phase != EVENT || instance->event_mode) &&
            (state->flags & ~(INITIALIZED | SET_UP)) == 0 &&
            (!started || state->flags == (INITIALIZED | SET_UP)) && isfinite(state->time) && !isnan(state->stop_time) &&
-           memcmp(record, one->record, SIZES * sizeof *record) == 0 &&
+           memcmp(record, instance->record, SIZES * sizeof *record) == 0 &&
            sound(record) == 1;
 }
 
-int get_state(Instance *one, const char *call, void **place) {
-    if (!allowed(one, call, ANY_PHASE) || !given(one, call, one->interface->state, place)) return ERROR;
+int get_state(Instance *instance, const char *call, void **place) {
+    if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, place)) return ERROR;
     State *state = *place;
-    if (state && !state_in(one, call, state)) return ERROR;
-    if (state && !is_own(one, state))
-        return say(one, ERROR, "%s: %s is a state of another FMU", call, one->interface->state);
-    size_t record = (size_t)one->table->record_size;
-    if (!state && !(state = one->allocate(1, sizeof *state + record)))
-        return say(one, ERROR, "%s: no memory for a state", call);
-    int flags = (one->initialized ? INITIALIZED : 0) | (one->set_up ? SET_UP : 0);
-    *state = (State){.size = sizeof *state + record - BEGIN, .phase = one->phase, .flags = flags, .time = one->time,
-                     .stop_time = one->stop_time};
+    if (state && !state_in(instance, call, state)) return ERROR;
+    if (state && !is_own(instance, state))
+        return say(instance, ERROR, "%s: %s is a state of another FMU", call, instance->interface->state);
+    size_t record = (size_t)instance->table->record_size;
+    if (!state && !(state = instance->allocate(1, sizeof *state + record)))
+        return say(instance, ERROR, "%s: no memory for a state", call);
+    int flags = (instance->initialized ? INITIALIZED : 0) | (instance->set_up ? SET_UP : 0);
+    *state = (State){.size = sizeof *state + record - BEGIN, .phase = instance->phase, .flags = flags,
+                     .time = instance->time, .stop_time = instance->stop_time};
     memcpy(state->magic, MAGIC, sizeof state->magic);
-    memcpy(state->guid, one->table->guid, sizeof state->guid);
-    memcpy(state + 1, one->record, record);
+    memcpy(state->guid, instance->table->guid, sizeof state->guid);
+    memcpy(state + 1, instance->record, record);
     *place = state;
     return OK;
 }
 
-int set_state(Instance *one, const char *call, void *given_state) {
-    State *state = state_in(one, call, given_state);
+int set_state(Instance *instance, const char *call, void *given_state) {
+    State *state = state_in(instance, call, given_state);
     if (!state) return ERROR;
-    if (!is_own(one, state)) return say(one, ERROR, "%s: the state is that of another FMU", call);
-    if (!is_sound(one, state)) return say(one, ERROR, "%s: the state is damaged", call);
-    memcpy(one->record, state + 1, (size_t)one->table->record_size);
-    one->phase = (Phase)state->phase;
-    one->initialized = (state->flags & INITIALIZED) != 0;
-    one->set_up = (state->flags & SET_UP) != 0;
-    one->observed = NULL;
-    one->time = state->time;
-    one->stop_time = state->stop_time;
+    if (!is_own(instance, state)) return say(instance, ERROR, "%s: the state is that of another FMU", call);
+    if (!is_sound(instance, state)) return say(instance, ERROR, "%s: the state is damaged", call);
+    memcpy(instance->record, state + 1, (size_t)instance->table->record_size);
+    instance->phase = (Phase)state->phase;
+    instance->initialized = (state->flags & INITIALIZED) != 0;
+    instance->set_up = (state->flags & SET_UP) != 0;
+    instance->observed = NULL;
+    instance->time = state->time;
+    instance->stop_time = state->stop_time;
     return OK;
 }
 
-int free_state(const Instance *one, const char *call, void **place) {
-    if (!allowed(one, call, ANY_PHASE)) return ERROR;
+int free_state(const Instance *instance, const char *call, void **place) {
+    if (!allowed(instance, call, ANY_PHASE)) return ERROR;
     if (!place || !*place) return OK;
-    State *state = state_in(one, call, *place);
+    State *state = state_in(instance, call, *place);
     if (!state) return ERROR;
     memset(state->magic, 0, sizeof state->magic);
-    one->release(state);
+    instance->release(state);
     *place = NULL;
     return OK;
 }
 
-int state_size(const Instance *one, const char *call, void *given_state, size_t *size) {
-    State *state = state_in(one, call, given_state);
-    if (!state || !given(one, call, "size", size)) return ERROR;
+int state_size(const Instance *instance, const char *call, void *given_state, size_t *size) {
+    State *state = state_in(instance, call, given_state);
+    if (!state || !given(instance, call, "size", size)) return ERROR;
     *size = size_of(state);
     return OK;
 }
 
-int serialize(const Instance *one, const char *call, void *given_state, void *bytes, size_t size) {
-    State *state = state_in(one, call, given_state);
-    if (!state || !given(one, call, "serializedState", bytes)) return ERROR;
+int serialize(const Instance *instance, const char *call, void *given_state, void *bytes, size_t size) {
+    State *state = state_in(instance, call, given_state);
+    if (!state || !given(instance, call, "serializedState", bytes)) return ERROR;
     if (size < size_of(state))
-        return say(one, ERROR, "%s: the state needs %zu bytes, but %zu are given", call, size_of(state), size);
+        return say(instance, ERROR, "%s: the state needs %zu bytes, but %zu are given", call, size_of(state), size);
     state->checksum = checksum((char *)state + BEGIN, state->size);
     memcpy(bytes, state, size_of(state));
     return OK;
 }
 
-int deserialize(const Instance *one, const char *call, const void *bytes, size_t size, void **place) {
-    if (!allowed(one, call, ANY_PHASE) || !given(one, call, one->interface->state, place)) return ERROR;
-    if (!given(one, call, "serializedState", bytes)) return ERROR;
+int deserialize(const Instance *instance, const char *call, const void *bytes, size_t size, void **place) {
+    if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, place)) return ERROR;
+    if (!given(instance, call, "serializedState", bytes)) return ERROR;
     State head = {.size = 0};
     if (size >= sizeof head) memcpy(&head, bytes, sizeof head);
     if (memcmp(head.magic, MAGIC, sizeof head.magic) != 0 || size_of(&head) != size ||
         head.checksum != checksum((const char *)bytes + BEGIN, head.size))
-        return say(one, ERROR, "%s: the bytes are no state, or damaged", call);
-    State *state = one->allocate(1, size);
-    if (!state) return say(one, ERROR, "%s: no memory for a state", call);
+        return say(instance, ERROR, "%s: the bytes are no state, or damaged", call);
+    State *state = instance->allocate(1, size);
+    if (!state) return say(instance, ERROR, "%s: no memory for a state", call);
     *place = memcpy(state, bytes, size);
     return OK;
 }

@@ -38,8 +38,8 @@ static int read_all(int file, void *place, uint64_t size) {
 
 static int hexadecimal(char digit) {
     static const char DIGITS[] = "0123456789abcdef0123456789ABCDEF";
-    const char *found = digit ? strchr(DIGITS, digit) : NULL;
-    return found ? (int)(found - DIGITS) % 16 : -1;
+    const char *place = digit ? strchr(DIGITS, digit) : NULL;
+    return place ? (int)(place - DIGITS) % 16 : -1;
 }
 
 static const char NAME[] = "/model.bin";

@@ -32,11 +32,11 @@ static int is_word(const Table *table, int64_t word) {
     return word >= SIZES && word < table->record_size / (int64_t)sizeof(Word);
 }
 
-static int is_variable(const Table *table, const Variable *one) {
-    return (one->type == REAL || one->type == INTEGER) && one->kind >= FIXED && one->kind <= TIME &&
-           is_text(table, one->name) && is_text(table, one->allowed) && is_word(table, one->word) &&
-           is_word(table, one->set_word) && one->length >= 1 && one->length <= table->record_size &&
-           is_word(table, one->word + one->length - 1);
+static int is_variable(const Table *table, const Variable *variable) {
+    return (variable->type == REAL || variable->type == INTEGER) && variable->kind >= FIXED && variable->kind <= TIME &&
+           is_text(table, variable->name) && is_text(table, variable->allowed) && is_word(table, variable->word) &&
+           is_word(table, variable->set_word) && variable->length >= 1 && variable->length <= table->record_size &&
+           is_word(table, variable->word + variable->length - 1);
 }
 
 /* Return whether the record has the length that the kernel expects, and every index in it is within bounds. */

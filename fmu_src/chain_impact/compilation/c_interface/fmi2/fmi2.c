@@ -14,8 +14,8 @@ FMI2_Export const char *fmi2GetVersion(void) { return fmi2Version; }
 
 typedef void (*Logger)(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
 
-static void log_message(const Instance *one, int status, const char *category, const char *message) {
-    ((Logger)one->logger)(one->environment, one->name, (fmi2Status)status, category, message);
+static void log_message(const Instance *instance, int status, const char *category, const char *message) {
+    ((Logger)instance->logger)(instance->environment, instance->name, (fmi2Status)status, category, message);
 }
 
 static const Interface FMI2 = {
@@ -38,18 +38,18 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
         return say(&draft, ERROR, "%s: the callbacks allocateMemory and freeMemory are needed", __func__), NULL;
     if (type != fmi2CoSimulation)
         return say(&draft, ERROR, "%s: this FMU is for co-simulation, not for model exchange", __func__), NULL;
-    Instance *one = new_instance(draft, __func__, guid, location);
-    if (one) one->categories = logging ? ALL_CATEGORIES : REFUSALS;
-    return one;
+    Instance *instance = new_instance(draft, __func__, guid, location);
+    if (instance) instance->categories = logging ? ALL_CATEGORIES : REFUSALS;
+    return instance;
 }
 
 /* Beyond the standard, for a slave in Python (slave.py): return another instance of the same FMU, which shares the
    table of the first instance; the first instance must be freed last. A long step returns fmi2Pending after a second of
    computing, and continues when it is called again with the same arguments: between the calls Python handles Ctrl-C. */
 FMI2_Export fmi2Component another_fmi2_instance(fmi2Component first, fmi2String name) {
-    Instance *one = first ? another_instance(first, "fmi2Instantiate", name) : NULL;
-    if (one) one->advance = advance_awhile;
-    return one;
+    Instance *instance = first ? another_instance(first, "fmi2Instantiate", name) : NULL;
+    if (instance) instance->advance = advance_awhile;
+    return instance;
 }
 
 FMI2_Export void fmi2FreeInstance(fmi2Component c) { free_instance(c); }
@@ -58,9 +58,9 @@ FUNCTION(fmi2SetDebugLogging, set_logging(c, __func__, logging, count, names), f
 FUNCTION(fmi2SetupExperiment, set_up(c, __func__, with_tolerance, tolerance, begin, with_stop, stop), fmi2Component c,
          fmi2Boolean with_tolerance, fmi2Real tolerance, fmi2Real begin, fmi2Boolean with_stop, fmi2Real stop)
 FMI2_Export fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-    const Instance *one = c;
-    if (one && one->phase == INSTANTIATED && !one->set_up)
-        return (fmi2Status)say(one, ERROR, "%s cannot be called before fmi2SetupExperiment", __func__);
+    const Instance *instance = c;
+    if (instance && instance->phase == INSTANTIATED && !instance->set_up)
+        return (fmi2Status)say(instance, ERROR, "%s cannot be called before fmi2SetupExperiment", __func__);
     return (fmi2Status)enter_initialization(c, __func__);
 }
 FUNCTION(fmi2ExitInitializationMode, exit_initialization(c, __func__), fmi2Component c)
@@ -118,16 +118,16 @@ FMI2_Export fmi2Status fmi2CancelStep(fmi2Component c) {
 /* Define a function for the status of the last step: the value is `found` if the kind of status is KIND. */
 #define STATUS(NAME, TYPE, KIND, found)                                                                      \
     FMI2_Export fmi2Status NAME(fmi2Component c, const fmi2StatusKind kind, TYPE *value) {                   \
-        const Instance *one = c;                                                                             \
-        if (!allowed(one, #NAME, IN(STEPPING) | IN(FAILED) | IN(TERMINATED))) return fmi2Error;              \
-        if (!given(one, #NAME, "value", value)) return fmi2Error;                                            \
-        if ((int)kind != KIND) return (fmi2Status)say(one, DISCARD, #NAME ": no status of kind %d", (int)kind); \
+        const Instance *instance = c;                                                                             \
+        if (!allowed(instance, #NAME, IN(STEPPING) | IN(FAILED) | IN(TERMINATED))) return fmi2Error;              \
+        if (!given(instance, #NAME, "value", value)) return fmi2Error;                                            \
+        if ((int)kind != KIND) return (fmi2Status)say(instance, DISCARD, #NAME ": no status of kind %d", (int)kind); \
         *value = found;                                                                                      \
         return fmi2OK;                                                                                       \
     }
 enum { NO_KIND = -1 };
-STATUS(fmi2GetStatus, fmi2Status, fmi2DoStepStatus, one->phase == FAILED ? fmi2Discard : fmi2OK)
-STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, one->time)
+STATUS(fmi2GetStatus, fmi2Status, fmi2DoStepStatus, instance->phase == FAILED ? fmi2Discard : fmi2OK)
+STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, instance->time)
 STATUS(fmi2GetIntegerStatus, fmi2Integer, NO_KIND, 0)
 /* The FMU never asks for the end of the simulation, because importers would take it for an end without a fault. */
 STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, fmi2False)

@@ -15,9 +15,9 @@ FMI3_Export const char *fmi3GetVersion(void) { return fmi3Version; }
 
 /* --- instances: 2.3.1 --- */
 
-static void log_message(const Instance *one, int status, const char *category, const char *message) {
-    if (one->logger)
-        ((fmi3LogMessageCallback)one->logger)(one->environment, (fmi3Status)status, category, message);
+static void log_message(const Instance *instance, int status, const char *category, const char *message) {
+    if (instance->logger)
+        ((fmi3LogMessageCallback)instance->logger)(instance->environment, (fmi3Status)status, category, message);
 }
 
 static const Interface FMI3 = {
@@ -44,9 +44,9 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
         return say(&draft, ERROR, "%s: no variable can be had or set during a step", __func__), NULL;
     draft.event_mode = event_mode;
     draft.advance = event_mode && early_return ? advance_to_onset : advance;
-    Instance *one = new_instance(draft, __func__, token, resources);
-    if (one) one->categories = logging ? ALL_CATEGORIES : REFUSALS;
-    return one;
+    Instance *instance = new_instance(draft, __func__, token, resources);
+    if (instance) instance->categories = logging ? ALL_CATEGORIES : REFUSALS;
+    return instance;
 }
 
 /* Define a function for a kind of instance that this FMU does not have: it logs the reason. */
@@ -137,29 +137,29 @@ FMI3_Export fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 s
                                   fmi3Boolean *event_needed, fmi3Boolean *terminated, fmi3Boolean *early,
                                   fmi3Float64 *reached) {
     (void)never_back;
-    Instance *one = c;
+    Instance *instance = c;
     int onset_due;
-    if (!one || !given(one, __func__, "eventHandlingNeeded", event_needed) ||
-        !given(one, __func__, "terminateSimulation", terminated) || !given(one, __func__, "earlyReturn", early) ||
-        !given(one, __func__, "lastSuccessfulTime", reached))
+    if (!instance || !given(instance, __func__, "eventHandlingNeeded", event_needed) ||
+        !given(instance, __func__, "terminateSimulation", terminated) ||
+        !given(instance, __func__, "earlyReturn", early) || !given(instance, __func__, "lastSuccessfulTime", reached))
         return fmi3Error;
-    int status = do_step(one, __func__, now, size, &onset_due);
+    int status = do_step(instance, __func__, now, size, &onset_due);
     if (status != OK) return (fmi3Status)status;
     *event_needed = onset_due;
     *terminated = fmi3False;
     uint64_t registers = usual_registers();
-    *early = onset_due && one->time < now + size;
+    *early = onset_due && instance->time < now + size;
     put_registers_back(registers);
-    *reached = one->time;
+    *reached = instance->time;
     return fmi3OK;
 }
 
 /* Change from one mode, step mode or event mode, to the other. */
-static int change_mode(Instance *one, const char *call, Phase from, Phase to) {
-    if (one && !one->event_mode)
-        return say(one, ERROR, "%s cannot be called: the instance was made with eventModeUsed = fmi3False", call);
-    if (!allowed(one, call, IN(from))) return ERROR;
-    one->phase = to;
+static int change_mode(Instance *instance, const char *call, Phase from, Phase to) {
+    if (instance && !instance->event_mode)
+        return say(instance, ERROR, "%s cannot be called: the instance was made with eventModeUsed = fmi3False", call);
+    if (!allowed(instance, call, IN(from))) return ERROR;
+    instance->phase = to;
     return OK;
 }
 FUNCTION(fmi3EnterEventMode, change_mode(c, __func__, STEPPING, EVENT), fmi3Instance c)
@@ -172,23 +172,23 @@ FMI3_Export fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *aga
                                         "nominalsOfContinuousStatesChanged", "valuesOfContinuousStatesChanged",
                                         "nextEventTimeDefined"};
     fmi3Boolean *const flags[] = {again, terminated, nominals_changed, states_changed, next_known};
-    Instance *one = c;
-    if (!allowed(one, __func__, IN(EVENT))) return fmi3Error;
+    Instance *instance = c;
+    if (!allowed(instance, __func__, IN(EVENT))) return fmi3Error;
     for (int i = 0; i < 5; i++)
-        if (!given(one, __func__, NAMES[i], flags[i])) return fmi3Error;
-    if (!given(one, __func__, "nextEventTime", next_time)) return fmi3Error;
-    one->observed = NULL;
-    int fault = event_update(one->record);
-    if (fault) return (fmi3Status)fail(one, ERROR, fault);
+        if (!given(instance, __func__, NAMES[i], flags[i])) return fmi3Error;
+    if (!given(instance, __func__, "nextEventTime", next_time)) return fmi3Error;
+    instance->observed = NULL;
+    int fault = event_update(instance->record);
+    if (fault) return (fmi3Status)fail(instance, ERROR, fault);
     for (int i = 0; i < 5; i++) *flags[i] = fmi3False; /* the time of the next event is not known in advance */
-    *next_time = one->time;
+    *next_time = instance->time;
     return fmi3OK;
 }
 
 /* --- functions for capabilities that the model description excludes --- */
 
-static int not_there(const Instance *one, const char *call, const char *what) {
-    return one ? say(one, ERROR, "%s: this FMU has no %s", call, what) : ERROR;
+static int not_there(const Instance *instance, const char *call, const char *what) {
+    return instance ? say(instance, ERROR, "%s: this FMU has no %s", call, what) : ERROR;
 }
 #define NOT_THERE(name, what, ...) FUNCTION(name, not_there(c, __func__, what), fmi3Instance c __VA_ARGS__)
 #define AND , /* other arguments */
