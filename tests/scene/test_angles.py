@@ -240,4 +240,4 @@ def test_the_command_line_shows_a_hint_in_a_line(tmp_path, monkeypatch, capsys, 
     arguments = ["simulate", "arm.toml", "--set", "initial.angle[2]=90", *["-q"] * quiet]
     assert command_line.main(arguments) == 0
     hint = 'Arm: initial.angle[2] = 90 rad is 14.3 turns: if degrees are meant, write "90 deg"'
-    assert capsys.readouterr().err == ("" if quiet else f"chain-impact: {hint}\n")
+    assert capsys.readouterr().err == ("" if quiet else f"chain-impact: warning: {hint}\n")

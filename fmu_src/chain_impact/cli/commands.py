@@ -89,7 +89,7 @@ def hints_shown() -> Iterator[None]:
             usual(message, category, *place, **more)
         elif not out.quiet and str(message) not in shown:
             shown.add(str(message))
-            complain(message)
+            complain(f"warning: {message}")
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", SceneWarning)
@@ -103,6 +103,17 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print the error without the usage."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse the arguments, and refuse an option that the verb does not have.
+
+        The parser of the verb knows the most similar option; argparse would refuse it later, without a hint.
+        """
+        found, others = super().parse_known_args(args, namespace)
+        for option in (other.partition("=")[0] for other in others if other.startswith("--")):
+            near = nearest(option, self._option_string_actions)
+            self.error(f"{option} is no option" + (f"; the nearest is {near}" if near else ""))
+        return found, others
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not a choice, and name the most similar choice.

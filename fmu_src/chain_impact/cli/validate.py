@@ -12,6 +12,7 @@ from chain_impact.cli.options import UsageError, Verbs, add_verb
 from chain_impact.cli.progress import say
 from chain_impact.fmu.findings import Finding, finding_lines
 from chain_impact.fmu.validate import TIMEOUT, Validation, validation
+from chain_impact.scene.models import scene_path
 
 
 def add(verbs: Verbs) -> None:
@@ -38,6 +39,12 @@ def run(options: argparse.Namespace) -> int:
     """Check an FMU; the exit code is 1 if there is a fault."""
     if not 0.0 < options.timeout < float("inf"):
         raise UsageError(f"--timeout {options.timeout} must be a finite number > 0 [s]")
+    scene = scene_path(options.fmu)
+    if scene != options.fmu or scene.suffix == ".toml":
+        raise UsageError(
+            f"{options.fmu} is a scene, must be an FMU: chain-impact info {options.fmu} checks a scene, "
+            f"and chain-impact build {options.fmu} makes its FMU"
+        )
     try:
         found = validation(options.fmu, options.timeout)
     except zipfile.BadZipFile as error:

@@ -115,8 +115,8 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
 def impact_numbers(count: int) -> str:
     """Return words for the numbers that an impact can have."""
     if count <= 1:
-        return "1: there is one impact" if count else "left out: there is no impact"
-    return f"from 1 to {count}, the number of an impact"
+        return "1: the run has 1 impact" if count else "left out: the run has no impact"
+    return f"from 1 to {count}: the run has {count} impacts"
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:

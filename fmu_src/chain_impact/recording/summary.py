@@ -17,6 +17,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.unit_text import of_power
 
 LISTED, FEW = 30, 10  # the largest number of impacts in a list, and in a short text
+JOINTS = 8  # the largest number of joints whose forces the text lists
 SHOWN = 3  # the largest number of contacts and joints that the text names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 UNITS, STOP_UNITS = ("m/s", "ms", "N", "N·s"), ("rad/s", "ms", "N·m", "N·m·s")
@@ -132,15 +133,16 @@ def digits(value: float) -> str:
 
 
 def load_lines(result: Recording) -> Iterator[str]:
-    """Yield a line with the largest force in a joint, if the scene asks for loads."""
+    """Yield lines with the largest forces in joints, the largest first, if the scene asks for loads."""
     peaks = {
         name.split(".")[0]: values[-1]
         for name, values in result.columns.items()
         if name.startswith("joint[") and name.endswith(".peak_force") and len(values)
     }
-    if peaks:
-        joint = max(peaks, key=lambda name: peaks[name])
-        yield f"loads    at most {peaks[joint]:.6g} N in {joint}"
+    for row, joint in enumerate(sorted(peaks, key=lambda name: -peaks[name])[:JOINTS]):
+        yield f"{'' if row else 'loads':8} at most {peaks[joint]:.6g} N in {joint}"
+    if len(peaks) > JOINTS:
+        yield f"{'':8} less in {plural(len(peaks) - JOINTS, 'more joint')}"
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:

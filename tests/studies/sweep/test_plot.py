@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
+from chain_impact.studies.sweep.histograms import edges_of
 from chain_impact.studies.sweep.maps import FAILED_COLOUR, count_bins
 from chain_impact.studies.sweep.plot import COLOURS, fill, usual_size
 from chain_impact.studies.sweep.quantities import results_of
@@ -114,6 +115,12 @@ def test_a_scene_without_walls_has_no_panels_for_them():
         in page.texts[1].get_text()
     )
     assert "peak force" not in page.get_suptitle()
+
+
+def test_stops_of_a_slider_have_panels_for_their_forces():
+    scene = load_scene("cart_pole").with_values({"outputs.loads": True, "simulation.stop_time": 1.0})
+    quantities = results_of(sweep(scene, {"slider.max": "0.2,0.3"})).every
+    assert {"peak_force", "joint_force"} <= {quantity.column for quantity in quantities}
 
 
 def test_maps_are_the_columns_with_ordered_axes():
@@ -224,10 +231,35 @@ def test_too_many_parameters_are_refused(tmp_path):
         found.plot(tmp_path / "out.png")
 
 
-def test_samples_are_refused(tmp_path):
-    found = sweep(SCENE, {"contact.restitution": "0.1:0.9"}, samples=4)
-    with pytest.raises(SceneError, match="a picture needs all combinations of the values, not samples"):
-        found.plot(tmp_path / "out.png")
+def test_samples_of_one_number_are_points():
+    found = sweep(SCENE, {"contact.restitution": "0.3:0.9"}, samples=5)
+    (line,) = drawn(found).axes[0].lines
+    assert line.get_linestyle() == "None"
+    assert np.array_equal(line.get_xdata(), np.sort(found["contact.restitution"]))
+
+
+def test_samples_of_several_parameters_are_histograms():
+    """Each bar has the number of runs in it, and the title the median."""
+    vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
+    found = sweep(SCENE, vary, samples=20)
+    (panel,) = drawn(found).axes  # by default the loads
+    force = 1e-3 * found["peak_force"][~found.failed]
+    bars = edges_of(force, logarithmic=False, whole=False)
+    assert [bar.get_x() for bar in panel.patches] == pytest.approx(bars[:-1])
+    assert [bar.get_height() for bar in panel.patches] == np.histogram(force, bars)[0].tolist()
+    assert f"median {np.median(force):.3g}," in panel.get_title()
+    (counts,) = found.plot(panels="impact.count").axes
+    assert {bar.get_x() % 1.0 for bar in counts.patches} == {0.5}
+
+
+@pytest.mark.parametrize(
+    ("least", "most", "logarithmic"), [(2.0, 2.0, False), (1e-3, 1e6, True), (-1.0, 4.0, False)]
+)
+def test_bars_hold_all_values(least, most, logarithmic):
+    values = np.linspace(least, most, 300)
+    edges = edges_of(values, logarithmic=logarithmic, whole=False)
+    assert np.histogram(values, edges)[0].sum() >= 299  # round-off may leave an end out
+    assert 2 <= len(edges) <= 61
 
 
 def test_too_many_runs_are_refused(tmp_path, monkeypatch):

@@ -2,7 +2,8 @@
 
 One varied number gives lines, two numbers a map, one choice dots. A choice beside a number, such as the
 contact law, gives a line for each of up to ten choices; more become the rows of a map. Runs that failed are
-crosses, or grey in a map.
+crosses, or grey in a map. Samples of one number are points; samples of several parameters give a histogram
+of each result.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from chain_impact.recording.text import plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.histograms import draw_histograms
 from chain_impact.studies.sweep.maps import (
     NEVER,
     WIDE_RANGE,
@@ -57,20 +59,20 @@ MOST_VARIED = 2  # largest number of parameters that vary
 MOST_DRAWN = 2**18  # largest number of runs in a picture
 DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
 ALONE = 6.5  # [inch] the width of a figure with one panel
-DOTS, CURVES, MAPS = "dots", "curves", "maps"
+DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
 def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
     """Refuse a sweep that cannot be drawn, before any run.
 
     Raises:
-        SceneError: when too many parameters vary, there are samples in place of all combinations, or too many
-            runs.
+        SceneError: when too many parameters vary and there are no samples, or when there are too many runs.
     """
-    if samples is not None:
-        raise SceneError(f"{source}: a picture needs all combinations of the values, not samples of them")
-    if varied > MOST_VARIED:
-        raise SceneError(f"{source}: {varied} parameters vary, must be <= {MOST_VARIED} for a picture")
+    if varied > MOST_VARIED and samples is None:
+        raise SceneError(
+            f"{source}: {varied} parameters vary, must be <= {MOST_VARIED} for a picture, or samples "
+            "(--samples N, samples=N)"
+        )
     if runs > MOST_DRAWN:
         raise SceneError(
             f"{source}: {runs} runs must be <= {MOST_DRAWN} for a picture: draw parts of the table"
@@ -101,7 +103,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     quantities, kind = results.drawn, kind_of(runs.design)
     varying = varying_in(runs.design)
     parts = [conditions(runs, varying), constants(runs, results)]
-    mark = "" if kind == MAPS else " (×)"
+    mark = " (×)" if kind in (DOTS, CURVES) else ""
     headline(figure, title(runs, results, mark), "; ".join(filter(None, parts)))
     # parameters that are numbers come before choices
     first, *others = sorted(varying, key=lambda variation: bool(variation.choices))
@@ -109,6 +111,8 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
         _dots(figure, runs, quantities, first)
     elif kind == CURVES:
         _curves(figure, runs, quantities, first, *others)
+    elif kind == HISTOGRAMS:
+        draw_histograms(_panels(figure, len(quantities), _across(len(quantities), kind)), runs, quantities)
     else:
         draw_maps(figure, _panels(figure, len(quantities)), runs, quantities, (first, *others))
     settle(figure)
@@ -118,6 +122,8 @@ def kind_of(design: Design) -> str:
     """Return the kind of picture for a design."""
     varying = varying_in(design)
     choices = [variation for variation in varying if variation.choices]
+    if design.samples is not None:
+        return HISTOGRAMS if len(varying) > 1 or choices else CURVES
     if len(varying) == 1:
         return DOTS if choices else CURVES
     return CURVES if len(choices) == 1 and len(choices[0].values) <= len(COLOURS) else MAPS
@@ -168,7 +174,7 @@ def varying_in(design: Design) -> list[Variation]:
 
 def _across(count: int, kind: str) -> int:
     """Return how many panels are in a row of a wide figure: two, or three curves beside each other."""
-    return 3 if count == 3 and kind == CURVES else 2  # noqa: PLR2004 - three panels leave no gap
+    return 3 if count == 3 and kind != MAPS else 2  # noqa: PLR2004 - three panels leave no gap
 
 
 def _panels(figure: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
@@ -198,7 +204,9 @@ def _curves(
             rows = rows[np.argsort(values[rows], kind="stable")]
             label = f"{name} (failed)" if choice and runs.failed[rows].all() else name
             marks: dict[str, Any] = {}
-            if len(rows) <= 40:  # noqa: PLR2004 - few values are drawn with markers
+            if runs.design.samples is not None:
+                marks = {"marker": ".", "linestyle": "", "rasterized": True}
+            elif len(rows) <= 40:  # noqa: PLR2004 - few values are drawn with markers
                 marks = {"marker": "o", "markersize": 3.0}
             axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
         failed = values[runs.failed]

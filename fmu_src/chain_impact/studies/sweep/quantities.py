@@ -68,6 +68,8 @@ QUANTITIES = (
     Quantity(COUNT, "impacts"),
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
+LOADS = ("peak_force", "stop.peak_moment", "joint_force")
+"""The columns for which a spread of the results is usually wanted."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +93,8 @@ class Results:
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     """Return the quantities of a sweep; a scene without walls or stops has no quantities at these.
 
-    The quantities that differ between the runs are drawn, or all if none differs; with ``panels``, the named
-    columns are drawn.
+    The quantities that differ between the runs are drawn, or all if none differs; of samples, only the loads
+    ``LOADS``, if there are some. With ``panels``, the named columns are drawn.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
@@ -105,11 +107,16 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
         chosen = columns_named(prepared, panels, fields)
         every = [_in_unit(runs, main.get(name) or _at_end(name, prepared)) for name in chosen]
         return Results(every, every)
-    absent = set() if point_wall_pairs(runs.scene) else {*PEAKS}
+    scene = runs.scene
+    absent = set() if point_wall_pairs(scene) or scene.slider_stops else {*PEAKS}
     shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
     asked = [_at_end(name, prepared) for name in runs.outputs if name not in main]
     every = [_in_unit(runs, quantity) for quantity in shown] + asked[:MOST_ASKED]
-    return Results(every, [each for each in every if _differs(each.of(runs))] or every)
+    drawn = [each for each in every if _differs(each.of(runs))] or every
+    loads = [each for each in drawn if each.column in LOADS]
+    if runs.design.samples is not None and loads:
+        return Results(loads, loads)
+    return Results(every, drawn)
 
 
 def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Sequence[str]) -> list[str]:

@@ -1,0 +1,61 @@
+"""Histograms of a sweep: how the results of samples are spread."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from chain_impact.pictures.style import INK, give_ticks
+from chain_impact.scene.unit_text import with_unit
+from chain_impact.studies.sweep.maps import NEVER, WIDE_RANGE, spread
+from chain_impact.studies.sweep.quantities import Quantity
+from chain_impact.studies.sweep.runs import Runs
+
+QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
+"""The quantiles that a panel shows, and the styles of their lines."""
+MOST_BINS = 60  # the largest number of bars: with more bars, a panel of usual width shows only noise
+COLOUR = "#88ccee"  # light blue of the scheme "muted", see plot.py
+
+
+def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
+    """Draw a panel for each quantity: the number of runs over its values, and three quantiles.
+
+    Runs that failed have no value, and are left out.
+    """
+    for axes, quantity in zip(panels, quantities, strict=True):
+        values = quantity.of(runs)
+        values = values[np.isfinite(values)]
+        axes.set(xlabel=quantity.label, ylabel="runs")
+        if not values.size:
+            axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
+            continue
+        logarithmic = spread(values) >= WIDE_RANGE
+        axes.set_xscale("log" if logarithmic else "linear")
+        edges = edges_of(values, logarithmic=logarithmic, whole=quantity.is_count)
+        axes.hist(values, edges.tolist(), color=COLOUR, edgecolor=INK, linewidth=0.4)
+        low, middle, high = np.quantile(values, list(QUANTILES))
+        for place, line in zip((low, middle, high), QUANTILES.values(), strict=True):
+            axes.axvline(place, color=INK, linestyle=line, linewidth=1.2)
+        between = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
+        axes.set_title(f"median {middle:.3g}, 90 % of the runs {between}", fontsize="small")
+        give_ticks(axes)
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+
+
+def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:
+    """Return the edges of the bars, equally spaced, or on a logarithmic axis in the logarithm.
+
+    The edges of bars of whole numbers are between these numbers.
+    """
+    # number of bars 2 N^(1/3): Terrell & Scott, J Am Stat Assoc 80 (1985) 209
+    count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))
+    if logarithmic:
+        return np.geomspace(values.min(), values.max(), count + 1)
+    if whole:
+        width = max(1.0, math.ceil((np.ptp(values) + 1.0) / MOST_BINS))
+        return np.arange(values.min(), values.max() + width + 0.5, width) - 0.5
+    return np.histogram_bin_edges(values, count)
