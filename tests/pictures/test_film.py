@@ -10,6 +10,7 @@ from PIL import Image
 
 from chain_impact import Recording, SceneWarning, load_scene, record_slowly
 from chain_impact.pictures.arrow_scale import LONGEST, ArrowScale
+from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.film_figure import CHAIN, ENERGIES, FORCE, STYLE, Film, rate_text
 from chain_impact.pictures.style import LOAD, force_text
@@ -61,6 +62,17 @@ def test_a_gif_lasts_as_long_as_the_motion_on_the_screen(recording, tmp_path):
         picture = np.asarray(shown.convert("RGB"))
         assert coloured(picture, CHAIN) > 100
         assert picture[2, SIZE[0] // 2].tolist() == [255, 255, 255]
+
+
+def test_a_film_is_dark_in_a_dark_style(tmp_path):
+    with mpl.style.context("dark_background"):
+        (picture,) = pictures(swing(1.0), 0.0)
+        film(swing(1.0), tmp_path / "film.gif")
+    with Image.open(tmp_path / "film.gif") as shown:
+        for one in (picture, np.asarray(shown.convert("RGB"))):
+            assert one[2, SIZE[0] // 2].tolist() == [0, 0, 0]
+            assert coloured(one, lighter(CHAIN)) > 100
+            assert (one.min(axis=-1) > 150).sum() > 20  # the texts are light
 
 
 def test_positions_alone_make_a_film():

@@ -18,6 +18,7 @@ DECADES = 6  # the largest number of powers of ten on the ruler
 # the least distance of a mark from the foot of the ruler, and of two numbers, relative to the length of the
 # ruler
 FROM, APART = 0.1, 0.3
+BETWEEN = 0.5  # the least space between two numbers, relative to their height
 TICK = 3.0  # [points] half of the length of a mark
 
 
@@ -58,6 +59,12 @@ class ArrowScale:
         end = left + LONGEST * self.side
         axes.plot([left, end], [y, y], **marks)
         axes.annotate("force", (end, y), (4.0, 0.0), ha="left", va="center", **look)
+        free = math.inf
         for at, text in self.marks():
+            told = axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), ha="center", va="top", **look)
+            box = told.get_window_extent()
+            if box.x1 > free:  # on a small page only few numbers have room
+                told.remove()
+                continue
             axes.plot([left + at], [y], "|", **marks)
-            axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), ha="center", va="top", **look)
+            free = box.x0 - BETWEEN * box.height

@@ -6,6 +6,7 @@ import colorsys
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axis import Axis
@@ -15,6 +16,7 @@ from matplotlib.colors import Colormap, ListedColormap, to_rgb, to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation, Text
 
 DARK = 0.18  # the luminance of a ground below which white has more contrast to it than black
@@ -23,6 +25,7 @@ GAMMA = 2.2  # the exponent of a screen
 COLOURED = 0.15  # the saturation above which a colour is not a grey
 # the exponent for greys: their distance from the ground grows, because near black less of it is seen
 APART = 0.8
+OUTLINE = 3.0  # [points] the width of the outline of a text
 TIME = "time"  # the name of the colour map that lines use, too; other maps keep their colours
 Colour = tuple[float, float, float, float]
 
@@ -32,6 +35,12 @@ class Ground(NamedTuple):
 
     ground: Any
     text: Any
+
+    @classmethod
+    def of_style(cls) -> Ground | None:
+        """Return the ground of the style in use; None if it is not dark."""
+        ground = mpl.rcParams["figure.facecolor"]
+        return cls(ground, mpl.rcParams["text.color"]) if is_dark(ground) else None
 
     def suited(self, colour: Any) -> Colour:
         """Return the colour that replaces a colour for a white figure, with the same opacity."""
@@ -62,6 +71,8 @@ class Ground(NamedTuple):
                 artist.set_edgecolor(self.suited(colours[1]))
             elif isinstance(artist, Text):
                 artist.set_color(self.suited(artist.get_color()))
+                if artist.get_path_effects():  # an outline in the colour of the ground
+                    artist.set_path_effects([withStroke(linewidth=OUTLINE, foreground=self.ground)])
                 if isinstance(artist, Annotation) and artist.arrow_patch is not None:
                     self.suit([artist.arrow_patch])
             elif isinstance(artist, Axis):  # also for ticks that are made later
@@ -76,8 +87,13 @@ class Ground(NamedTuple):
             artist.set_cmap(self._suited_map(artist))
         elif isinstance(artist, Collection):
             colours = artist.get_facecolor(), artist.get_edgecolor()
-            artist.set_facecolor([self.suited(one) for one in np.asarray(colours[0])])
-            artist.set_edgecolor([self.suited(one) for one in np.asarray(colours[1])])
+            artist.set_facecolor(self._suited_each(colours[0]))
+            artist.set_edgecolor(self._suited_each(colours[1]))
+
+    def _suited_each(self, colours: Any) -> Colour | list[Colour]:
+        """Return the colours for a collection; a single colour is no list, and suits many opacities."""
+        each = [self.suited(one) for one in np.asarray(colours)]
+        return each[0] if len(each) == 1 else each
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:
         """Return the colour map for an artist: for the time with other colours, else for missing values."""

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_figure import COLOURS, ROOM, STYLE, Film
 from chain_impact.pictures.film_files import write_gif, write_mp4
 from chain_impact.progress import Progress
@@ -63,7 +64,9 @@ def write_film(
     rates = np.interp(shown, times, np.gradient(times) * usual * speed)
     pictures = draw_frames(recording, shown, rates, (width, height), progress)
     if path.suffix.lower() == ".gif":
-        write_gif(pictures, path, rate, COLOURS)
+        ground = Ground.of_style()
+        colours = [ground.suited(one) for one in COLOURS] if ground else COLOURS
+        write_gif(pictures, path, rate, colours, ground.ground if ground else "white")
     else:
         write_mp4(pictures, path, rate, (width, height))
 
@@ -95,11 +98,12 @@ def draw_frames(
     recording: Recording, times: np.ndarray, rates: np.ndarray, size: tuple[int, int], progress: Progress
 ) -> Iterator[np.ndarray]:
     """Draw a recording at some times; yield red, green, blue of each pixel, shape (height, width, 3)."""
+    ground = Ground.of_style()
     with matplotlib.style.context(["default", STYLE]):
         dpi = resolution(size)
         figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
-        film = Film(figure, recording, times)
+        film = Film(figure, recording, times, ground)
         canvas.draw()
         ground = canvas.copy_from_bbox(figure.bbox)  # the parts that do not move are drawn only once
         for frame, rate in enumerate(rates.tolist()):

@@ -16,6 +16,7 @@ from matplotlib.patheffects import withStroke
 
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.body import body_look, draw_rail
+from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.over_time import ENERGY_COLOURS, mark_impacts
 from chain_impact.pictures.room import draw_pin, draw_room, moves
 from chain_impact.pictures.style import (
@@ -47,11 +48,12 @@ ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)
 # position of the texts: left and middle of the height, relative to the size of the figure
 CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
-SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
+SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.06, 0.96, 0.72), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
 # half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
 # the scene
 BAR, CORNER = 0.035, 0.035
+STEEP = 0.5  # the horizontal part of the direction of an arrow from which on its number is beside its head
 # TAIL: [s] the simulated time in which the trace of the tip fades; TAIL_PARTS: the number of its pieces
 TAIL, TAIL_PARTS = 0.3, 40
 # largest difference from 1 in real time, largest rate in slow motion, least factor without decimals
@@ -61,9 +63,11 @@ REAL, SLOW, TENS = 0.02, 0.5, 9.95
 class Film:
     """The figure on which the frames of a film are drawn: the chain, its walls, energies, a clock, forces."""
 
-    def __init__(self, figure: Figure, recording: Recording, times: np.ndarray) -> None:
-        """Draw the parts that do not move."""
-        self.recording, self.times = recording, times
+    def __init__(
+        self, figure: Figure, recording: Recording, times: np.ndarray, ground: Ground | None = None
+    ) -> None:
+        """Draw the parts that do not move; ``ground`` has the colours of a dark style."""
+        self.recording, self.times, self.ground = recording, times, ground
         self.points = np.stack(
             [self._over_frames(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
         )
@@ -116,6 +120,13 @@ class Film:
             self.scale.draw(self.scene, self.view[0] + CORNER * self.side, MUTED)
         if self.loads:
             self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
+        self._suit(figure)
+
+    def _suit(self, figure: Figure) -> None:
+        """Give the page the colours of a dark style, if the style is dark."""
+        if self.ground:
+            self.ground.suit(figure.findobj())
+            figure.set_facecolor(self.ground.ground)
 
     def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
         """Return vectors at the times of the frames, shape (F, 2)."""
@@ -161,6 +172,8 @@ class Film:
         for artist in self.room:
             artist.remove()
         self.room = self._draw_room(frame)
+        if self.ground:
+            self.ground.suit(self.room)
         return self.room
 
     def _draw_energies(self, axes: Any) -> None:
@@ -200,7 +213,7 @@ class Film:
         self.tip.set_data(*points[-1:].T)
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
-        self.rate.set_color(INK if rate < SLOW else MUTED)
+        self.rate.set_color(self._suited(INK if rate < SLOW else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
         yield from (self.trace, self.tail, *self.patches, self.ranges)
@@ -239,7 +252,13 @@ class Film:
                 self._add_line(place, "o", markersize=9)
                 self._add_text(force_text(force, "N·m"), place + 0.11 * self.side * np.array([dy, -dx]))
         self._add_loads(frame)
+        if self.ground:
+            self.ground.suit(self.moving)
         yield from self.moving
+
+    def _suited(self, colour: str) -> Any:
+        """Return the colour for the ground."""
+        return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
         """Add the arrows of joint forces that are large enough to be seen, and the largest force as text."""
@@ -277,13 +296,15 @@ class Film:
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
         self.moving.append(self.scene.add_patch(arrow))
         if told:
-            self._add_text(force_text(whole, "N"), head + 0.035 * self.side * direction, colour)
+            beside = {"ha": "left" if direction[0] > 0.0 else "right"} if abs(direction[0]) > STEEP else {}
+            place = head + 0.035 * self.side * direction
+            self._add_text(force_text(whole, "N"), place, colour, **beside)
 
     def _add_line(self, place: np.ndarray, *marker: str, **look: Any) -> None:
         self.moving += self.scene.plot(*place, *marker, color=FORCE, **look)
 
-    def _add_text(self, words: str, place: np.ndarray, colour: str = FORCE) -> None:
-        look: dict[str, Any] = {"color": colour, "fontweight": "bold", "ha": "center", "va": "center"}
+    def _add_text(self, words: str, place: np.ndarray, colour: str = FORCE, ha: str = "center") -> None:
+        look: dict[str, Any] = {"color": colour, "fontweight": "bold", "ha": ha, "va": "center"}
         outline = [withStroke(linewidth=3.0, foreground="white")]
         self.moving.append(self.scene.text(place[0], place[1], words, path_effects=outline, **look))
 

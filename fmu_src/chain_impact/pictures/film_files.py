@@ -11,15 +11,19 @@ from matplotlib.colors import to_rgb
 
 from chain_impact.extras import require
 
-SHADES = 6  # number of shades of each colour in a gif, from the colour towards white
-WHITISH = 0.96  # the least value of red, green and blue in a shade that Pillow treats as white
+SHADES = 6  # number of shades of each colour in a gif, from the colour towards the ground
+NEAR = (
+    0.04  # the largest difference of red, green and blue from the ground in a shade that Pillow treats as it
+)
 HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
 END = b";"  # the last byte of a gif
 QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
 
 
-def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int, colours: Iterable[str]) -> None:
-    """Write pictures as a gif with a few common colours, and shades of these colours.
+def write_gif(
+    pictures: Iterable[np.ndarray], path: Path, rate: int, colours: Iterable[Any], ground: Any = "white"
+) -> None:
+    """Write pictures as a gif with a few common colours, and shades between these colours and the ground.
 
     Parts that do not change need no space in the file.
     """
@@ -28,8 +32,9 @@ def write_gif(pictures: Iterable[np.ndarray], path: Path, rate: int, colours: It
 
     full = np.array([to_rgb(colour) for colour in colours])
     share = np.linspace(0.0, 1.0, SHADES, endpoint=False)[:, None, None]
-    shades = np.concatenate([np.ones((1, 3)), (full + share * (1.0 - full)).reshape(-1, 3)])
-    shades = shades[(shades == 1.0).all(axis=1) | (shades < WHITISH).any(axis=1)]
+    back = np.array(to_rgb(ground))
+    shades = np.concatenate([back[None], (full + share * (back - full)).reshape(-1, 3)])
+    shades = shades[(shades == back).all(axis=1) | (np.abs(shades - back) > NEAR).any(axis=1)]
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
     look: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}

@@ -46,7 +46,7 @@ BESIDE, BROADEST = 2.2, 1.7
 # legend and numbers; LOWEST, HIGHEST: the least and the largest height of the panel of motion beside others;
 # ROUND: the width of the numbers and labels beside the motion; HEADS: the height of the headline, of the
 # legend above the motion, and of the labels below
-PANEL, LOWEST, HIGHEST, ROUND, HEADS = 1.7, 2.7, 4.0, 0.9, 1.3
+PANEL, LOWEST, HIGHEST, ROUND, HEADS = 1.9, 2.7, 4.0, 0.9, 1.3
 LABELS = 0.6  # [inch] the height of the legend and the labels of a motion above other panels
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
@@ -189,7 +189,7 @@ def usual_size(
     if ratio > BESIDE:
         return FULL, HEADS + (FULL - ROUND) / ratio + PANEL * sum(heights)
     motion = (motion_share(ratio) * FULL - ROUND) / ratio
-    return FULL, HEADS + min(max(motion, LOWEST, 0.9 * PANEL * sum(heights) - LABELS), HIGHEST)
+    return FULL, HEADS + min(max(motion, LOWEST, 0.8 * PANEL * sum(heights) - LABELS), HIGHEST)
 
 
 def broadness(recording: Recording) -> float:

@@ -21,7 +21,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, MaxNLocator
 
-from chain_impact.pictures.dark import TIME, Ground, is_dark
+from chain_impact.pictures.dark import TIME, Ground
 from chain_impact.pictures.lines import in_lines
 from chain_impact.system import written_whole
 
@@ -133,8 +133,8 @@ class StyledFigure(Figure):
 
 def suit_figure(figure: Figure) -> None:
     """Give a figure, which is drawn for white paper, the colours of the style in use if this is dark."""
-    ground = Ground(mpl.rcParams["figure.facecolor"], mpl.rcParams["text.color"])
-    if not is_dark(ground.ground):
+    ground = Ground.of_style()
+    if ground is None:
         return
     ground.suit(figure.findobj())
     figure.set_facecolor(ground.ground)
