@@ -132,7 +132,8 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
         hidden, (scale, unit) = hides(drawn), axis_unit(curves.units[names[0]], drawn)
         for k, name in enumerate(names):
             look = DASHES[min(k // len(PALETTE) + hidden[k], len(DASHES) - 1)]
-            axes.plot(time, scale * drawn[k], look, color=PALETTE[k % len(PALETTE)], label=name)
+            told = name if wide else short_name(name, names)
+            axes.plot(time, scale * drawn[k], look, color=PALETTE[k % len(PALETTE)], label=told)
         axes.set_ylabel(axis_label(names, unit))
         if curves.onset is None:
             shade_rests(axes, shown)
@@ -181,6 +182,12 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
     is_usual = SMALL <= largest < LARGE or largest == 0.0 or unit not in PREFIXED
     return (1.0, unit) if is_usual else prefixed(largest, unit)
+
+
+def short_name(name: str, names: Sequence[str]) -> str:
+    """Return a name without the last part that several names share, and that the label of the axis has."""
+    shared = axis_label(names, "") if len(names) > 1 else ""
+    return name.removesuffix(f".{shared}")
 
 
 def axis_label(names: Sequence[str], unit: str) -> str:

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.figures import drawn, settle
-from chain_impact.pictures.sizes import Size
+from chain_impact.pictures.sizes import Size, figure_size
 from chain_impact.pictures.style import (
     give_ticks,
     headline,
@@ -94,7 +94,8 @@ def plot_sweep(
     """
     check_picture(len(runs.varied), runs.design.samples, len(runs), runs.scene.name)
     results = results_of(runs, panels)
-    return drawn(partial(fill, runs=runs, results=results), path, size, usual_size(runs, results))
+    usual = usual_size(runs, results, figure_size(size)[0] if size else None)
+    return drawn(partial(fill, runs=runs, results=results), path, size, usual)
 
 
 @styled()
@@ -129,11 +130,13 @@ def kind_of(design: Design) -> str:
     return CURVES if len(choices) == 1 and len(choices[0].values) <= len(COLOURS) else MAPS
 
 
-def usual_size(runs: Runs, results: Results) -> tuple[float, float]:
-    """Return the default size of the figure [inches]."""
+def usual_size(runs: Runs, results: Results, width: float | None = None) -> tuple[float, float]:
+    """Return the default size of the figure [inches], if its width is given, the size for this width."""
     count, kind = len(results.drawn), kind_of(runs.design)
     if kind == DOTS:
-        return 2.2 + 2.3 * count, 1.3 + 0.24 * len(varying_in(runs.design)[0].values)
+        width = width or NAMES + DOTS_WIDTH * min(count, 4) + 0.5
+        rows = math.ceil(count / _dots_across(count, width))
+        return width, 0.7 + rows * (0.6 + 0.22 * len(varying_in(runs.design)[0].values))
     across = _across(count, kind)
     width = ALONE if count == 1 else 10.8 if kind == MAPS else 10.0
     return width, 0.6 + 2.7 * math.ceil(count / across)
@@ -175,6 +178,12 @@ def varying_in(design: Design) -> list[Variation]:
 def _across(count: int, kind: str) -> int:
     """Return how many panels are in a row of a wide figure: two, or three curves beside each other."""
     return 3 if count == 3 and kind != MAPS else 2  # noqa: PLR2004 - three panels leave no gap
+
+
+def _dots_across(count: int, width: float) -> int:
+    """Return how many panels with dots are in a row, so that rows are full; the width in inches."""
+    most = max(1, int((width - NAMES) / DOTS_WIDTH))
+    return math.ceil(count / math.ceil(count / most))
 
 
 def _panels(figure: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
@@ -227,9 +236,8 @@ def _curves(
 def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
     """Draw a panel for each quantity, with a dot in the row of each choice."""
     names = across.shown(across.values).tolist()
-    panels = _panels(
-        figure, len(quantities), max(1, int((figure.get_figwidth() - NAMES) / DOTS_WIDTH)), sharey=True
-    )
+    count = len(quantities)
+    panels = _panels(figure, count, _dots_across(count, figure.get_figwidth()), sharey=True)
     rows = np.arange(len(runs))
     for axes, quantity in zip(panels, quantities, strict=True):
         axes.grid(axis="y", color="0.92")
@@ -240,7 +248,7 @@ def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variat
         if quantity.is_count:
             axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     panels[0].set_yticks(rows, names)
-    panels[0].invert_yaxis()
+    panels[0].set_ylim(len(rows) - 0.5, -0.5)
 
 
 def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
