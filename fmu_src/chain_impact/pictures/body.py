@@ -8,7 +8,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
-from matplotlib.patches import Polygon
+from matplotlib.patches import Circle, Polygon
 
 from chain_impact.pictures.style import INK
 from chain_impact.recording.recording import Recording
@@ -21,11 +21,14 @@ CARRIAGE = 0.5  # the opacity of a carriage, from 0 to 1
 
 
 def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:
-    """Draw the outlines of links, the points and the carriage in one row of a recording."""
+    """Draw the outlines of links, the discs of ends that touch, the points and the carriage in one row."""
     points, sites = recording.points[row], recording.sites[row]
+    look = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
     for link, corners in recording.outlines.items():
-        look = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
         axes.add_patch(Polygon(placed(corners, points[link - 1], points[link]), **look))
+    for end, radius in recording.touching.items():
+        if radius > 0.0 and end < len(points) and not {end, end + 1} & recording.outlines.keys():
+            axes.add_patch(Circle(points[end], radius, **look))
     if len(sites):
         axes.plot(*sites.T, "o", color=colour, markersize=SITE, zorder=3.9)
     if recording.rail:
