@@ -163,7 +163,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         marker = "D" if stopped[hits[0]] else "o"
         axes.plot(times[hits], tops[hits], marker, linestyle="", color=colour, markersize=DOT, label=name)
         goes_on = hits[ends[hits] - times[hits] > SEEN * span]
-        axes.hlines(tops[goes_on], times[goes_on], ends[goes_on], color=colour, linewidth=2.5, alpha=0.35)
+        axes.hlines(tops[goes_on], times[goes_on], ends[goes_on], color=colour, linewidth=2.5, alpha=0.5)
     at_stops, at_walls = bool(stopped.any()), not stopped.all()
     axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
