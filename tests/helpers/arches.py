@@ -20,7 +20,7 @@ import numpy as np
 from chain_impact import Result, SimulationError, simulate
 from chain_impact.kernel.status import STATUS_NAME
 from chain_impact.scene.scene import scene_from_dict
-from tests.helpers.random_scenes import Draw
+from tests.helpers.random_parts import Draw
 
 KINDS = ("arch", "slope", "floor", "rod")
 LAWS = ("zhang_sharf", "flores", "tsuji")

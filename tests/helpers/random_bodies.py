@@ -31,7 +31,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.scene.signals import inputs_of
 from chain_impact.simulation.instance import SimulationError
 from tests.helpers.body_model import BodyModel
-from tests.helpers.random_scenes import Draw
+from tests.helpers.random_parts import Draw
 
 ROWS = 40  # number of rows at which a run is checked
 BALANCE = 1000.0  # largest change of the energy balance, over the tolerance times all energy

@@ -26,7 +26,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 from chain_impact.simulation.instance import SimulationError
 from tests.helpers.problems import of_law
-from tests.helpers.random_scenes import Draw
+from tests.helpers.random_parts import Draw
 from tests.helpers.resting_chains import shares_left_open
 
 SIZES = (1e-6, 5e-6)  # sizes of the differences, relative to the parameter

@@ -25,7 +25,7 @@ from chain_impact.kernel.status import OK, STATUS_NAME
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.helpers.problems import RIGID
-from tests.helpers.random_scenes import Draw
+from tests.helpers.random_parts import Draw
 
 SHORT, LONG = 10.0, 3600.0  # [s] duration of the usual and of the long campaign
 ROWS = 200  # number of communication points

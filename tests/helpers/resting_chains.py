@@ -16,7 +16,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import SimulationError
 from tests.helpers.problems import of_law
-from tests.helpers.random_scenes import Draw
+from tests.helpers.random_parts import Draw
 
 LAWS = ("zhang_sharf", "hunt_crossley", "flores", "tsuji", "lankarani_nikravesh", "kelvin_voigt")
 PARAMETERS = ("contact.friction", "initial.vx")

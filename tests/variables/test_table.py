@@ -6,61 +6,17 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from chain_impact import Chain, load_scene
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
+from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.scene import SOLVER_METHODS, Scene, model_names, with_values
+from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.scene.signals import driven_by
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS
-from chain_impact.variables.variable import Variable
-from tests.helpers.friction import pendulum, sled
-from tests.helpers.stops import knee
-
-DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
-STOPS = {"link[2].joint_min": -2.0, "link[2].joint_max": 2.0, "link[4].joint_max": 1.5, "stop.stiffness": 1e4}
-MATERIALS = {"wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.25, "wall.x_max.restitution": 0.5}
-FRICTION = {"contact.friction": 0.3, "contact.static_friction": 0.4, "wall.x_max.static_friction": 0.5}
-FRICTION |= {"link[3].joint_friction": 0.2}
-NO_POINTS = {("contact", "points"): []}
-
-
-SHAKEN = {"signals": {"shake": {"input": "base.x", "form": "sine", "amplitude": 0.01, "frequency": 5.0}}}
-
-
-def scenes() -> dict[str, Scene]:
-    models = {name: load_scene(name) for name in model_names()}
-    box = models["four_link_box"]
-    return models | {
-        "driven": with_values(box, DRIVEN),
-        "without walls": with_values(box, {("box", wall): None for wall in WALLS}),
-        "two points": with_values(box, {("contact", "points"): [0, 3]}),
-        "walls without points": with_values(models["ramp"], {("contact", "points"): []}),
-        "stops": with_values(box, STOPS),
-        "stops only": with_values(models["simple_pendulum"], {"link[1].joint_max": 7.0, **NO_POINTS}),
-        "materials": with_values(box, MATERIALS),
-        "friction": with_values(box, FRICTION | STOPS),
-        "loads": with_values(box, FRICTION | STOPS | {"outputs.loads": True}),
-        "friction in joints": pendulum(),
-        "signals": with_values(models["shaken_pendulum"], SHAKEN),
-        "slanted": with_values(box, {("walls",): [{"name": "slope", "point": [0.0, 0.0], "angle": -0.75}]}),
-    }
-
-
-SCENES = scenes()
-
-
-def variables(scene: Scene) -> dict[str, Variable]:
-    return {variable.name: variable for variable in PreparedScene(scene).variables}
-
-
-def names(scene: Scene, causality: str) -> list[str]:
-    return [variable.name for variable in PreparedScene(scene).variables if variable.causality == causality]
-
+from tests.helpers.variable_scenes import SCENES, names, variables
 
 LEGAL = {("parameter", "fixed", "exact"), ("parameter", "tunable", "exact"), ("input", "continuous", None)}
 LEGAL |= {("output", "continuous", "calculated"), ("output", "discrete", "calculated")}
@@ -296,133 +252,3 @@ def test_columns_are_those_of_the_recorded_outputs():
                 offset = word_index(layout, variable.record_path) - start
                 assert columns.pop(variable.name).tolist() == [offset, offset + width, offset + 2 * width]
         assert not columns
-
-
-# --- stops and materials -------------------------------------------------------------------------------
-
-
-def test_a_scene_with_stops_has_their_variables():
-    found = variables(SCENES["stops"])
-    new = found.keys() - variables(SCENES["four_link_box"]).keys()
-    parameters = {"link[2].joint_min", "link[2].joint_max", "link[4].joint_max"}
-    parameters |= {f"stop.{key}" for key in ("stiffness", "exponent", "restitution", "minimum_impact_speed")}
-    keys = ("stop_moment", "stop_penetration", "stop_impulse")
-    assert new == parameters | {f"joint[{i}].{key}" for i in (2, 4) for key in keys}
-    tunable = {name for name in new if found[name].variability == "tunable"}
-    assert tunable == {"stop.stiffness", "stop.restitution"}
-    assert found["stop.stiffness"].record_path == ("given", "stop_stiffness")
-    assert found["stop.exponent"].record_path == ("stops", "exponent")
-    # the first candidate of each joint follows the 20 pairs of points and walls
-    assert found["joint[2].stop_moment"].record_path == ("output", "force", 20)
-    assert found["joint[4].stop_penetration"].record_path == ("output", "penetration", 22)
-    assert found["joint[4].stop_impulse"].record_path == ("output", "impulse", 22)
-    assert [found[f"joint[2].{key}"].unit for key in keys] == ["N.m", "rad", "N.m.s"]
-    assert found["stop.stiffness"].unit == "N.m/rad^exponent"
-
-
-def test_the_list_of_impacts_says_what_it_holds_of_a_stop():
-    found = variables(SCENES["stops"])
-    assert found["impact.last_wall"].description.endswith("4 y_max, 5 joint_min, 6 joint_max")
-    assert found["impact[1].wall"].maximum == 6
-    assert found["impact[1].point"].description.endswith("; of a stop its joint")
-    for key, unit in (("speed", "rad/s"), ("peak_force", "N·m"), ("impulse", "N·m·s")):
-        assert found[f"impact[1].{key}"].description.endswith(f" in {unit}")
-
-
-def test_a_law_that_only_stops_use_can_be_chosen():
-    only = names(SCENES["stops only"], "parameter")
-    stops = [f"stop.{key}" for key in ("stiffness", "exponent", "restitution", "minimum_impact_speed")]
-    assert [name for name in only if name.startswith(("contact", "stop"))] == ["contact.model", *stops]
-    own = with_values(SCENES["stops only"], {"stops.model": "flores"})
-    assert "contact.model" not in names(own, "parameter")
-
-
-def test_a_scene_with_materials_has_what_it_gives_of_them():
-    found = variables(SCENES["materials"])
-    new = found.keys() - variables(SCENES["four_link_box"]).keys()
-    assert new == MATERIALS.keys()
-    assert {found[name].variability for name in new} == {"tunable"}
-    assert found["wall.y_min.stiffness"].record_path == ("walls", "stiffness", 2)
-    assert found["wall.x_max.restitution"].record_path == ("walls", "restitution", 1)
-
-
-def test_stops_and_materials_have_derivatives_but_for_the_least_speed():
-    varied = PreparedScene(SCENES["stops"]).differentiable | PreparedScene(SCENES["materials"]).differentiable
-    wanted = {*STOPS, *MATERIALS, "stop.exponent", "stop.restitution"}
-    assert wanted <= varied.keys()
-    assert not [name for name in varied if "minimum_impact_speed" in name or name.startswith("solver")]
-
-
-def test_walls_that_no_point_can_touch_have_no_number_before_those_of_stops():
-    walls = [{"name": f"slope_{w}", "point": (0.0, -2.0 - w), "angle": 0.1} for w in range(6)]
-    alone = with_values(knee(), {("walls",): walls, ("contact", "points"): (), ("contact", "wall"): {}})
-    assert alone.wall_names == (*WALLS, "joint_min", "joint_max")
-    assert candidates(alone) == [(2, 4), (2, 5)]
-    assert not any(variable.name.startswith("wall.") for variable in PreparedScene(alone).variables)
-    chain = Chain(alone)
-    chain.step(0.5)
-    chain.restore(chain.save())
-    touched = with_values(knee(), {("walls",): walls})
-    assert touched.wall_names.index("joint_min") == 10
-
-
-# --- dry friction ----------------------------------------------------------------------------------------
-
-RUBBING = {"contact.friction": 0.3, "wall.x_max.static_friction": 0.5, "link[3].joint_friction": 0.2}
-RUBBING = with_values(SCENES["four_link_box"], RUBBING)
-
-
-def is_dry(variable):
-    return "friction" in f"{variable.name}{variable.description}" or "stick" in variable.name
-
-
-def test_a_scene_without_friction_has_no_variable_more_and_no_status():
-    others = {"link[2].joint_max": 2.0, "inputs.joint_torques": True}
-    found = variables(SCENES["four_link_box"].with_values(others))
-    assert not [variable.name for variable in found.values() if is_dry(variable)]
-    # the status of friction at rigid walls exists only in scenes with friction at walls
-    text = STATUS_TEXT[FRICTION_WITH_RIGID_WALLS]
-    assert text not in found["solver.status"].description
-    assert text in variables(RUBBING)["solver.status"].description
-
-
-def test_a_scene_with_friction_has_its_variables():
-    found = variables(RUBBING)
-    parameters = {"contact.friction", "contact.static_friction", "wall.x_max.static_friction"}
-    touches = ("friction_force", "friction_impulse", "sticking")
-    outputs = {f"contact[{k}].{wall}.{key}" for k in range(5) for wall in WALLS for key in touches}
-    of_joint = {"link[3].joint_friction", "joint[3].friction_moment", "joint[3].sticking"}
-    new = found.keys() - variables(SCENES["four_link_box"]).keys()
-    assert new == parameters | outputs | of_joint | {"energy.friction"}
-    assert {name for name in new if found[name].variability == "tunable"} == parameters
-    assert found["contact.friction"].record_path == ("given", "friction")
-    assert found["wall.x_max.static_friction"].record_path == ("walls", "static_friction", 1)
-    assert found["contact[1].x_min.friction_force"].record_path == ("output", "friction", "force", 4)
-    assert found["joint[3].friction_moment"].record_path == ("output", "friction", "joint_moment", 2)
-    assert found["joint[3].sticking"].record_path == ("output", "friction", "joint_sticking", 2)
-    units = [found[f"contact[4].y_max.{key}"].unit for key in touches]
-    assert (units, found["joint[3].friction_moment"].unit) == (["N", "N.s", "1"], "N.m")
-    assert (found["joint[3].sticking"].minimum, found["joint[3].sticking"].maximum) == (0.0, 1.0)
-    assert "dry friction" in found["energy.dissipated"].description
-
-
-def test_only_the_joints_with_friction_have_variables():
-    one = variables(pendulum(**{"link[2].joint_friction": 0.0}))
-    new = {name for name, variable in one.items() if is_dry(variable)} - {"energy.dissipated"}
-    of_joint = {"link[1].joint_friction", "joint[1].friction_moment", "joint[1].sticking"}
-    assert new == of_joint | {"energy.friction"}
-    free = variables(with_values(SCENES["four_link_box"], {"link[1].joint_friction": 0.2}))
-    assert free.keys() == variables(SCENES["four_link_box"]).keys()
-
-
-def test_friction_is_there_with_the_group_of_outputs_that_it_belongs_to():
-    no_contacts = variables(RUBBING.with_values({"outputs.contacts": False}))
-    assert not [name for name in no_contacts if "stick" in name or name.endswith("friction_moment")]
-    assert "energy.friction" in no_contacts
-    assert "energy.friction" not in variables(RUBBING.with_values({"outputs.energies": False}))
-
-
-def test_what_sticks_answers_to_an_input_at_once():
-    found = variables(sled())
-    at_once = {name for name in found if name.startswith("contact[0]") and found[name].feedthrough}
-    assert at_once == {f"contact[0].slope.{key}" for key in ("force", "friction_force", "sticking")}
