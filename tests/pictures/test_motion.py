@@ -117,7 +117,7 @@ def test_the_largest_force_in_each_joint_is_an_arrow_where_the_joint_was_then():
     row = np.hypot(*recording.loads[2].T).argmax()
     np.testing.assert_array_equal(arrows.XY[1], recording.points[row, 1])
     assert arrows.V[1] / arrows.U[1] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
-    assert motion.get_legend().get_texts()[-1].get_text() == "joint forces, ≤ 670 N"
+    assert motion.get_legend().get_texts()[-1].get_text() == "joint forces\n≤ 670 N"
 
 
 def test_the_hardest_impact_is_numbered():

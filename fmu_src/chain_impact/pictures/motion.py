@@ -185,7 +185,7 @@ def draw_loads(axes: Axes, recording: Recording) -> None:
             zorder=6,
         )
         told: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
-        axes.plot([], [], **told, label=f"joint forces, ≤ {force_text(most, 'N')}")
+        axes.plot([], [], **told, label=f"joint forces\n≤ {force_text(most, 'N')}")
 
 
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
