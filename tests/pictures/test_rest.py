@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from chain_impact.pictures.rest import rests, shown_time
+from chain_impact.pictures.rest import shown_time
 from chain_impact.recording.recording import Recording
+from chain_impact.recording.rest import rests
 from tests.pictures.pictures import drawn, hit, swing
 
 

@@ -1,9 +1,11 @@
 """The summary lines of a result; test_result.py tests most of the lines."""
 
+import re
+
 import numpy as np
 from rich.table import Table
 
-from chain_impact import simulate
+from chain_impact import load_scene, simulate
 from chain_impact.cli import screen
 from chain_impact.recording.summary import FEW, LISTED, energy_lines
 from chain_impact.recording.text import plural
@@ -48,3 +50,14 @@ def test_a_long_list_of_impacts_ends_with_how_many_more():
 def test_a_force_below_a_million_newtons_has_no_exponent():
     lines = repr(simulate("four_link_box", stop_time=0.55)).splitlines()
     assert [line.split()[6] for line in lines if line.split()[:1] == ["1"]] == ["19100"]
+
+
+def test_a_run_that_ends_at_rest_says_where():
+    scene = load_scene("clattering_rod")
+    result = simulate(scene)
+    (line,) = [line for line in repr(result).splitlines() if line.startswith("rest ")]
+    assert line in list(screen.summary(result))
+    places = np.array(re.findall(r"\((.*?), (.*?)\) m", line), float)
+    np.testing.assert_allclose(places, result.points[-1][[0, -1]], atol=1e-6)
+    assert "rest " not in repr(simulate(scene, stop_time=0.5))
+    assert "rest " not in repr(simulate(scene, output=["energy.total"]))

@@ -1,8 +1,11 @@
 """Refused signals of a scene and their messages; a driven input is no longer an input."""
 
+import re
+import warnings
+
 import pytest
 
-from chain_impact import SceneError, load_scene
+from chain_impact import SceneError, SceneWarning, load_scene, simulate
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.prepared import PreparedScene
@@ -118,3 +121,18 @@ def test_a_scene_with_signals_is_written_and_read_again():
     assert scene_from_dict(scene_to_dict(scene), "again") == scene
     changed = scene.with_values({"signal.a.value[2]": 2.5, "signal.a.time[2]": 0.4})
     assert (changed.signals["a"].times, changed.signals["a"].values) == ((0.0, 0.4), (0.0, 2.5))
+
+
+def test_a_base_that_starts_elsewhere_than_the_scene_says_is_told(tmp_path):
+    arm = load_scene("pinned_arm").with_values({"inputs.base_motion": True})
+    told = re.escape("base.y starts at 0.1 m, and initial.y = 0 m is not used")
+    (tmp_path / "base.csv").write_text("time,base.y\n0,0.1\n1,0.2\n")
+    with pytest.warns(SceneWarning, match=told):
+        moved = with_inputs(arm, tmp_path / "base.csv")
+    with pytest.warns(SceneWarning, match=told):
+        simulate(arm, stop_time=0.01, inputs={"base.y": lambda time: 0.1})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", SceneWarning)
+        simulate(arm, stop_time=0.01, inputs={"base.y": lambda time: 0.1 * time**2})
+        simulate(arm, stop_time=0.01, inputs={"base.vy": 0.1})
+        moved.with_values({"initial.position": [0.0, 0.1]})

@@ -65,3 +65,5 @@ def test_a_modulus_in_gigapascals_is_asked_about():
     with pytest.warns(SceneWarning, match=r"^young_1 = 207 Pa is softer than a gel: is it in GPa\?$") as told:
         sphere_plane_stiffness(RADIUS, 207, 0.3, 207e9, 0.3)
     assert told[0].filename == __file__
+    with pytest.warns(SceneWarning, match=r"^radius = 20 m: is it in mm\?$"):
+        sphere_plane_stiffness(20, 207e9, 0.3, 207e9, 0.3)

@@ -125,6 +125,11 @@ def test_a_table_with_other_separators_is_refused(reader, mark, name, tmp_path):
     assert refusal(read, path) == f"{path}: {form.format(reason)}"
 
 
+def test_a_unit_behind_a_number_is_pointed_at():
+    for written, number in {"2.5e3 g  # heavy": "2.5", "70%": "0.7"}.items():
+        assert f"; write {number}" in refusal(parse_scene, SCENE.replace("3.0", written), "rod.toml")
+
+
 def test_a_decimal_comma_in_a_cell_is_pointed_at(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text('time,point[0].y\n"0,5",1\n')

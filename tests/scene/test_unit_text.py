@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.scene.unit_text import in_brackets, of_power, unit_text
+from chain_impact.scene.unit_text import in_brackets, number_hint, of_power, unit_text
 from chain_impact.variables.units import UNITS
 
 
@@ -30,3 +30,24 @@ def test_no_unit_of_an_fmu_has_another_form():
 
 def test_an_exponent_of_one_is_not_written():
     assert (of_power("N/m", 1.0), of_power("N/m", 1.5)) == ("N/m", "N/m^1.5")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "number"),
+    [
+        ("450 mm", "m", "0.45"),
+        ("45cm", "m", "0.45"),
+        ("70 %", "", "0.7"),
+        ("-2.5e3 g", "kg", "-2.5"),
+        ("3 kN·m", "N.m", "3000"),
+        ("9.81 m/s^2", "m/s2", "9.81"),
+        ("20 ms", "s", "0.02"),
+    ],
+)
+def test_a_quantity_with_a_unit_is_told_as_a_number(text, unit, number):
+    assert number_hint(text, [unit]).split(",")[0] == f"; write {number}"
+
+
+@pytest.mark.parametrize(("text", "unit"), [("hard", "m"), ("3 feet", "m"), ("450 mm", "s"), ("1e3", "m")])
+def test_other_texts_have_no_hint(text, unit):
+    assert number_hint(text, [unit]) == ""

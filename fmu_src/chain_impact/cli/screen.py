@@ -15,6 +15,7 @@ from rich.table import Table
 from chain_impact.cli.progress import out, say
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
+from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import phase_cells
 from chain_impact.recording.summary import LISTED, energy_lines, impact_list, load_lines, passing_lines
 from chain_impact.recording.text import Table as TextTable, plural
@@ -88,6 +89,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     yield from meanings(recording)
     yield from passing_lines(recording)
     yield from stick_slip_table(recording)
+    yield from rest_lines(recording)
     yield from load_lines(recording)
     yield from energy_lines(recording.energies)
 

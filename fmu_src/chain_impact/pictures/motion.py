@@ -16,7 +16,6 @@ from chain_impact.pictures.body import draw_bodies, draw_rail
 from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.moving import draw_moving
-from chain_impact.pictures.rest import ends_at_rest, rest_word
 from chain_impact.pictures.room import draw_walls, view_of
 from chain_impact.pictures.style import (
     INK,
@@ -27,6 +26,7 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.recording import Recording
+from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import TICK

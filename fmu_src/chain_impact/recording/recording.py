@@ -176,6 +176,11 @@ class Recording:
         return {point: radius_of.get(point, radius) for point in points}
 
     @property
+    def knows_points(self) -> bool:
+        """Whether the positions of the points are known."""
+        return bool(self.all_points.size)
+
+    @property
     def energies(self) -> Mapping[str, np.ndarray]:
         """The known energies: kinetic, potential, … → shape (T,) [J]."""
         return self._of("energy").get((0, ""), {})

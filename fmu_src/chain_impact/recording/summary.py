@@ -11,6 +11,7 @@ from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.recording import Recording
+from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import place_of
 from chain_impact.recording.text import Table, plural
 from chain_impact.scene.scene import Scene
@@ -59,6 +60,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
     yield from impact_list(result, most)
     yield from passing_lines(result)
     yield from _friction_lines(result)
+    yield from rest_lines(result)
     yield from load_lines(result)
     yield from facts
 

@@ -84,7 +84,8 @@ class Ranking:
         value: the value of the quantity, in its ``unit``.
         unit: the unit of the quantity.
         where: words for the impact, the joint or the time of the quantity.
-        effects: the effects of the parameters that have an effect.
+        effects: the effects of the parameters that have an effect, the largest first; the parameters with
+            the value 0 come last, because the size of their step has no meaning of its own.
         without: the parameters without an effect.
         unknown: the parameters whose derivatives cannot be trusted; ``limits`` gives the reason.
         limits: sentences, as ``Result.sensitivity_limits``.
@@ -117,24 +118,13 @@ class Ranking:
 
     def parts(self) -> Iterator[str | Table]:
         """Yield the lines of the ranking, and the table of the effects."""
-        unit = unit_text(self.unit)
         yield f"{self.source}  {self.quantity} = {with_unit(f'{self.value:.6g}', self.unit)} ({self.where})"
-        yield "effect   of 1 % of each parameter, or of the step added to 0, to first order"
-        if self.effects:
-            change = f"effect, {unit}" if unit else "effect"
-            yield Table(
-                ("parameter", "value", change, "in %", "derivative"),
-                [
-                    (
-                        effect.parameter,
-                        effect.told,
-                        f"{effect.change:+.3g}",
-                        percents(self.share(effect)) if self.value else "—",
-                        f"{effect.derivative:.4g}",
-                    )
-                    for effect in self.effects
-                ],
-            )
+        yield "effect   of 1 % of each parameter, to first order"
+        at_zero = [effect for effect in self.effects if not effect.value]
+        yield from self._tables([effect for effect in self.effects if effect.value])
+        if at_zero:
+            yield f"effect   of the step added to a parameter that is 0: {PART:g} of its unit"
+        yield from self._tables(at_zero)
         if self.without:
             yield f"without effect: {', '.join(self.without)}"
         if self.unknown:
@@ -145,6 +135,24 @@ class Ranking:
         for name in self.left_out:
             yield f"{name} is left out: it changes the unit of the stiffness"
         yield from (f"limit    {limit}" for limit in self.limits)
+
+    def _tables(self, effects: Sequence[Effect]) -> Iterator[Table]:
+        """Yield the table of some effects; nothing if there are none."""
+        unit = unit_text(self.unit)
+        rows = [
+            (
+                effect.parameter,
+                effect.told,
+                f"{effect.change:+.3g}",
+                percents(self.share(effect)) if self.value else "—",
+                f"{effect.derivative:.4g}",
+            )
+            for effect in effects
+        ]
+        if rows:
+            yield Table(
+                ("parameter", "value", f"effect, {unit}" if unit else "effect", "in %", "derivative"), rows
+            )
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
         """Draw the largest effects as bars, to the right if the quantity grows with the parameter.
@@ -173,7 +181,7 @@ class Ranking:
         parts = [
             self.where,
             f"{ADDED} + {PART:g} of its unit, as it is 0" if any(added) else "",
-            f"{more} smaller effects are left out" if more else "",
+            f"{more} other effects are left out" if more else "",
             f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
             f"without {' and '.join(self.left_out)}" if self.left_out else "",
@@ -222,7 +230,8 @@ def ranking_of(
     chosen = np.array([name in like and name not in left_out for name in names])
     finite = np.isfinite(changes) & chosen
     nothing = finite & (np.abs(changes) <= NOTHING * size)
-    order = [k for k in np.argsort(-np.abs(np.where(finite, changes, 0.0)), kind="stable") if finite[k]]
+    at_zero = np.array([sensitivities.parameters[name] == 0.0 for name in names])
+    order = [k for k in np.lexsort((-np.abs(np.where(finite, changes, 0.0)), at_zero)) if finite[k]]
     effects = tuple(
         Effect(
             names[k],

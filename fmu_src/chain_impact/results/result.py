@@ -197,6 +197,11 @@ class Result(Pictured):
         return self._all("point_position")
 
     @property
+    def knows_points(self) -> bool:
+        """Whether the positions of all points are known."""
+        return {v.name for v in self.prepared.motion if v.field == "point_position"} <= {*self.motion}
+
+    @property
     def angles(self) -> np.ndarray:
         """Absolute angles of the links, shape (T, N) [rad]."""
         return self._all("angle")
@@ -253,7 +258,7 @@ class Result(Pictured):
         """Return parameters and inputs in the order of their effects on a quantity, the largest effect first.
 
         The effect is the change of the quantity, to first order, if the parameter changes by 1 %, or by 0.01
-        of its unit if its value is 0.
+        of its unit if its value is 0. Parameters with the value 0 come last.
 
         Args:
             quantity: the largest value in the run, by its name in a sweep: ``peak_force`` and

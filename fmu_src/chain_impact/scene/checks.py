@@ -18,7 +18,7 @@ from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
-from chain_impact.scene.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
@@ -303,7 +303,7 @@ def hints(scene: Contents) -> list[str]:
     if step > stop:
         longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
         texts.append(f"{longer}: there are two rows only, the start and the end")
-    return [*texts, *size_hints(scene), *base_hints(scene)]
+    return [*texts, *size_hints(scene), *base_hints(scene), *start_hints(scene)]
 
 
 def size_hints(scene: Contents) -> list[str]:
@@ -318,6 +318,19 @@ def size_hints(scene: Contents) -> list[str]:
         strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
         texts.append(f"{strong}: is it in mm/s²?")
     return texts
+
+
+def start_hints(scene: Contents) -> list[str]:
+    """Return a sentence for each coordinate of a driven base that does not start where the scene says."""
+    if scene.chain.base != "pinned":
+        return []
+    starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
+    return [start_hint(axis, start, given) for axis, start, given in starts if abs(start - given) > OVERLAP]
+
+
+def start_hint(axis: str, start: float, given: float) -> str:
+    """Return a sentence on a driven base that does not start where the scene says."""
+    return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
 
 
 def base_hints(scene: Contents) -> list[str]:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from chain_impact.scene.angles import degrees_pattern
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.text_file import comma_in
+from chain_impact.scene.unit_text import number_hint
 
 LISTS = ("chain.links", "walls")
 """The tables that a file may have several times, each headed by ``[[…]]``."""
@@ -95,4 +96,5 @@ def fault_hint(text: str, fault: str) -> str:
         return ""
     if degrees := _DEGREES.search(line):
         return f'; an angle in degrees is text: "{degrees[1] or degrees[2]} deg"'
-    return comma_in(text, fault)
+    quantity = number_hint(line.partition("#")[0].partition("=")[2])
+    return quantity or comma_in(text, fault)

@@ -13,7 +13,7 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from chain_impact.scene.angles import radians_hint
-from chain_impact.scene.checks import check_joint_angles, check_start
+from chain_impact.scene.checks import check_joint_angles, check_start, start_hints
 from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.limits import keeps, keys
 from chain_impact.scene.names import DataPath, name_of
@@ -148,7 +148,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
 
 def _starts(scene: Contents) -> bool:
     """Return whether the changed start has no faults and gives no hints."""
-    if any(radians_hint("", angle, "rad") for angle in scene.initial.angles):
+    if any(radians_hint("", angle, "rad") for angle in scene.initial.angles) or start_hints(scene):
         return False
     try:
         check_start(scene)

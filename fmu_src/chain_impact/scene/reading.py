@@ -14,6 +14,7 @@ from typing import Any, get_args, get_origin
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names
+from chain_impact.scene.unit_text import number_hint
 
 # the least similarity, 0 to 1, of a name that a message proposes; with less, proposals are useless
 ALIKE = 0.7
@@ -196,7 +197,9 @@ class Reader:
         result = _convert(kind, in_radians(value, rule["unit"]))
         if result is None or not keeps(result, rule):
             needed = allowed(kind, rule) + or_degrees(rule["unit"])
-            meant = decimal_comma(value) if kind is not str else nearest_choice(value, rule["choices"])
+            meant = (
+                nearest_choice(value, rule["choices"]) if kind is str else meant_number(value, rule["unit"])
+            )
             raise self._refusal(path, value, needed + meant)
         return result
 
@@ -292,6 +295,11 @@ def _convert(kind: Any, value: Any) -> Any:
     except OverflowError:  # the value is an integer larger than the largest float
         return None
     return number if kind is int or math.isfinite(number) else None
+
+
+def meant_number(value: Any, unit: str) -> str:
+    """Return a hint how to write a number that is a text with a unit or a decimal comma; "" for others."""
+    return number_hint(value, [unit]) or decimal_comma(value) if isinstance(value, str) else ""
 
 
 def decimal_comma(value: Any) -> str:

@@ -3,8 +3,37 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 PRODUCT, SQUARE = re.compile(r"(?<=[a-zA-Z])\.(?=[a-zA-Z])"), re.compile(r"(?<=[a-zA-Z])2\b")
+
+PREFIXES = {"": 1.0, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "µ": 1e-6, "u": 1e-6}
+"""Prefix of a unit → factor, for units that people write behind numbers."""
+USUAL = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
+"""Units of which the hint ``number_hint`` knows all prefixes."""
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|[a-zA-Zµ][\w/·.²^]*)\s*")
+
+
+def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
+    """Return a hint how to write a quantity with a unit, "450 mm", as a number; "" for another text."""
+    match = _QUANTITY.fullmatch(text)
+    if not match:
+        return ""
+    number, word = float(match[1]), _plain(match[2])
+    if word == "%":
+        return f"; write {number / 100.0:.12g}"
+    for unit in units:
+        # a kilogram already has a prefix
+        base, scale = (unit[1:], 1e-3) if unit.startswith("kg") else (unit, 1.0)
+        for prefix, factor in PREFIXES.items():
+            if word == prefix + _plain(base):
+                return f"; write {number * (factor * scale):.12g}, a number in {unit_text(unit)}"
+    return ""
+
+
+def _plain(unit: str) -> str:
+    """Return a unit without the signs that people write in different ways."""
+    return re.sub(r"[·.^]", "", unit.replace("²", "2"))
 
 
 def unit_text(unit: str | None) -> str:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.scene.checks import start_hint
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.follower import Follower
 from chain_impact.simulation.pieces import Pieces, joined_points
@@ -224,10 +225,14 @@ def contradictions(
     columns: np.ndarray,
     called: Callable[[str, float], float],
 ) -> list[str]:
-    """Return a sentence for each given velocity or acceleration that contradicts the motion."""
+    """Return a sentence for each given velocity, acceleration or start that contradicts the motion."""
     texts = []
     for channel, column in zip(channels, columns, strict=True):
         names = [name for name in channel.names if name in signals]
+        start = derivatives(pieces, 0)[0, 0, column]
+        if channel.position in names and channel.position.startswith("base."):
+            off = abs(start - channel.start) > CONTRADICTS * max(abs(start), abs(channel.start))
+            texts += [start_hint(channel.position[-1], start, channel.start)] if off else []
         for name in names[1:]:
             order = channel.names.index(name)
             value, _ = as_function(name, signals[name], called, joined="spline")

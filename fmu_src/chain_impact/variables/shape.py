@@ -78,9 +78,11 @@ class Shape:
         return "the carriage" if self.base == "slider" else "the ground"
 
     def label(self, point: int) -> str:
-        """Return the name of a point in brackets, if it has one."""
-        name = self.sites[point - self.links - 1][2] if point > self.links else ""
-        return f" ({name})" if name else ""
+        """Return the name and the link of a point of a link in brackets; "" for an end of a link."""
+        if point <= self.links:
+            return ""
+        link, _, name, _ = self.sites[point - self.links - 1]
+        return f" ({f'{name}, ' if name else ''}link {link + 1})"
 
     @cached_property
     def of_signals(self) -> dict[str, tuple[int, int]]:

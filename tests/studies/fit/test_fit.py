@@ -181,6 +181,16 @@ def test_bounds_are_kept_and_said():
     assert any("the model does not follow the data within their σ" in note for note in found.notes)
 
 
+@pytest.mark.parametrize("columns", [1, 2])
+def test_a_sigma_that_is_too_large_is_said(columns):
+    data, _ = motion(0.3, count=60)
+    found = fit(START, data, FREE[2:], sigma=dict.fromkeys(TIP[:columns], 3.0 * NOISE))
+    (said,) = [note for note in found.notes if note.startswith("χ²")]
+    assert said.endswith("more closely than their σ allow, so the standard errors are too large.")
+    right = fit(START, data, FREE[2:], sigma=dict.fromkeys(TIP[:columns], NOISE))
+    assert not [note for note in right.notes if note.startswith("χ²")]
+
+
 def test_a_value_that_nears_a_bound_is_on_it():
     """Negative damping would fit best: the search approaches 0 endlessly, and the fit is at 0."""
     arm = load_scene("triple_pendulum")

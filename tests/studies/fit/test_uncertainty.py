@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from chain_impact.studies.fit.uncertainty import information, largest_usual, quantiles, small_sample
+from chain_impact.studies.fit.uncertainty import exceeded, information, quantiles, small_sample
 
 SLOPES = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0], [1.0, 3.0]])
 SIGMA = np.full(4, 0.5)
@@ -44,7 +44,7 @@ def test_what_acts_together_only():
 def test_quantiles():
     wanted = [stats.t.ppf(0.975, 2), stats.t.ppf(0.975, 5.5), stats.norm.ppf(0.975), np.inf]
     assert quantiles(np.array([2.0, 5.5, np.inf, 0.0])).tolist() == pytest.approx(wanted)
-    assert largest_usual(10) == pytest.approx(stats.chi2.ppf(0.999, 10))
+    assert exceeded(25.0, 10) == pytest.approx(stats.chi2.sf(25.0, 10))
 
 
 def test_degrees_of_freedom_of_one_column_are_its_own():

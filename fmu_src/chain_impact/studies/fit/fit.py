@@ -20,12 +20,14 @@ from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.result import Fit
-from chain_impact.studies.fit.uncertainty import information, largest_usual, quantiles, small_sample
+from chain_impact.studies.fit.uncertainty import exceeded, information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
 # the mean square of the residuals, in standard deviations, below which correlations between residuals do not
 # matter
 VISIBLE = 0.01
+EXACT = 1e-6  # the mean square of the residuals, in standard deviations, of data that a simulation computed
+IMPROBABLE = 1e-3  # the probability of a χ² below which a remark says that σ and residuals do not agree
 LARGEST = 700.0  # largest number whose exponential is finite
 FEW = 10  # the number of values of a column below which its estimated standard deviation is rough
 # the limit of the lag-1 correlation of n pairs of neighbours, times √n; chance exceeds it in 2 % of all cases
@@ -296,12 +298,30 @@ def _notes(
     for parameter in problem.parameters:
         if parameter.name not in problem.scenes[0].values:
             notes.append(f"{parameter.label} is an input: the fitted scene does not hold it.")
-    if not result.estimated and result.freedom > 0 and result.chi_squared > largest_usual(result.freedom):
-        notes.append(
-            f"χ² is {result.chi_squared:.4g} for {result.freedom} degrees of freedom: the model does not "
-            "follow the data within their σ, so the standard errors are too small."
-        )
+    notes += _unusual(result)
     return [*notes, *_not_random(result), *_few(problem, at)]
+
+
+def _unusual(result: Fit) -> Iterator[str]:
+    """Yield a remark if the χ² of the columns with a given σ is improbably large or small."""
+    given = result.used & ~np.isin(result.names, result.estimated)
+    total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
+    least = most - len(result.parameters)
+    # how many parameters these columns determine is known only if no other column determines some
+    most = most if result.estimated else least
+    if least <= 0 or total < EXACT * least:
+        return
+    what = f"χ² is {total:.4g} for {most} degrees of freedom, p < {IMPROBABLE:g}"
+    if exceeded(total, most) < IMPROBABLE:
+        yield (
+            f"{what}: the model does not follow the data within their σ, so the standard "
+            "errors are too small."
+        )
+    elif exceeded(total, least) > 1.0 - IMPROBABLE:
+        yield (
+            f"{what}: the data follow the model more closely than their σ allow, so the "
+            "standard errors are too large."
+        )
 
 
 def _not_random(result: Fit) -> Iterator[str]:

@@ -130,8 +130,8 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
     return np.where(freedom > TOO_FEW, values, math.inf)
 
 
-def largest_usual(freedom: float) -> float:
-    """Return the χ² that a correct model exceeds with a probability of only 0.1 %."""
+def exceeded(chi_squared: float, freedom: float) -> float:
+    """Return the probability with which a correct model exceeds a value of χ²."""
     from scipy import special  # this import takes long
 
-    return float(special.chdtri(freedom, 1e-3))
+    return float(special.chdtrc(freedom, chi_squared))
