@@ -48,6 +48,11 @@ def test_friction_at_rest_does_no_work(kind):
     check_rest([run(kind, seed, SHORT) for seed in CREPT[kind]])
 
 
+def test_friction_in_a_joint_does_no_work_in_an_hour():
+    """Steps of a second, each with the same round-off, added up to more than the allowed change."""
+    check_rest([run("pendulum", seed, LONG) for seed in (70, 207, 243, 295)])
+
+
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", ["pendulum", "double_pendulum", "rigid_pendulum"])
 def test_an_hour_of_rest_is_held(kind):

@@ -137,7 +137,8 @@ def project_state(d, y):
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
     size. If walls would pull more than the errors explain, the points that leave the walls keep their rate ġ
-    > 0, in ``d.rigid.reached``. The loss of kinetic energy in the projection counts as dissipated.
+    > 0, in ``d.rigid.reached``. The loss of kinetic energy in the projection counts as dissipated. Afterwards
+    the points are located in the projected state.
     """
     rigid, lost = d.rigid, dissipated_at(d.links)
     for k in range(d.touch.compliant_count if any_sticking(d) else 0):

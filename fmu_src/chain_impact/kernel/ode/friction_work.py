@@ -35,15 +35,24 @@ def work_of_correction(d, h, i):
     return work_along(d, change, True)
 
 
-def work_beside_rates(d):
-    """Return the work [J] of dry friction along the part of the tried step that its rates do not contain.
+def uncounted_work(d):
+    """Return the work [J] of dry friction along the part of the tried step that it has not counted yet.
 
-    The points must be located at the end of the step.
+    An implicit step has counted the work up to its last stage. The points must be located at the end.
     """
-    change = d.work.change
+    change, y, z = d.work.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):
-        change[j] = (d.trial.state[j] - d.step.state_end[j]) - change_by_rates(d, j)
-    return work_along(d, change, False)
+        if d.step.method == IMPLICIT:
+            change[j] = y[j] - z[j]
+        else:
+            change[j] = (y[j] - d.step.state_end[j]) - explicit.change_by_rates(d, j)
+    if d.step.method != IMPLICIT:
+        return work_along(d, change, False)
+    # the work of sticking elements is counted from their places, so the round-off of places cancels here
+    work = work_along(d, change, True) + work_of_holding(d)
+    work -= holding_at(d, z, d.trial.size)
+    locate_points_now(d, y)
+    return work
 
 
 def change_by_rates(d, j):

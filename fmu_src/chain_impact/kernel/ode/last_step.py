@@ -31,7 +31,7 @@ from chain_impact.kernel.ode.dense import (
     settle_impulses,
     truncate_quadratures,
 )
-from chain_impact.kernel.ode.friction_work import change_by_rates, work_beside_rates
+from chain_impact.kernel.ode.friction_work import change_by_rates, uncounted_work
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import any_sticking
@@ -105,7 +105,7 @@ def project_trial(d):
         return
     y[lost] = step.remainder_end + change_by_rates(d, lost)
     project_state(d, y)
-    change = y[lost] - work_beside_rates(d)
+    change = y[lost] - uncounted_work(d)
     y[lost] = step.state_end[lost] + change
     step.remainder_end = change - (y[lost] - step.state_end[lost])
 
