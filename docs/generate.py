@@ -7,6 +7,7 @@ of the function ``name`` in TABLES. It also writes the JSON schema of scene file
 from __future__ import annotations
 
 import json
+import math
 import re
 import sys
 from collections.abc import Sequence
@@ -30,6 +31,13 @@ SCHEMA = DOCS / "scene.schema.json"
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
 RADIUS = 0.02  # m, radius of the spheres in the table of stiffness
 # typical Young's modulus [Pa] and Poisson's ratio of each material
+METALS = {
+    "mild steel": (207e9, 0.3, 7850.0, 300e6),
+    "copper, annealed": (120e9, 0.34, 8960.0, 70e6),
+    "lead": (16e9, 0.44, 11340.0, 12e6),
+}
+"""Metal → Young's modulus [Pa], Poisson's ratio, density [kg/m³] and yield stress [Pa], typical values."""
+SPEEDS = (1.0, 5.0)  # [m/s] impact speeds of the restitutions
 MATERIALS = {
     "steel": (207e9, 0.3),
     "aluminium": (70e9, 0.33),
@@ -102,6 +110,20 @@ def stiffnesses() -> str:
         for name, (young, poisson) in MATERIALS.items()
     )
     return table(("sphere of", "E [GPa]", "ν", "K on its own material", "K on steel"), rows)
+
+
+def restitutions() -> str:
+    """Return the restitution of a yielding sphere of some metals on a plane of the same metal."""
+    rows = []
+    for name, (young, poisson, density, stress) in METALS.items():
+        combined = young / (2.0 * (1.0 - poisson**2))
+        # m = (4/3) π ρ R³, so ½ m v² / (Y R³) = (2/3) π ρ v² / Y
+        found = (
+            3.8 * math.sqrt(stress / combined) * (2.0 / 3.0 * math.pi * density * speed**2 / stress) ** -0.125
+            for speed in SPEEDS
+        )
+        rows.append((name, f"{stress / 1e6:g}", *(f"{e:.2f}" for e in found)))
+    return table(("metal", "Y [MPa]", *(f"e at {speed:g} m/s" for speed in SPEEDS)), rows)
 
 
 def planted_faults() -> str:
@@ -186,6 +208,7 @@ TABLES = {
         statuses,
         contact_laws,
         stiffnesses,
+        restitutions,
         planted_faults,
         command_line,
         measured_impacts,

@@ -281,3 +281,10 @@ def test_set_takes_the_keys_of_a_scene_file(run, source):
     code, _, errors = run("simulate", source, "--set", "chain.links[1].mass=heavy")
     assert code == 2
     assert ": chain.links[1].mass = " in errors
+
+
+def test_a_picture_in_a_dark_style_is_dark_and_no_other_picture_is(run, here):
+    drawn = ("simulate", "pinned_arm", "--stop-time", "0.1", "--size", "84", "--plot")
+    assert run(*drawn, "dark.png", "--style", "dark_background")[0] == run(*drawn, "light.png")[0] == 0
+    corners = [pyplot.imread(here / f"{name}.png")[0, 0, :3].tolist() for name in ("dark", "light")]
+    assert corners == [[0.0] * 3, [1.0] * 3]

@@ -24,7 +24,7 @@ from chain_impact.cli import (
     sweep,
     validate,
 )
-from chain_impact.cli.options import UsageError
+from chain_impact.cli.options import UsageError, style_of
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
@@ -59,7 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     out.quiet = options.quiet and not options.only_prints
     try:
-        with hints_shown():
+        with hints_shown(), style_of(options):
             code: int = options.run(options)
     except (AnimationError, SceneError, UsageError, ImportError) as error:
         damaged = isinstance(error, ImportError) and not isinstance(error, MissingExtraError)

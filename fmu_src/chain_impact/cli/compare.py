@@ -14,8 +14,8 @@ from chain_impact.cli.options import (
     add_scene,
     add_set,
     add_verb,
+    check_look,
     check_outputs,
-    check_size_option,
     names_in,
     scene_of_options,
     write_picture,
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
     """
     from chain_impact.studies.compare import compare
 
-    check_size_option(options)
+    check_look(options)
     check_outputs(options.csv, options.plot, inputs=[options.source])
     scene = scene_of_options(options)
     with progress("comparing") as advance:

@@ -14,8 +14,8 @@ from chain_impact.cli.options import (
     add_repeated,
     add_set,
     add_verb,
+    check_look,
     check_outputs,
-    check_size_option,
     complete_scenes,
     names_in,
     pairs,
@@ -75,9 +75,8 @@ def add(verbs: Verbs) -> None:
         "--interpolation",
         choices=INTERPOLATIONS,
         default=INTERPOLATIONS[0],
-        help="inputs between two rows of data: follow keeps each value, but joins the motion of a base or "
-        "a wall by a spline; hold does as an FMU with a step for each row; linear joins values by straight "
-        "lines; default: %(default)s",
+        help="inputs between two rows of data: follow keeps each value, but joins a motion by a spline; "
+        "hold keeps each value; linear joins values; default: %(default)s",
     )
     fit.add_argument(
         "--rank-laws", "--laws", dest="laws", action="store_true", help="fit every contact law, and rank them"
@@ -93,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.fit.fit import fit
 
     data = [names_in(text) for text in options.data]
-    check_size_option(options)
+    check_look(options)
     check_outputs(options.scene, options.plot, inputs=[options.source, *chain.from_iterable(data)])
     settings = settings_of(options.set)
     scene = with_settings(load_scene(options.source), settings)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
 from chain_impact.cli.progress import say
 from chain_impact.scene.models import model_names, scene_path
+from chain_impact.scene.names import nearest
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.signals import with_inputs
 from chain_impact.simulation.record_scene import with_settings
@@ -155,6 +157,37 @@ def add_plot(command: argparse.ArgumentParser, what: str) -> None:
         type=figure_size,
         help="width of the picture in millimetres, as 84, or width and height, as 120x150",
     )
+    command.add_argument(
+        "--style",
+        action=Once,
+        metavar="NAME",
+        type=style_name,
+        help="draw in a style of matplotlib, such as dark_background",
+    )
+
+
+def style_name(text: str) -> str:
+    """Return the name of a style of matplotlib after a check."""
+    from matplotlib import style  # this import takes long
+
+    if text not in style.available:
+        near = nearest(text, style.available)
+        hint = f"the nearest is {near}" if near else f"must be one of {', '.join(style.available)}"
+        raise argparse.ArgumentTypeError(f"{text} is no style of matplotlib; {hint}")
+    return text
+
+
+@contextmanager
+def style_of(options: argparse.Namespace) -> Iterator[None]:
+    """Draw in the style that the options of a command name."""
+    name = getattr(options, "style", None)
+    if name is None:
+        yield
+        return
+    from matplotlib import style
+
+    with style.context(name):
+        yield
 
 
 def figure_size(text: str) -> Size:
@@ -177,10 +210,12 @@ def figure_size(text: str) -> Size:
     return sides[0] / MM, sides[1] / MM if cross else None
 
 
-def check_size_option(options: argparse.Namespace) -> None:
-    """Refuse the size of a picture if there is no picture."""
+def check_look(options: argparse.Namespace) -> None:
+    """Refuse the size or the style of a picture if there is no picture."""
     if options.size and not options.plot:
         raise UsageError("--size: it is the size of a picture: give --plot FILE too")
+    if options.style and not (options.plot or getattr(options, "show", False)):
+        raise UsageError("--style: it is the style of a picture: give --plot FILE too")
 
 
 def write_picture(path: Path | None, size: Size | None, plot: Callable[..., object]) -> None:

@@ -21,8 +21,8 @@ from chain_impact.cli.options import (
     add_scene,
     add_set,
     add_verb,
+    check_look,
     check_outputs,
-    check_size_option,
     ending,
     inputs_of,
     names_in,
@@ -125,8 +125,8 @@ def add(verbs: Verbs) -> None:
         action=Once,
         metavar="WHAT",
         help="order parameters and inputs by the effect of 1 %% more on peak_force, max_penetration, "
-        "joint_force, impact[2].peak_force (impact 2 of the list) or an output at the end, and draw the "
-        "effects; --sensitivity limits the list",
+        "joint_force, impact[2].peak_force or an output at the end, and draw the effects; --sensitivity "
+        "limits the list",
     )
     complete(ranked, rankable)
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
@@ -168,7 +168,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU, print a summary, and write the files that the options name."""
-    check_size_option(options)
+    check_look(options)
     window = open_window() if options.show else None
     report(
         Source(options.source, options.set, inputs_of(options)),

@@ -18,8 +18,8 @@ from chain_impact.cli.options import (
     add_scene,
     add_set,
     add_verb,
+    check_look,
     check_outputs,
-    check_size_option,
     names_in,
     pairs,
     scene_of_options,
@@ -74,11 +74,10 @@ def add(verbs: Verbs) -> None:
         dest="table",
         metavar="FILE",
         required=True,
-        help="write the table (csv, parquet), or Parquet files to a folder, such as runs/; "
-        "after an interruption the same command continues",
+        help="write the table (csv, parquet), or Parquet files to a folder, such as runs/",
     )
     add_plot(sweep, "the main results over the parameters that vary")
-    what = "draw only these columns or outputs: peak_force,point[4].x"
+    what = "draw these columns or outputs: peak_force,point[4].x"
     complete(add_repeated(sweep, "--panels", "NAMES", what), outputs, listed=True)
     sweep.set_defaults(run=run)
 
@@ -93,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.variables.prepared import PreparedScene
 
     table = Path(options.table)
-    check_size_option(options)
+    check_look(options)
     check_outputs(table, options.plot, inputs=[options.source])
     scene = scene_of_options(options)
     vary = variations(options.vary, settings_of(options.set))
