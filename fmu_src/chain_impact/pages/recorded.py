@@ -159,6 +159,8 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             "endSpeed": end_speed,
             "rebound": _known(impact["separation_speed"]),
             "peak": _known(impact["peak_force"]),
+            "jointForce": _known(impact["joint_force"]),
+            "joint": int(impact["joint"]),
             "depth": _known(impact["max_penetration"]),
             "atStop": at_stop,
         }

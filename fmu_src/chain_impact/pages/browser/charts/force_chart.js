@@ -1,10 +1,12 @@
 // The chart of the force of one contact, over time or over penetration.
 
 import { durationText, forceText, unitsOf } from "../base/format.js";
+import { ticksBetween } from "../base/ticks.js";
 import { lastBefore } from "../recording/recording.js";
 import { axisOptions, Chart, drawCurve, labelledWidth, MOMENT, styleColour } from "./chart.js";
 
 const AROUND = 0.35; // shown time before and after a contact, over the duration of the contact
+const FEWEST_TICKS = 3; // least number of ticks of the force
 const NO_FORCE = 1e-9; // [N] force below which a contact counts as having no force
 
 /** Return the largest of the numbers in some arrays, but at least a tiny number above zero. */
@@ -18,7 +20,8 @@ function highest(...all) {
 function courseAround(recording, contact) {
   const { onset, end } = contact;
   const margin = AROUND * Math.max(end - onset, 1e-6);
-  const { time, ...columns } = recording.courseOf(contact);
+  const { rowTime: time } = recording;
+  const columns = recording.courseOf(contact);
   const first = lastBefore(time, onset - margin);
   const last = lastBefore(time, end + margin) + 2;
   const times = Array.from(time.slice(first, last), (now) => now - onset);
@@ -61,7 +64,7 @@ export class ForceChart extends Chart {
         },
         axes: [
           axisOptions({ size: 26, values: (_, ticks) => ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks)) }),
-          axisOptions({ size: labelledWidth, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
+          axisOptions({ size: labelledWidth, splits: (_, axis, low, high) => ticksBetween(low, high, FEWEST_TICKS), values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
         ],
       },
       [[0, 1], [0, 0], [null, null]],
@@ -96,7 +99,8 @@ export class ForceChart extends Chart {
       this.mark(this.recording.timeAt(frame) - contact.onset);
       return;
     }
-    const [depth, force] = [this.recording.depthOf(contact), this.recording.forceOf(contact)].map((values) => this.recording.between(values, frame));
+    const course = this.recording.courseOf(contact);
+    const [depth, force] = [course.depth, course.force].map((values) => this.recording.betweenRows(values, frame));
     this.at = undefined;
     this.dot.hidden = !(depth > 0);
     const [left, top] = [this.plot.valToPos(depth, "x"), this.plot.valToPos(force, "y")];

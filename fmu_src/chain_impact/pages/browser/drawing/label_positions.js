@@ -3,7 +3,7 @@
 // approximate width of a letter and height of a line, over the size of the letters
 const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
 const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
-const HALF = 4; // [pixels] half the side of the square that stands for a mark
+const HALF = 8; // [pixels] half the side of the square that stands for a mark, with the outline of a text beside it
 
 /** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
 function boxOf(text, [x, y], size, anchor) {

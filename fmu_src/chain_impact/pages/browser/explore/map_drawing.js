@@ -1,11 +1,12 @@
 // The drawing of the map: a colour for each run, axes, the scale of the colours, and marks.
 
 import { numberText } from "../base/format.js";
-import { colourAt, quantityOf, scaled, ticksBetween, titleOf, VIRIDIS } from "./map_scales.js";
+import { ticksBetween } from "../base/ticks.js";
+import { colourAt, quantityOf, scaled, titleOf, VIRIDIS } from "./map_scales.js";
 
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 // [pixels] margins around the canvas, equal to those in the style sheet
-const EDGE = { left: 64, right: 16, top: 8, bottom: 86 };
+const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
 
 export class MapDrawing {
   constructor(canvas, scales, frame) {
@@ -89,7 +90,7 @@ export class MapDrawing {
     this.scales.rect(width, 9).move(left, top - 8).fill(bar);
     const [least, most] = ends ? ends.map((value) => numberText(Number((factor * value).toPrecision(4)))) : ["", ""];
     this.#write(least, left, top + 16, "start");
-    this.#write(titleOf(quantityOf(name), text), left + width / 2, top + 16, "middle");
+    this.#write(titleOf(quantityOf(name), text), left + width / 2, top + 32, "middle");
     this.#write(most, left + width, top + 16, "end");
   }
 }

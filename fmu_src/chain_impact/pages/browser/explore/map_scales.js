@@ -6,7 +6,6 @@ import { MAIN_PARAMETERS } from "./sliders.js";
 // the colour map viridis of matplotlib (CC0), at equal distances
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
-const TICKS = 5; // approximate number of ticks of an axis
 const DEGREES = 180 / Math.PI;
 
 /** Return the factor and the unit in which a value is shown: degrees for an angle. */
@@ -17,16 +16,6 @@ export function shownIn({ unit }) {
 /** Return a name with a unit. */
 export function titleOf(name, unit) {
   return unit ? `${name}, ${unit}` : name;
-}
-
-/** Return round numbers between two numbers. */
-export function ticksBetween(low, high) {
-  const rough = (high - low) / TICKS;
-  if (!(rough > 0)) return [low];
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough * (1 - 1e-9));
-  const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
-  return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(9)));
 }
 
 /** Return the colour of a fraction from 0 to 1. */

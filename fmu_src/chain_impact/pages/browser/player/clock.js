@@ -85,24 +85,24 @@ export class Clock {
     if (faster.length) this.set({ speed: direction > 0 ? faster[0] : faster[faster.length - 1] });
   }
 
-  /** Go to the onset of an impact, by its number, counted from 0. */
-  toImpact(number) {
-    this.seek(this.recording.impacts[number].onset);
+  /** Go to the largest force of an impact. */
+  toImpact(impact) {
+    this.seek(impact.peakTime);
     // the frame is a rounded number, but the chosen impact must have begun
-    while (this.time < this.recording.impacts[number].onset) this.frame += 1e-3;
-    this.#goneTo = this.recording.impacts[number];
+    while (this.time < impact.onset) this.frame += 1e-3;
+    this.#goneTo = impact;
     this.set({});
   }
 
   /** Go to the impact before (−1) or after (1) the present time. */
   stepImpact(direction) {
-    const { impacts } = this.recording;
     const now = this.time;
     const same = 1e-9 * (1 + Math.abs(now)) + 2e-3 * this.recording.rateAt(this.frame) / this.recording.frameRate;
-    const number = direction > 0
-      ? impacts.findIndex((impact) => impact.onset > now + same)
-      : impacts.findLastIndex((impact) => impact.onset < now - same);
-    if (number >= 0) this.toImpact(number);
+    const ahead = ({ peakTime }) => direction * (peakTime - now);
+    // impacts are in order of onset, which need not be the order of their largest forces
+    const nearest = this.recording.impacts.filter((impact) => ahead(impact) > same)
+      .reduce((best, impact) => (best && ahead(best) <= ahead(impact) ? best : impact), null);
+    if (nearest) this.toImpact(nearest);
     else if (direction < 0) this.seek(this.recording.start);
   }
 }

@@ -1,11 +1,15 @@
-// The list of impacts; a click on an impact goes to its time.
+// The list of impacts; a click on an impact goes to its largest force.
 
 import { make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
 const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
 const COLUMNS = ["#", "time", "point", "wall", "speed", "e′", "peak force"];
-const TITLES = { "e′": "Speed after the impact over that before" };
+const JOINT_FORCE = "joint force"; // a further column if forces in joints are known
+const TITLES = {
+  "e′": "Speed after the impact over the speed before",
+  [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
+};
 
 /** Return the peak of a force as text, as far as it is known. */
 function peakText({ peak, atStop }) {
@@ -39,24 +43,27 @@ export class ImpactList {
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return;
     const table = make("table");
-    table.createTHead().insertRow().append(...COLUMNS.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" })));
+    const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
+    table.createTHead().insertRow().append(...columns.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" })));
     const body = table.createTBody();
-    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact, number) => this.#row(body, impact, number, goTo));
+    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, impact, columns, goTo));
     element.append(table);
     const others = recording.impacts.length - this.rows.length;
     if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));
   }
 
-  #row(body, impact, number, goTo) {
+  #row(body, impact, columns, goTo) {
     const row = body.insertRow();
-    const button = make("button", { type: "button", textContent: String(number + 1) });
-    button.setAttribute("aria-label", `Go to impact ${number + 1}, at ${impact.onset.toFixed(6)} s`);
+    const button = make("button", { type: "button", textContent: String(impact.number) });
+    button.setAttribute("aria-label", `Go to impact ${impact.number}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
     const texts = [`${impact.onset.toFixed(5)} s`, impact.what.replace(/^point /, ""), impact.wall.replace(/^slider_/, ""), approachText(impact), reboundText(impact), peakText(impact)];
     texts.forEach((text) => {
       row.insertCell().textContent = text;
     });
-    row.addEventListener("click", () => goTo(number));
+    const { jointForce, joint } = impact;
+    if (columns.includes(JOINT_FORCE)) row.append(make("td", joint > 0 ? { textContent: forceText(jointForce), title: `In joint ${joint}` } : { textContent: "–" }));
+    row.addEventListener("click", () => goTo(impact));
     return row;
   }
 

@@ -32,7 +32,7 @@ export class Player {
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("contact-name"), find("force-loop"))],
     ];
-    this.impacts = new ImpactList(find("impacts"), (number) => this.clock.toImpact(number));
+    this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
     this.showControls = connect(this.clock, this.drawing);
     this.clock.onChange(() => this.drawSoon());
     new ResizeObserver(() => this.fit()).observe(find("view"));

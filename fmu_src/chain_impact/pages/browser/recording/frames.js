@@ -74,31 +74,26 @@ function largest(values) {
  *   times are the array `rows.time` itself.
  */
 export function framesOf(rows, { times, frameRate }) {
-  const { name, links, pointCount, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
+  const { name, links, pointCount, loads, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
   const brackets = times === rows.time ? null : bracketsOf(rows.time, times);
   const at = (values, width = 1) => (brackets && values ? interpolatedColumn(values, brackets, width) : values);
   const spansAbove = (values) => spansOf(brackets ? brackets.map(([row]) => values[row]) : values);
   const [x, y] = [rows.x, rows.y].map((all) => at(all, pointCount));
   const forces = rows.touches
     .filter(({ wall, force }) => wall && force.some((value) => value > 0))
-    .map(({ point, wall, force, depth, friction, sticking }) =>
-      ({
-        point, wall, values: at(force), depth: at(depth), friction: at(friction), spans: sticking ? spansAbove(sticking) : [],
-        course: { time: rows.time, force, depth, friction },
-      }));
+    .map(({ sticking, ...course }) => ({ ...course, spans: sticking ? spansAbove(sticking) : [] }));
   const stuckJoints = rows.touches
     .filter(({ wall }) => !wall)
     .map(({ point, sticking }) => ({ joint: point, spans: spansAbove(sticking) }));
-  const loads = rows.loads.map(({ joint, x: along, y: up }) => ({ joint, x: at(along), y: at(up) }));
   const energies = ENERGIES.filter((key) => rows.energies[key]?.some((value) => value !== 0))
     .map((key) => [key, at(rows.energies[key])]);
   const peaks = [
     ...contacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
-    ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ values }) => largest(values)),
-    ...loads.map((force) => largest(force.x.map((along, frame) => Math.hypot(along, force.y[frame])))),
+    ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ force }) => largest(force)),
+    ...loads.map((force) => largest(force.x.map((along, row) => Math.hypot(along, force.y[row])))),
   ];
   return {
-    name, links, pointCount, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
+    name, links, pointCount, rowTime: rows.time, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
     walls, stops, radius, touching, pointNames, bodies, rail,
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: Math.max(largest(peaks), 1e-300),

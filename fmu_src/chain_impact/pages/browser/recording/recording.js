@@ -29,7 +29,7 @@ export class Recording {
     this.end = this.time[this.time.length - 1];
     this.impacts = this.contacts;
     this.impacts.forEach((impact, index) => {
-      impact.number = index + 1;
+      Object.assign(impact, { number: index + 1, peakTime: this.#peakTimeOf(impact) });
     });
     // a contact is the present contact from the middle between the end of the contact before and its own onset
     this.turns = this.contacts.map(({ onset }, index) =>
@@ -54,38 +54,37 @@ export class Recording {
     return (this.time[index + 1] - this.time[index]) * this.frameRate;
   }
 
-  /** Return the value at a frame, from values in rows of some width. */
+  /** Return the value at a frame, from values at all frames, each of some width. */
   between(values, frame, column = 0, width = 1) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     const first = values[index * width + column];
     return first + (frame - index) * (values[(index + 1) * width + column] - first);
   }
 
-  /**
-   * Return the force [N] at every frame between the point and the wall of a contact; undefined if there is no force in any
-   * frame.
-   */
-  forceOf({ point, wall }) {
-    return this.#ofContact(point, wall)?.values;
+  /** Return the value at a frame, from values in all rows, which may be denser than the frames. */
+  betweenRows(values, frame) {
+    const { rowTime } = this;
+    const now = this.timeAt(frame);
+    const row = Math.min(lastBefore(rowTime, now), rowTime.length - 2);
+    const share = Math.min(Math.max((now - rowTime[row]) / (rowTime[row + 1] - rowTime[row]), 0), 1);
+    return values[row] + share * (values[row + 1] - values[row]);
   }
 
-  /** Return the penetration [m] at every frame for a contact; undefined if it is not known. */
-  depthOf({ point, wall }) {
-    return this.#ofContact(point, wall)?.depth;
-  }
-
-  /** Return the dry friction along the wall at every frame for a contact; undefined without friction. */
-  frictionOf({ point, wall }) {
-    return this.#ofContact(point, wall)?.friction;
-  }
-
-  /** Return time, force, penetration and friction of a contact in all rows, which may be denser than the frames. */
+  /** Return force [N], penetration [m] and dry friction [N] of a contact in all rows, as far as they are known. */
   courseOf({ point, wall }) {
-    return this.#ofContact(point, wall)?.course ?? { time: this.time };
+    return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};
   }
 
-  #ofContact(point, wall) {
-    return this.forces.find((force) => force.point === point && force.wall === wall);
+  /** Return the time [s] of a contact's largest force; the onset if the force over time is not known. */
+  #peakTimeOf(contact) {
+    const { rowTime: time } = this;
+    const { force } = this.courseOf(contact);
+    let [peakTime, most] = [contact.onset, 0];
+    if (!force) return peakTime;
+    for (let row = lastBefore(time, contact.onset); time[row] <= contact.end; row += 1) {
+      if (time[row] >= contact.onset && force[row] > most) [peakTime, most] = [time[row], force[row]];
+    }
+    return peakTime;
   }
 
   /** Return the position of a point at a frame [m]. */
@@ -124,11 +123,11 @@ export class Recording {
    */
   contactsAt(frame) {
     return this.forces
-      .map(({ point, wall, values, friction, spans }) => ({
+      .map(({ point, wall, force, friction, spans }) => ({
         point,
         wall,
-        force: this.between(values, frame),
-        friction: friction ? this.between(friction, frame) : 0,
+        force: this.betweenRows(force, frame),
+        friction: friction ? this.betweenRows(friction, frame) : 0,
         sticks: isWithin(spans, frame),
       }))
       .filter(({ force }) => force > 0);
@@ -136,7 +135,7 @@ export class Recording {
 
   /** Return the forces in the joints at a frame: joint, and force on its link [N]; an empty list if they are not known. */
   loadsAt(frame) {
-    return this.loads.map(({ joint, x, y }) => ({ joint, force: [this.between(x, frame), this.between(y, frame)] }));
+    return this.loads.map(({ joint, x, y }) => ({ joint, force: [x, y].map((values) => this.betweenRows(values, frame)) }));
   }
 
   /** Return the joints that stick at a frame. */

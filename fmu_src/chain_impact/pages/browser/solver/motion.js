@@ -21,11 +21,11 @@ const ALONE = 1e-3; // largest radius that is not drawn, over the size of the mo
 
 /** Return the impacts of a run in the form of a recording. */
 function impactsOf(impacts, scene, valueOf) {
-  return impacts.map(({ point, wall, onset, end, impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak }) => {
+  return impacts.map(({ point, wall, onset, end, impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak, joint_force: jointForce, joint }) => {
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
     const endSpeed = speed * (atStop ? valueOf(`link[${point}].length`) : 1);
     const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
-    return { point, what: stopped || pointText(new Map(scene.pointNames), point), wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, rebound, endSpeed, peak, depth, atStop };
+    return { point, what: stopped || pointText(new Map(scene.pointNames), point), wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, rebound, endSpeed, peak, jointForce, joint, depth, atStop };
   });
 }
 
