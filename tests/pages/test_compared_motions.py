@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from tests.pages.conftest import PIXELS, impacts_of, until, until_told
+from tests.pages.conftest import PHONE, PIXELS, impacts_of, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -47,6 +47,15 @@ def test_two_pins_leave_the_list_of_impacts_in_sight(show):
     boxes = {name: page.locator(name).bounding_box() for name in ("#energy .uplot", "#energies", "#list")}
     assert boxes["#energy .uplot"]["y"] + boxes["#energy .uplot"]["height"] <= boxes["#energies"]["y"]
     assert boxes["#list"]["y"] + boxes["#list"]["height"] < top
+
+
+@pytest.mark.parametrize("size", [PHONE, {"width": 1000, "height": 700}], ids=["phone", "tablet"])
+def test_a_pin_is_in_sight_at_once(show, size):
+    page = show(viewport=size)
+    page.get_by_role("button", name="Pin").click()
+    box = page.locator("#pins").bounding_box()
+    assert box["y"] >= 0
+    assert box["y"] + box["height"] < page.locator("footer").bounding_box()["y"]
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

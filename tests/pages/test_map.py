@@ -29,6 +29,8 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     page.locator("#map-text").get_by_text("A preview of 9 × 9 runs. Press Simulate for 41 × 41.").wait_for()
     assert page.locator("#map-canvas").get_attribute("width") == "9"
     outputs = page.locator("#map-output option").evaluate_all("options => options.map(({ value }) => value)")
+    assert page.locator("#map-output").input_value() == "peak_force"
+    page.locator("#map-output").select_option("impact.count")
     largest = ["peak_force", "max_penetration"]
     assert outputs == [
         "impact.count",
@@ -42,7 +44,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
         page.locator("#map-x-from").fill(low)
         page.locator("#map-x-to").fill(high)
         page.get_by_role("button", name="Simulate 41 × 41 runs").click()
-        page.get_by_text("must be a finite number >= 0 and <= 1").wait_for()
+        page.get_by_text("must be a finite number ≥ 0 and ≤ 1").wait_for()
     page.locator("#map-x-from").fill("0.2")
     page.locator("#map-x-to").fill("0.95")
     draw_map(page)
@@ -73,6 +75,7 @@ def test_a_map_shows_the_largest_forces_of_a_sweep(show):
     values = {"outputs.loads": True, "simulation.stop_time": 0.55}
     scene, page = load_scene("pinned_arm").with_values(values), show("pinned_arm", values)
     page.get_by_role("button", name="Map…").click()
+    assert page.locator("#map-output").input_value() == "joint_force"
     for axis, name in (("x", "contact.restitution"), ("y", "contact.stiffness")):
         page.locator(f"#map-{axis}-name").select_option(name)
     for output in ("peak_force", "joint_force"):
@@ -95,8 +98,8 @@ def test_a_run_that_a_scene_would_refuse_has_no_colour(show):
     draw_map(page)
     box = page.locator("#map-canvas").bounding_box()
     assert "; grey runs fail." in page.locator("#map-text").inner_text()
-    refused = re.compile(r"the run fails: wall\.y_min\.static_friction = .* must be >= ")
-    for place, text in ((0.9, "impact.count = "), (0.1, refused)):
+    refused = re.compile(r"the run fails: wall\.y_min\.static_friction = .* must be ≥\xa0")
+    for place, text in ((0.9, "peak_force = "), (0.1, refused)):
         page.locator("#map-canvas").hover(position={"x": place * box["width"], "y": 0.5 * box["height"]})
         page.locator("#map-text").get_by_text(text).wait_for()
 
@@ -152,7 +155,7 @@ def test_a_map_goes_by_the_keyboard(show):
     page.locator("#map-canvas").focus()
     page.keyboard.press("ArrowRight")  # the run in the middle
     middle = page.text_content("#map-text")
-    assert "impact.count = " in middle
+    assert "peak_force = " in middle
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowUp")
     assert page.text_content("#map-text") != middle

@@ -73,6 +73,11 @@ export function unitsOf({ atStop }) {
   return atStop ? { speed: "rad/s", force: "N·m" } : { speed: "m/s", force: "N" };
 }
 
+/** Return a sentence with the signs ≤ and ≥, in which no line ends between a sign and its number. */
+export function readable(text) {
+  return text.replaceAll(">=", "≥").replaceAll("<=", "≤").replaceAll(/(?<=[<>≤≥]) /g, "\u00a0");
+}
+
 /** Return a name or a unit in which a line may be broken after each part. */
 export function breakable(name) {
   return name.replaceAll(/([._/])/g, "$1\u200b");

@@ -44,8 +44,9 @@ export function drawRuler(group, { longest, marks }, width) {
   return end + STRIP_LETTER * "force".length;
 }
 
-/** Draw the legend of the two kinds of arrows. */
+/** Draw the legend of the two kinds of arrows, on a ground that covers walls. */
 export function drawKey(group, width) {
+  group.rect(2 * KEY, STRIP - 5).move(width - 2 * KEY, 0).addClass("key-ground");
   [["joint", "load"], ["wall", "force"]].forEach(([name, kind], column) => {
     group.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * column, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);
   });

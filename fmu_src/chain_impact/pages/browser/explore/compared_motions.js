@@ -32,6 +32,7 @@ export class ComparedMotions {
     const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
     this.pinned.push({ recording, text: recording.text || "as in the scene", colour });
     this.show();
+    this.panel.scrollIntoView({ block: "nearest" }); // on a small screen the list is below the motion
     this.player.drawSoon();
   }
 

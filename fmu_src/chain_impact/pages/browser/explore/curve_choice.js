@@ -1,7 +1,7 @@
 // The dialog in which the reader chooses outputs for the charts over time.
 
 import { find, make } from "../base/dom.js";
-import { breakable, unitText } from "../base/format.js";
+import { breakable, readable, unitText } from "../base/format.js";
 import { MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 
 /** Return the names that match a text in which `*` stands for any text. */
@@ -89,7 +89,7 @@ export class CurveChoice {
     this.rows.forEach(({ name, box }) => {
       box.checked = this.names.includes(name);
     });
-    find("curves-text").textContent = fault;
+    find("curves-text").textContent = readable(fault);
   }
 
   #filter() {

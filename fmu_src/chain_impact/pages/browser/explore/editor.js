@@ -1,6 +1,7 @@
 // The dialog in which the reader adds and removes links, points, walls and stops, and opens scene files.
 
 import { find, make } from "../base/dom.js";
+import { readable } from "../base/format.js";
 import { valueText } from "../scene/angles.js";
 import { contentsOf } from "../scene/changed_file.js";
 import { addLink, addPoint, addWall, moveToLink, ownPoint, removeLink, removePoint, removeWall, setBase, setBox, setOfLink, setOrRemove } from "../scene/edits.js";
@@ -76,7 +77,7 @@ export class Editor {
   }
 
   #say(text) {
-    find("edit-text").textContent = text;
+    find("edit-text").textContent = readable(text);
   }
 
   #draw() {
@@ -155,8 +156,14 @@ function stopsShown({ base, links }) {
   return base === "free" && links.length === 1 ? [] : STOPS;
 }
 
+/** Return a cell that knows its head: on a narrow screen a row takes several lines, and each cell has its head above it. */
+function withHead(cell, head) {
+  cell.dataset.head = head;
+  return cell;
+}
+
 function fillTable(table, heads, rows) {
   const head = make("tr", {}, ...heads.map((text) => (text ? make("th", { scope: "col", textContent: text }) : make("td"))));
-  const body = rows.map((cells) => make("tr", {}, ...cells.map((cell) => make("td", {}, cell))));
+  const body = rows.map((cells) => make("tr", {}, ...cells.map((cell, k) => withHead(make("td", {}, cell), heads[k]))));
   table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...body));
 }

@@ -2,6 +2,7 @@
 
 import { decompressed } from "../base/base64.js";
 import { find, make } from "../base/dom.js";
+import { readable } from "../base/format.js";
 import { Player } from "../player/player.js";
 import { Recording } from "../recording/recording.js";
 import { tomlText } from "../scene/changed_file.js";
@@ -72,7 +73,7 @@ function showStatus(next = sentence) {
   sentence = next;
   const all = [notice, sentence].filter(Boolean).join(" ");
   find("status").classList.add("begun");
-  find("status").textContent = all;
+  find("status").textContent = readable(all);
   find("status").hidden = !all;
   if (ending === kit.rigidWithFriction) find("status").append(" ", withoutFriction());
 }

@@ -1,13 +1,15 @@
 // The map: an output at the end of each run, as a colour over a grid of two parameters.
 
 import { find } from "../base/dom.js";
-import { numberText, unitText } from "../base/format.js";
+import { numberText, readable, unitText } from "../base/format.js";
 import { pictureOf, save } from "./export.js";
 import { MapDrawing } from "./map_drawing.js";
 import { shownIn, titleOf } from "./map_scales.js";
+import { mainParametersOf } from "./sliders.js";
 
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
+const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"]; // the map opens with the first that the scene has
 const WORKERS = 8; // largest number of workers
 
 /** Return the first and the last value of an axis: around the present value, within the allowed values. */
@@ -90,13 +92,16 @@ export class GridMap {
     find("map-files").hidden = true;
     this.#say("");
     const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
-    const preferred = ["contact.restitution", "stop.restitution", "initial.angle[1]", "gravity.y"].filter((name) => this.changes.parameters.has(name));
+    const shown = mainParametersOf(this.changes).map(({ name }) => name);
+    const preferred = [...shown.filter((name) => name.endsWith("restitution")).slice(0, 1), "initial.angle[1]", "gravity.y"];
     this.inputs.forEach(([name], k) => {
       name.replaceChildren(...reals.map((parameter) => new Option(parameter.name)));
       name.value = preferred[k];
       this.#range(k);
     });
-    this.output.replaceChildren(...this.#outputs.map(({ name, label }) => new Option(label, name)));
+    const outputs = this.#outputs;
+    this.output.replaceChildren(...outputs.map(({ name, label }) => new Option(label, name)));
+    this.output.value = (MAIN_OUTPUTS.map((name) => outputs.find((output) => output.name === name)).find(Boolean) ?? outputs[0]).name;
   }
 
   #range(k) {
@@ -141,7 +146,7 @@ export class GridMap {
   }
 
   #say(text) {
-    find("map-text").textContent = text;
+    find("map-text").textContent = readable(text);
   }
 
   /** Return the values of the fields: names, values along both axes, the other changes and the output. */

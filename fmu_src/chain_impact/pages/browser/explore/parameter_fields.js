@@ -1,7 +1,7 @@
 // The fields for values of parameters, with the reason why a value is refused, and with a button for the scene's value.
 
 import { make } from "../base/dom.js";
-import { unitOfPower, unitText } from "../base/format.js";
+import { readable, unitOfPower, unitText } from "../base/format.js";
 import { valueText } from "../scene/angles.js";
 
 /** Make a change; if its value is refused, mark the field, and show the reason in its row. */
@@ -25,7 +25,7 @@ export function refusal() {
 /** Show in a row why the value in it is refused, until the value changes, or show nothing. */
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
-  row.querySelector(".refusal").textContent = refused ? `Not taken: ${refused.validationMessage}.` : "";
+  row.querySelector(".refusal").textContent = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
 }
 
 /** Return the unit of a parameter as text; the unit of a stiffness depends on the exponent of its law. */
@@ -40,7 +40,7 @@ export function valueField(changes, parameter) {
   const field = items.length
     ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
     : make("input", { type: "text", autocomplete: "off", spellcheck: false });
-  field.title = `${name}: ${text}; ${allowed}${derived?.text ?? ""}`;
+  field.title = readable(`${name}: ${text}; ${allowed}${derived?.text ?? ""}`);
   field.setAttribute("aria-label", name);
   field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
   const refresh = () => {

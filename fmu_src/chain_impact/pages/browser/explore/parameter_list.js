@@ -1,7 +1,7 @@
 // The list of all parameters, which can be searched.
 
 import { make } from "../base/dom.js";
-import { breakable } from "../base/format.js";
+import { breakable, readable } from "../base/format.js";
 import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
@@ -38,7 +38,7 @@ export function showParameterList(details, changes) {
 function listRow(changes, parameter) {
   const { name, text, allowed } = parameter;
   const { field, refresh } = valueField(changes, parameter);
-  const words = make("span", { className: "parameter-name", title: `${text}; ${allowed}` }, breakable(name));
+  const words = make("span", { className: "parameter-name", title: readable(`${text}; ${allowed}`) }, breakable(name));
   const unitElement = make("small");
   const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field, unitElement, refusal());
   return {

@@ -160,7 +160,7 @@ function signalSliders({ scene, starts }) {
 /**
  * Return the main parameters of the scene; if walls have their own friction or restitution, one for each of these walls.
  */
-function mainParametersOf(changes) {
+export function mainParametersOf(changes) {
   const { parameters, scene } = changes;
   const walls = Object.keys(scene.walls);
   return MAIN_PARAMETERS.flatMap((entry) => {
