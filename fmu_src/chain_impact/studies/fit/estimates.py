@@ -89,9 +89,5 @@ class Estimates:
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:
         """Which of the M values belong to each column: name of a measured column → shape (M,)."""
-        return {str(name): self.names == name for name in dict.fromkeys(self.names.tolist())}
-
-    @cached_property
-    def names(self) -> np.ndarray:
-        """The column of each value, shape (M,)."""
-        return np.array([name for data_set in self.data for name in data_set.quantity])
+        names = np.array([name for data_set in self.data for name in data_set.quantity])
+        return {str(name): names == name for name in dict.fromkeys(names.tolist())}

@@ -304,7 +304,9 @@ def _notes(
 
 def _unusual(result: Fit) -> Iterator[str]:
     """Yield a remark if the χ² of the columns with a given σ is improbably large or small."""
-    given = result.used & ~np.isin(result.names, result.estimated)
+    given = result.used.copy()
+    for name in result.estimated:
+        given &= ~result.columns[name]
     total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
     least = most - len(result.parameters)
     # how many parameters these columns determine is known only if no other column determines some
