@@ -18,9 +18,9 @@ import { Editor } from "./editor.js";
 import { changesIn, hashOf } from "./export.js";
 import { connectExport } from "./export_dialog.js";
 import { Handles } from "./handles.js";
-import { GridMap } from "./map.js";
-import { showParameterList } from "./parameter_list.js";
-import { showMainParameters } from "./sliders.js";
+import { GridMap } from "./map/map.js";
+import { showParameterList } from "./parameters/parameter_list.js";
+import { showMainParameters } from "./parameters/sliders.js";
 
 const WAITING = 120; // [ms] the time after which an old motion becomes grey
 const PATIENCE = 250; // [ms] the time after which the next change ends a run: a slider shows its effect while it is dragged

@@ -1,8 +1,8 @@
 // The fields for values of parameters, with the reason why a value is refused, and with a button for the scene's value.
 
-import { make } from "../base/dom.js";
-import { readable, unitOfPower, unitText } from "../base/format.js";
-import { valueText } from "../scene/angles.js";
+import { make } from "../../base/dom.js";
+import { readable, unitOfPower, unitText } from "../../base/format.js";
+import { valueText } from "../../scene/angles.js";
 
 /** Make a change; if its value is refused, mark the field, and show the reason in its row. */
 export function attempt(field, change) {

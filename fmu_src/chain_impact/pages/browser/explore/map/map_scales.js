@@ -1,7 +1,7 @@
 // The scales of the map: titles, units, ticks and colours of its axes.
 
-import { unitText } from "../base/format.js";
-import { MAIN_PARAMETERS } from "./sliders.js";
+import { unitText } from "../../base/format.js";
+import { MAIN_PARAMETERS } from "../parameters/sliders.js";
 
 // the colour map viridis of matplotlib (CC0), at equal distances
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];

@@ -1,7 +1,7 @@
 // The drawing of the map: a colour for each run, axes, the scale of the colours, and marks.
 
-import { numberText } from "../base/format.js";
-import { ticksBetween } from "../base/ticks.js";
+import { numberText } from "../../base/format.js";
+import { ticksBetween } from "../../base/ticks.js";
 import { colourAt, quantityOf, scaled, titleOf, VIRIDIS } from "./map_scales.js";
 
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen

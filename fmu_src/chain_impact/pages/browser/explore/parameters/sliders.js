@@ -1,8 +1,8 @@
 // The sliders of the main parameters, of inputs and of signals.
 
-import { make } from "../base/dom.js";
-import { breakable, numberText } from "../base/format.js";
-import { valueText } from "../scene/angles.js";
+import { make } from "../../base/dom.js";
+import { breakable, numberText } from "../../base/format.js";
+import { valueText } from "../../scene/angles.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /** The main parameters, which have a slider: name, label, and the ends of the slider. */

@@ -1,7 +1,7 @@
 // The list of all parameters, which can be searched.
 
-import { make } from "../base/dom.js";
-import { breakable, readable } from "../base/format.js";
+import { make } from "../../base/dom.js";
+import { breakable, readable } from "../../base/format.js";
 import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**

@@ -1,11 +1,11 @@
 // The map: an output at the end of each run, as a colour over a grid of two parameters.
 
-import { find } from "../base/dom.js";
-import { numberText, readable, unitText } from "../base/format.js";
-import { pictureOf, save } from "./export.js";
+import { find } from "../../base/dom.js";
+import { numberText, readable, unitText } from "../../base/format.js";
+import { pictureOf, save } from "../export.js";
+import { mainParametersOf } from "../parameters/sliders.js";
 import { MapDrawing } from "./map_drawing.js";
 import { shownIn, titleOf } from "./map_scales.js";
-import { mainParametersOf } from "./sliders.js";
 
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
