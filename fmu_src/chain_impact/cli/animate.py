@@ -87,7 +87,10 @@ def size(text: str) -> tuple[int, int]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Get the recording, and write its animation, also for the time before a fault."""
+    """Get the recording, and write its animation.
+
+    If a fault ends the run, the animation shows the time before the fault.
+    """
     check_outputs(options.output, inputs=filter(None, (options.source, options.scene)))
     fault = None
     try:
@@ -113,7 +116,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def record(options: argparse.Namespace) -> Recording:
-    """Return a recording: of a scene with rows for slow motion, of an FMU, or of a table."""
+    """Return the recording of the source: a scene, an FMU, or a table of an earlier run.
+
+    A scene is simulated with additional rows near the impacts, so that they can be shown slowly.
+    """
     from chain_impact.studies.animate import record_slowly
 
     settings, inputs = settings_of(options.set), inputs_of(options)
@@ -139,7 +145,7 @@ def is_csv(source: str) -> bool:
 
 
 def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recording:
-    """Return the recording in a table, with the walls of a scene."""
+    """Return the recording in a table; its walls come from the scene, because a table does not have them."""
     if scene is None:
         if settings:
             raise UsageError(

@@ -25,7 +25,7 @@ KINDS = {
     ),
     ("native", 3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
-"""Target and version of FMI → the use of this FMU, and when to use another."""
+"""(Target, version of FMI) → where such an FMU runs, and the options for an FMU that runs elsewhere."""
 
 
 def add(verbs: Verbs) -> None:

@@ -29,7 +29,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def contents() -> Iterator[str]:
-    """Yield lines on the compiled kernels: ready kernels, and folders of the cache, with the one in use."""
+    """Yield lines on the compiled kernels: first the kernels of this installation, then the cache.
+
+    The cache has a line for each folder; the folder that this version uses is marked.
+    """
     kernels, entries, present = ready.libraries(), cache.entries(), cache.cache_folder()
     yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")
     yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"

@@ -37,7 +37,7 @@ from chain_impact.system import prepare_console
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
-"""Number of an error of the system → a clause with advice, if a file cannot be written."""
+"""Error number of the operating system → what the user can do if a file cannot be written."""
 FIRST_STEPS = """chain-impact simulates planar chains that hit walls. First steps:
 
   chain-impact simulate pinned_arm --plot arm.png   simulate a model: impacts, peak forces, a picture
@@ -81,7 +81,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """Print each hint on a scene that is probably a mistake once, as a line without the place in the code."""
+    """In this context, print each ``SceneWarning`` (a hint on a probable mistake in a scene) only once.
+
+    The line has the text only; Python would add the place in the code.
+    """
     usual, shown = warnings.showwarning, set()
 
     def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
@@ -107,7 +110,8 @@ class Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse the arguments, and refuse an option that the verb does not have.
 
-        The parser of the verb knows the most similar option; argparse would refuse it later, without a hint.
+        This parser knows the options of its verb, so the error can name the most similar one. Argparse would
+        refuse the unknown option later, in the main parser, which does not know these options.
         """
         found, others = super().parse_known_args(args, namespace)
         for option in (other.partition("=")[0] for other in others if other.startswith("--")):

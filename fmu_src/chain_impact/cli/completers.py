@@ -105,7 +105,7 @@ def laws(source: str) -> Offer:
 
 
 def _of_fmu(source: str, causality: str) -> Offer:
-    """Return the variables of an FMU that have a causality."""
+    """Return the variables of an FMU that have the given causality, such as ``input`` or ``output``."""
     from chain_impact.fmu.importer import read_fmu
 
     return Offer([one.name for one in read_fmu(Path(source)).modelVariables if one.causality == causality])
@@ -119,5 +119,5 @@ def _model(source: str) -> Any:
 
 
 def _choices(source: str) -> dict[str, list[str]]:
-    """Return for each parameter its choices, if it has choices."""
+    """Return name → names of the choices, for each parameter that is an enumeration."""
     return {one.name: [item.name for item in one.items] for one in _model(source).parameters if one.items}

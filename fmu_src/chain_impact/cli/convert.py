@@ -28,7 +28,7 @@ ONCE = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""Name of an option with which a user replaces a guess of the program → metavariable and help."""
+"""Option that replaces a guess of the conversion → the word for its value in the help, and the help."""
 
 
 def add(verbs: Verbs) -> None:

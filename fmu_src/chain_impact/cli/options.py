@@ -29,7 +29,7 @@ Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
 INTERPOLATIONS = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
-SETTING = "contact.stiffness=1e9"  # the example for a setting that has no value
+SETTING = "contact.stiffness=1e9"  # the example in error messages about a setting
 MILLIMETRES = (51, 1500)  # the least and the largest width and height of a picture [mm]
 
 
@@ -38,7 +38,14 @@ class UsageError(ValueError):
 
 
 def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.ArgumentParser:
-    """Add a verb, with a sentence that begins with an imperative, and the arguments of an example."""
+    """Add a verb to the grammar, and return its parser.
+
+    Args:
+        verbs: the verbs of the command line.
+        name: the verb.
+        what: the help of the verb, in lower case: "build the FMU of a scene".
+        example: the arguments of an example, which the help shows.
+    """
     return verbs.add_parser(
         name,
         help=what,
@@ -72,7 +79,7 @@ def complete_scenes(argument: argparse.Action) -> None:
 
 
 def add_set(command: argparse.ArgumentParser) -> None:
-    """Add ``--set``, and a short form of one setting."""
+    """Add ``--set``, and ``--stop-time`` as a short form for the setting of the stop time."""
     what = "set a value by a name that `info` lists"
     complete(add_repeated(command, "--set", "NAME=VALUE", what, type=setting), settings, valued=True)
     command.add_argument(
@@ -242,7 +249,7 @@ def add_csv(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def ending(*suffixes: str) -> Callable[[str], Path]:
-    """Return the type of an argument that must be a file with one of some suffixes."""
+    """Return a function for argparse that makes a path of a text, and refuses any other suffix."""
 
     def file(text: str) -> Path:
         path = Path(text)
@@ -256,7 +263,8 @@ def ending(*suffixes: str) -> Callable[[str], Path]:
 def setting(text: str) -> str:
     """Return the text of an argument ``NAME=VALUE``.
 
-    A text without ``=`` is refused here, because a value after a space would be taken for another argument.
+    A text without ``=`` is refused here. For ``--set NAME VALUE`` the shell passes the value as a separate
+    argument, and argparse would take this value for the scene.
     """
     if "=" not in text:
         raise argparse.ArgumentTypeError(f"{text} must be NAME=VALUE without spaces, for example {SETTING}")
@@ -294,7 +302,7 @@ def names_in(*texts: str) -> list[str]:
 
 def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
     """Refuse an output in a missing folder, or in a file that is read; this check comes before any work."""
-    # an input that is not a scene stands for the file itself
+    # `scene_path` returns the file of a scene; for any other file, such as an FMU, it returns this file
     read = [path for path in map(scene_path, inputs) if path.is_file()]
     for path in filter(None, outputs):
         if not path.parent.is_dir():

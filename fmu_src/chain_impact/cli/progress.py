@@ -30,7 +30,8 @@ def complain(text: object) -> None:
 def progress(work: str = "simulating") -> Iterator[Progress]:
     """Show a progress bar for long work; yield a function that receives the finished fraction.
 
-    Without a terminal, lines name the long work, and sometimes give its progress.
+    If standard error is no terminal, lines are written instead of a bar: one line at the start of long work,
+    and one with the finished part every LINES seconds.
     """
     if out.quiet:
         yield silent
@@ -44,7 +45,7 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
 @contextmanager
 def _listening(level: int, tell: Callable[[logging.LogRecord], None]) -> Iterator[None]:
-    """Pass the messages that the package logs at a level or above to a function."""
+    """In this context, call ``tell`` with each message that the package logs at this level or above."""
 
     def heard(record: logging.LogRecord) -> bool:
         if record.levelno >= level:
@@ -62,7 +63,7 @@ def _listening(level: int, tell: Callable[[logging.LogRecord], None]) -> Iterato
 
 
 def _now_and_then(work: str) -> Progress:
-    """Write the progress of some work from time to time."""
+    """Return a function that receives the finished fraction, and writes it at most every LINES seconds."""
     written = monotonic()
 
     def advance(fraction: float) -> None:
@@ -80,7 +81,7 @@ def _described(work: str, fraction: float) -> str:
 
 @contextmanager
 def _bar(work: str) -> Iterator[Progress]:
-    """Show a bar for some work, which replaces the bar of the work before."""
+    """Show a progress bar; when the work logs its next part, such as a compilation, a new bar replaces it."""
     from rich import progress as rich_progress  # this import takes long
 
     columns = rich_progress.TextColumn("{task.description}"), rich_progress.BarColumn(pulse_style="cyan")

@@ -107,7 +107,7 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 
 
 def meanings(recording: Recording) -> Iterator[str]:
-    """Yield lines that explain the columns of points and walls, as far as the impacts need them."""
+    """Yield lines that explain the numbers of points and the names of walls in the table of impacts."""
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:
@@ -138,7 +138,7 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
-    """Yield how the impacts change with each parameter, to first order, and the limits of these values."""
+    """Yield a table for each parameter: how the impacts change with it, to first order; then remarks."""
     found = recording.sensitivities
     if not found:
         return

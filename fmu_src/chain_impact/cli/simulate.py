@@ -73,9 +73,10 @@ class Subject:
     """The subject of the picture, and of the tables below the summary; by default it is the motion.
 
     Attributes:
-        sensitivities: parameters, for derivatives with respect to them; with ``rank``, the ranked parameters.
-        rank: the quantity of a ranking.
-        curves: outputs over time.
+        sensitivities: parameters; the subject is the derivatives with respect to them. If ``rank`` is given,
+            the subject is the ranking of these parameters.
+        rank: the quantity by whose change the parameters are ranked.
+        curves: names of outputs; the subject is their curves over time.
         around: the number of the impact around which the curves are drawn, from 1.
     """
 
@@ -85,7 +86,7 @@ class Subject:
     around: int | None = None
 
     def check(self, *, is_drawn: bool) -> None:
-        """Refuse curves without a picture, and curves together with another picture."""
+        """Refuse curves if no picture is asked for, and curves together with derivatives or a ranking."""
         if self.curves and not is_drawn:
             raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
         if self.curves and (self.rank or self.sensitivities):
@@ -209,10 +210,11 @@ def report(
     impacts: Path | None = None,
     check: bool = False,
 ) -> None:
-    """Simulate, write the requested files, and print a summary, also for the time before a fault.
+    """Simulate, write the requested files, and print a summary.
 
-    The table has ``columns``; by default all columns. ``check`` compares the run with a second run at a tenth
-    of the tolerance.
+    If a fault ends the run, files and summary cover the time before the fault. The table ``csv`` has
+    ``columns``; by default all columns. ``check`` compares the run with a second run at a tenth of the
+    tolerance.
     """
     check_outputs(csv, canvas.path, impacts, inputs=source.files)
     if columns and not csv:

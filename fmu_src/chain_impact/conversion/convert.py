@@ -31,7 +31,7 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
         OSError: when the file cannot be read.
     """
     with warnings.catch_warnings():
-        # the numbers of a robot's file may look unusual to the checks of a scene
+        # a robot may have numbers that are right, but unusual for a scene: the checks of a scene would warn
         warnings.simplefilter("ignore", SceneWarning)
         done = chain_of(
             read_robot(path, choices.keyframe), choices, str(path), lambda converted: _scene(converted, path)

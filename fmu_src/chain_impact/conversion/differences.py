@@ -10,7 +10,7 @@ from enum import IntEnum
 
 from chain_impact.recording.text import few
 
-NEGLIGIBLE = 0.02  # the largest shift that gives no warning, relative to a length
+NEGLIGIBLE = 0.02  # the largest relative size of a difference (`Difference.size`) that gives no warning
 SHOWN = 6  # largest number of names in a line
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # the titles of reports
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
@@ -32,10 +32,11 @@ class Difference:
     Attributes:
         kind: the kind of element in the file, such as ``joint``.
         name: the name of the element; empty if the kind suffices.
-        text: the rest of the sentence.
+        text: the sentence on the difference, after kind and name.
         effect: the effect of the difference.
-        differs: whether the scene has the part in another form; else it is left out.
-        size: the size of the difference over a length, if known; larger differences come first.
+        differs: True if the scene has the part in another form, False if the scene does not have it.
+        size: how large the difference is relative to the link, such as a distance over the link's length; 0
+            if unknown. The largest difference comes first.
         joints: names of joints; the difference has no effect if all these joints are held. Without names it
             always has an effect.
         bodies: indices of bodies, −1 for the world; the difference has no effect if all these bodies are in
@@ -59,9 +60,11 @@ class Difference:
         return DIFFERS if self.differs else LEFT_OUT
 
     def matters(self, held: Collection[str], owner: dict[int, int]) -> bool:
-        """Return whether the difference has an effect, for given held joints and the link of each body.
+        """Return whether the difference has an effect on the scene.
 
-        The link is −1 for a body in no link.
+        Args:
+            held: names of the joints that are held.
+            owner: body → index of its link, −1 for a body in no link.
         """
         if self.joints and self.joints <= set(held):
             return False

@@ -9,8 +9,8 @@ import numpy as np
 from chain_impact.conversion.joints import PARALLEL
 from chain_impact.scene.reading import SceneError
 
-TINY = 1e-9  # [m] the largest length that counts as round-off
-ROUND = 1e-14  # the largest entry of a rotation that counts as round-off; entries are of the order of 1
+TINY = 1e-9  # [m] the largest length that counts as 0, because of round-off
+ROUND = 1e-14  # the largest number that counts as 0, because round-off of numbers near 1 is smaller
 X, Y, Z = np.eye(3)
 
 
@@ -91,7 +91,7 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
 
 
 def near(value: float) -> float:
-    """Return a number; 0 if the number is round-off."""
+    """Return a number, or 0 in place of a number as small as round-off."""
     return 0.0 if abs(value) < ROUND else value
 
 

@@ -24,9 +24,9 @@ from chain_impact.scene.reading import UnknownNameError
 CARRIED = "chain_impact"
 """The name of a text element in files of this package; the text has, as JSON, the data that MJCF cannot
 hold."""
-UNLIMITED = 1e9  # [rad] replaces the missing limit of a joint that has only one limit
+UNLIMITED = 1e9  # [rad] stands for the missing limit of a joint with one limit, because MJCF needs both
 NONE = "none"
-"""The name of the keyframe if a robot starts in the pose that the file gives."""
+"""The user gives this name in place of a keyframe if the robot shall start in the pose of the file."""
 
 
 class Start(NamedTuple):

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.robot import Plane, Shape, identifier, outline
 
-BITS = 16  # number of bits of a body's index in the signature of a pair
+BITS = 16  # MuJoCo writes an excluded pair of bodies as one number: (first << BITS) + second
 
 
 class Contacts:
@@ -20,7 +20,10 @@ class Contacts:
     """
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str]) -> None:
-        """Find the shapes of a model, in which some meshes are replaced by stand-ins."""
+        """Find the shapes of a model.
+
+        ``stand_ins`` are the names of meshes that replace missing files; their corners mean nothing.
+        """
         self.mujoco, self.model = mujoco, model
         self.stand_ins = {m for m in range(model.nmesh) if model.mesh(m).name in stand_ins}
         flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
@@ -41,7 +44,11 @@ class Contacts:
         return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
     def _touch(self, geom: int, other: int) -> bool:
-        """Return whether two shapes can touch: as a listed pair, or because types and affinities match."""
+        """Return whether two shapes can touch, by MuJoCo's rules.
+
+        They can touch if they are a listed pair, or if ``contype`` of one shape and ``conaffinity`` of the
+        other shape have a bit in common.
+        """
         model = self.model
         if not self.works:
             return False
@@ -54,7 +61,11 @@ class Contacts:
         return bool(types[geom] & affinities[other] or types[other] & affinities[geom])
 
     def _rubs(self, geom: int, other: int) -> float:
-        """Return the friction of two shapes: of the listed pair, else by priority, else the larger one."""
+        """Return the coefficient of friction of two shapes, by MuJoCo's rules.
+
+        A listed pair has its own coefficient. Otherwise the shape with the higher priority has the
+        coefficient of the pair; with equal priorities, the larger coefficient counts.
+        """
         model = self.model
         if frozenset((geom, other)) in self.pairs:
             p = self.pairs[frozenset((geom, other))]
@@ -70,7 +81,8 @@ class Contacts:
     def planes(self, ours: bool) -> Iterator[Plane]:
         """Yield the planes that do not move.
 
-        ``ours``: whether this package wrote the file, which then has the friction of planes elsewhere.
+        ``ours``: whether this package wrote the file. Then the friction of each plane is read from the data
+        of this package in the file, not from MuJoCo's friction.
         """
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)

@@ -12,18 +12,22 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
-FAST = 20.0  # [rad/s] a speed that joints of robots hardly reach
+# [rad/s] joints of robots hardly reach this speed; so a limit of torque that stops a damper's torque from
+# growing only above this speed does not matter
+FAST = 20.0
 ALIKE = 1e-9  # the largest difference of two limits that count as equal, relative to the larger limit
 
 
 @dataclass(frozen=True)
 class Drive:
-    """The torque of an actuator at a joint: ``torque − stiffness q − damping q̇``, with MuJoCo's value q.
+    """The torque of an actuator at a joint: ``torque − stiffness q − damping q̇``.
+
+    q is MuJoCo's angle [rad] or position [m] of the joint. For a slide the units have N and m.
 
     Attributes:
         name: the name of the actuator.
-        torque: torque of the control at the start [N·m].
-        gain: torque over control.
+        torque: part of the torque that does not depend on q, with the control at the start [N·m].
+        gain: the change of the torque for a change of the control by 1.
         stiffness: [N·m/rad].
         damping: [N·m·s/rad].
         low: least torque [N·m], −∞ if there is none.
@@ -96,7 +100,7 @@ class Drives:
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
         """Return joint ``j`` with its actuators.
 
-        ``zero`` is MuJoCo's value of the joint at which the scene's value is 0.
+        ``zero`` is MuJoCo's angle or position of the joint at which the scene's angle or position is 0.
         """
         for a in self.at.get(j, []):
             joint = self._geared(joint, a)
@@ -111,7 +115,10 @@ class Drives:
         return joint
 
     def _geared(self, joint: Joint, a: int) -> Joint:
-        """Return a joint with the damping and the rotor of actuator ``a``, transformed by the gear."""
+        """Return a joint with the damping and the rotor inertia of actuator ``a`` added.
+
+        At the joint both are multiplied by the square of the gear ratio.
+        """
         model, gear = self.model, self._gear(a)
         if np.any(model.actuator_dampingpoly[a]):
             self._tell(
@@ -132,8 +139,8 @@ class Drives:
     def _drive(self, joint: Joint, a: int) -> Drive | None:
         """Return actuator ``a`` as a motor or a servo; None if the actuator is neither.
 
-        The force of the actuator is gain · control + b0 + b1 · length + b2 · velocity, with length = gear ·
-        q; the torque is gear · force.
+        In MuJoCo, force = gain · control + b₀ + b₁ · length + b₂ · velocity, with b from ``biasprm``. The
+        length is gear · q, for the angle or position q of the joint; the torque is gear · force.
         """
         model, kinds = self.model, self.mujoco
         gear, gain, bias = self._gear(a), model.actuator_gainprm[a], np.array(model.actuator_biasprm[a][:3])
@@ -201,10 +208,11 @@ class Drives:
         return low, high
 
     def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
-        """Return a joint with its drives; their springs and dampers are combined into one of each."""
+        """Return a joint with its drives; one spring and one damper replace all springs and dampers."""
         stiffness = joint.stiffness + sum(drive.stiffness for drive in drives)
         damping = joint.damping + sum(drive.damping for drive in drives)
-        # the sum of all springs: Σ kᵢ (rᵢ − q) + τ = k (r − q), with k r = Σ kᵢ rᵢ + τ
+        # Springs with stiffness kᵢ and rest angle rᵢ, and a torque τ, act like one spring with k = Σ kᵢ.
+        # Its rest angle is r = (Σ kᵢ rᵢ + τ) / k, because Σ kᵢ (rᵢ − q) + τ = k (r − q).
         torque = sum(drive.torque - drive.stiffness * zero for drive in drives)
         rest_angle = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
         servo = any(drive.is_servo for drive in drives)

@@ -82,14 +82,14 @@ DISABLED = {
     "CLAMPCTRL": "no limits of controls",
     "ACTUATION": "no actuators",
 }
-"""Flags that disable a feature, so that the scene does not have the feature either."""
+"""Flag with which a file disables a feature → words for the report; the scene lacks this feature, too."""
 WITHOUT_EFFECT_FLAGS = """
     WARMSTART FILTERPARENT REFSAFE SENSOR MIDPHASE EULERDAMP AUTORESET NATIVECCD ISLAND MULTICCD
     OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
 """
 """Flags that need no report: they concern the search for contacts, soft contacts or time steps.
 
-OVERRIDE also sets the friction, which mjcf_contacts.py reads.
+The flag OVERRIDE also replaces the friction of all contacts; mjcf_contacts.py reads this friction.
 """
 MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
@@ -103,7 +103,7 @@ class FieldRemark(NamedTuple):
         default: the default, a number.
         effect: the effect of another value.
         text: the sentence on the element.
-        differs: whether the scene has the element in another form; else something is left out.
+        differs: True if the scene has the element in another form, False if the scene does not have it.
     """
 
     field: str
@@ -237,7 +237,7 @@ def fields(model: Any) -> Iterator[tuple[str, Any]]:
 
 
 def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
-    """Yield notes on features that flags disable, and that the scene does not have either."""
+    """Yield a note on the features that the file disables by flags; the scene does not have them either."""
     flags = model.opt.disableflags
     disabled = [
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")

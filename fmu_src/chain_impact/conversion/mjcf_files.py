@@ -10,7 +10,7 @@ from chain_impact.scene.reading import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
 FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
-"""The faces of a tetrahedron that replaces a missing mesh."""
+"""The faces of the tetrahedron that replaces a missing mesh, each with the indices of three corners."""
 
 
 class Compiled(NamedTuple):
@@ -61,7 +61,11 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
 
 
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
-    """Put a stand-in in place of each missing file, or of all files; return name of a mesh → its file."""
+    """Replace each part whose file is missing, so that MuJoCo can compile the rest.
+
+    If no file is missing, a file has a fault; then all parts with files are replaced. Return name of each
+    replaced part → its file.
+    """
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
     absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]
     replaced: dict[str, str] = {}
@@ -84,7 +88,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
 
 
 def _file(asset: Any) -> str:
-    """Return the file of an asset, or one of its files."""
+    """Return the file of an asset; for a cube with several pictures, the first file; "" without a file."""
     return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
 
 
@@ -94,9 +98,9 @@ def _found(spec: Any, path: Path, file: str) -> bool:
 
 
 def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
-    """Set the mass of the meshes' stand-ins to 0.
+    """Set the mass of each shape with a missing mesh to 0, because the stand-in has another mass.
 
-    Return the bodies without this mass, and the mesh's name.
+    Return the bodies that lose mass by this, each with the name of the mesh.
     """
     by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange
@@ -111,7 +115,10 @@ def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[An
 
 
 def _compiled_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
-    """Return the model, if it needs no mass of a missing mesh."""
+    """Return the compiled model.
+
+    If MuJoCo refuses a body without mass, the error names the missing meshes that would give the mass.
+    """
     try:
         return spec.compile()
     except ValueError as error:

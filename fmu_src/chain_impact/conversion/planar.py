@@ -205,7 +205,7 @@ class _Conversion:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, differs=differs))
 
     def _tip(self) -> np.ndarray:
-        """Return the last link's end, from its joint: a frame, or twice as far as the centre of mass."""
+        """Return the last link's end, relative to its joint [m]: a frame, or twice the centre of mass."""
         part, hinge = self.parts[-1], self.hinges[-1]
         ends: dict[str, np.ndarray] = {}
         for b in part:
@@ -242,7 +242,7 @@ class _Conversion:
         )
 
     def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
-        """Return the coordinates in the plane, from a joint, of a point in the axes of body ``b`` [m]."""
+        """Return the position of a point of body ``b`` relative to a joint, in the plane [m]."""
         rotation, position = self.poses[b]
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
@@ -379,7 +379,7 @@ class _Conversion:
 
 
 def _as_written(data: Any, written: Any) -> Any:
-    """Return data with the numbers from which they were written, where they differ by round-off only."""
+    """Return ``data``, with the number of ``written`` where the two numbers differ by round-off only."""
     if isinstance(data, dict) and isinstance(written, dict):
         return {key: _as_written(value, written.get(key)) for key, value in data.items()}
     if isinstance(data, list) and isinstance(written, list) and len(data) == len(written):
@@ -390,7 +390,7 @@ def _as_written(data: Any, written: Any) -> Any:
 
 
 def _rounded(data: Any) -> Any:
-    """Return data without the round-off of sums."""
+    """Return data with numbers of DIGITS digits; further digits are round-off."""
     if isinstance(data, dict):
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, list):

@@ -14,10 +14,11 @@ from chain_impact.conversion.joints import PARALLEL
 from chain_impact.conversion.robot import Shape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
-"""The kinds of shapes that points can replace: convex hulls of a few balls."""
-TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)  # [rad] directions in which a wall may be
+"""The kinds of shapes that points can replace, because the shape is the convex hull of balls or discs."""
+# [rad] the directions in which a wall may be
+TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
-# [rad] angles of points on the rim of a disc that is not seen from the side
+# [rad] angles of the points that replace the rim of a disc; for a disc seen from the side, two suffice
 RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
 
@@ -34,7 +35,7 @@ def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> I
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
     if shape.disc is not None:
-        # the axis of the disc, with the disc's radius as its length, projected onto the plane
+        # the projection of `disc` onto the plane; `disc` points along the axis and is as long as the radius
         along = plan.flat(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
         if seen < PARALLEL * size:

@@ -39,7 +39,7 @@ def chain_of(
 def _proposed(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object]
 ) -> list[str] | None:
-    """Return the names of the largest set of joints for which a trial conversion succeeds."""
+    """Return the names of the largest set of joints that a trial converts to a scene; None if none does."""
     best: list[str] = []
     trials = 0
     for start in _candidates(robot, choices.joints):
@@ -61,7 +61,11 @@ def _proposed(
 
 
 def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
-    """Yield lists of wanted joints with parallel axes that follow one another, the longest list first."""
+    """Yield names of joints to try, the longest list first.
+
+    The hinges of a list have parallel axes and follow one another from the base outwards. Lists with the
+    slides before the first hinge come before the same lists without them.
+    """
     pool = [moved for moved in joints_at_start(robot) if not wanted or moved.joint.name in wanted]
     paths: list[list[Moving]] = []
     for group in parallel([moved for moved in pool if moved.joint.kind == "hinge"]):
@@ -75,7 +79,10 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
 
 
 def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
-    """Yield the joints from the base to the last joint, for each last joint of a group."""
+    """Yield, for each joint of a group that no other joint of the group follows, the joints up to it.
+
+    The joints of the group are in the order from the base outwards.
+    """
     for last in group:
         before = set(above(robot, last.body))
         if not any(last.body in set(above(robot, moved.body)) - {moved.body} for moved in group):

@@ -74,7 +74,8 @@ class Shape:
         corners: points of the body [m], shape (n, 3); the shape is the convex hull of balls around these
             points.
         radius: radius of the balls [m].
-        disc: axis of discs that replace the balls, with the discs' radius as its length [m]; None for balls.
+        disc: None for balls. If discs replace the balls, as for a cylinder: a vector along the axis of the
+            discs, as long as the discs' radius [m].
     """
 
     kind: str
@@ -166,10 +167,11 @@ class Robot:
         gravity: [m/s²].
         planes: the planes that do not move.
         tables: tables of a scene that the file contains.
-        first_link: keys of the joint of link 1, which have no effect if the base is free.
+        first_link: values for the joint of link 1 in a scene with a free base. They have no effect, but the
+            converted scene keeps them.
         link_tables: points and shape of each link that the file contains, in the form of a scene file.
-        numbers: numbers of the scene from which the file was written; a number of the file that differs from
-            them by round-off only is the scene's.
+        numbers: the data of the scene from which this package wrote the file. If a converted number differs
+            from its number here by round-off only, the number here is used.
         notes: sentences on how the file was read.
         differences: the parts of the file that no scene can have.
     """

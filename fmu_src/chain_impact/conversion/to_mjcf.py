@@ -19,10 +19,11 @@ WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
 """The parts of a scene that elements of MJCF can hold."""
 HINGE = "0 -1 0"  # the plane of the motion is x–z, because z points upward in MuJoCo's pictures
 LEAST_INERTIA = 2e-15  # [kg·m²] the smallest inertia that MuJoCo accepts
-BODY = ("shape", "height", "points")  # keys of a link for its body, which MJCF cannot hold
+# keys of a link for its outline and points, which elements of MJCF cannot hold
+BODY = ("shape", "height", "points")
 # radius of points without a radius, relative to the longest link, because MuJoCo needs a radius above 0
 LEAST_RADIUS = 1e-4
-LARGEST_STEP = 2e-3  # [s] the default step of MuJoCo
+LARGEST_STEP = 2e-3  # [s] MuJoCo's default time step; with larger steps MuJoCo would be too inaccurate
 JOINT_KEYS = {
     "joint_damping": "damping",
     "joint_stiffness": "stiffness",

@@ -25,9 +25,10 @@ from chain_impact.scene.reading import SceneError
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
 """Type of a moving joint in URDF → kind of joint; a fixed joint merges two bodies."""
 GRAVITY = np.array([0.0, 0.0, -9.81])
-"""URDF does not give gravity; its z axis points up."""
+"""Gravity of all robots [m/s²], because a URDF file does not give gravity; its z axis points up."""
 XACRO = "xacro"
-ROUND = 1e-6  # the part of a moment of inertia that may be round-off of the file
+# the largest error of a moment of inertia that counts as round-off, relative to the body's largest moment
+ROUND = 1e-6
 
 
 def read_urdf(path: Path) -> Robot:
@@ -51,7 +52,7 @@ def read_urdf(path: Path) -> Robot:
         by_parent.setdefault(joint.parent, []).append(joint)
         if joint.type != "fixed" and joint.axis is not None and not np.any(joint.axis):
             raise SceneError(f"{path}: joint {joint.name}: its axis is 0 0 0, must have a direction")
-    # "world" may have no element in the file
+    # a joint may name a parent without an element <link>, such as "world"; this parent is a body, too
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
@@ -240,7 +241,10 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
 
 
 def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
-    """Yield moments of inertia A ≤ B ≤ C that no body can have, because A + B < C or A < 0."""
+    """Yield a difference for each body whose inertia is impossible.
+
+    The principal moments A ≤ B ≤ C of a rigid body obey A ≥ 0 and A + B ≥ C.
+    """
     for b, body in enumerate(bodies):
         low, middle, high = np.linalg.eigvalsh(body.inertia)
         if low + middle < high * (1.0 - ROUND) or low < -ROUND * high:
