@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 COUNTS = ("links", "candidates", "elements", "loads", "channels", "sites", "signals", "knots")
-"""The names of the instance's fields with N, C, F, L, K, P, D and R."""
+"""The fields of an instance that hold the numbers N, C, F, L, K, P, D and R, in this order."""
 FEATURES = ("skewed", "slides")
-"""The names of the instance's fields after the counts, which are 0 or 1."""
+"""The fields of an instance that follow the counts: two flags, each of which is 0 or 1."""
 _FIRST = (5, 7, 4, 3, 3, 2, 2, 5)
 SAMPLES = (
     _FIRST,

@@ -38,7 +38,8 @@ IMPORTED = {
     **dict.fromkeys(ONE, "double x"),
     **dict.fromkeys(("atan2", "fmod", "hypot"), "double x, double y"),
 }
-"""The functions that a law can have of the browser (pages/browser/solver/kernel.js), with their arguments."""
+"""The functions of the browser's ``Math`` that a law can call, with their arguments. The page gives these
+functions to the module (pages/browser/solver/kernel.js)."""
 _MISSING = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
 
 
@@ -82,7 +83,10 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
 
 
 def _write_imports(output: Path) -> Path:
-    """Write C functions that call the browser's; the linker keeps those that a law calls."""
+    """Write a file of C functions; each calls the function with the same name in the browser's ``Math``.
+
+    The linker keeps only the functions that the law calls.
+    """
     text = ""
     for name, arguments in IMPORTED.items():
         text += (

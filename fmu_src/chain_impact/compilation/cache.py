@@ -58,7 +58,7 @@ def linker_folder() -> Path:
 
 @functools.cache
 def _version(compiler: str) -> str:
-    """Return the installed version of a compiler, or the version that would be installed."""
+    """Return the version of a compiler: the installed one, else the version that this package requires."""
     try:
         return version(compiler)
     except PackageNotFoundError:
@@ -66,7 +66,10 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """Return the path of a complete file or folder of the cache in which no other user can write."""
+    """Return the path of a complete file or folder of the cache; None if there is none.
+
+    Returns None, too, if other users can write in the cache, because they could have changed the file.
+    """
     folder = cache_folder()
     if not trusted(folder.parent) or not _is_whole(folder / name):
         return None
@@ -93,7 +96,7 @@ def _checksum(file: Path) -> bytes:
 
 
 def holds(file: Path) -> bool:
-    """Return whether a file is in the cache, which means that it may be removed."""
+    """Return whether a file is in the cache, so that it can disappear when the cache is cleared."""
     return base_folder() in file.parents
 
 

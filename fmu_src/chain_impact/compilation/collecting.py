@@ -40,14 +40,21 @@ class Library(codegen.JITCodeLibrary):
         self.modules: list[llvm.ModuleRef] = []
 
     def add_ir_module(self, module: ir.Module) -> None:
-        """Add a module of code, so that linking before a call does not lose its functions."""
+        """Add a module of code, with functions that the linker keeps.
+
+        The public functions become weak (``weak_odr``). So the linker keeps a function even if no module
+        calls the function yet.
+        """
         for symbol in module.functions:
             if not symbol.is_declaration and symbol.linkage in ("", "external", "common"):
                 symbol.linkage = "weak_odr"
         self.modules.append(llvm.parse_assembly(cgutils.normalize_ir_text(str(module))))
 
     def finalize(self) -> None:
-        """Leave the code unchanged; a caller of the function finds this library among its own libraries."""
+        """Mark the library as complete, and leave its code unchanged.
+
+        numba would add the code of all called functions here. ``with_dependencies`` finds them later.
+        """
         self._raise_if_finalized()
         self._finalized = True
 
@@ -76,13 +83,13 @@ class Convention(callconv.MinimalCallConv):
     """
 
     def decorate_function(self, fn: Any, args: Any, fe_argtypes: Any, noalias: bool = False) -> None:
-        """Tell LLVM that no other pointer points to the result."""
+        """Tell LLVM that no other pointer points to the result, so that LLVM can optimise the code more."""
         super().decorate_function(fn, args, fe_argtypes, noalias)
         for attribute in ("captures(none)", "noalias"):
             fn.args[0].add_attribute(attribute)
 
     def return_user_exc(self, builder: ir.IRBuilder, *_: Any, **__: Any) -> None:
-        """Let the function return the same code for every exception."""
+        """Make the function return the same error code for every exception."""
         self._return_errcode_raw(builder, callconv.RETCODE_USEREXC)
 
 
@@ -111,7 +118,10 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
 
 
 def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) -> Any:
-    """Return an index unchanged: the kernel has no negative indices, which would count from the end."""
+    """Return an index without a check whether it is negative, because the kernel has no negative indices.
+
+    For Python, a negative index counts from the end of an array.
+    """
     return context.cast(builder, index, kind, types.intp)
 
 
@@ -148,7 +158,10 @@ def _external(module: ir.Module, result: ir.Type, name: str, *arguments: ir.Type
 
 
 def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
-    """Return a function that runs one pass over a function, without timing and without a new analysis."""
+    """Return a function that runs one pass of numba, unless ``leave_out`` contains the name of the pass.
+
+    numba's own function for this also measures times, and analyses the compiled function again.
+    """
 
     def run(manager: Any, _index: int, step: Any, state: Any) -> None:
         if step.name() not in leave_out:
@@ -159,9 +172,9 @@ def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
 
 
 def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method that remembers its results; ``key`` of the arguments distinguishes the results.
+    """Return a method that computes each result only once, because numba asks thousands of times.
 
-    numba asks for the same results thousands of times.
+    ``key(*arguments)`` identifies a result: calls with equal keys have the same result.
     """
     results: dict[Any, Any] = {}
 
@@ -175,4 +188,7 @@ def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable
 
 
 def _nothing(*_: Any) -> None:
-    """Do nothing; numba would store a Python object's address, which only calls in this process need."""
+    """Do nothing, in place of a function of numba that stores the address of a Python object in the code.
+
+    Only calls in this process need this address.
+    """

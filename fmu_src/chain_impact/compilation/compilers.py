@@ -49,11 +49,12 @@ FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr"
 # A doubled limit for inlining makes steps of four links up to 4 % faster. Derivatives have the usual limit:
 # with the doubled limit they would be no faster, and would take longer to compile.
 INLINE_MORE = ("-mllvm", "-inline-threshold=500")
-# LLVM's vectors for code without loops make runs of one link up to a tenth slower, and runs of two links a
-# tenth faster.
+# LLVM also joins operations outside loops to vectors. This makes runs of one link up to a tenth slower, and
+# runs of two links a tenth faster. So only the kernel for one link has this flag, which switches the vectors
+# off.
 SCALAR = ("-fno-slp-vectorize",)
-# numba's code refers to these functions only on error paths, which the kernel never takes because it does not
-# allocate memory
+# The code that numba writes calls these functions of numba only to free memory. The kernel allocates no
+# memory, so the functions are never called, and a kernel is linked with empty substitutes.
 PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
 INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
@@ -67,13 +68,15 @@ runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sy
 # c_interface/common/windows.c.
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
 GENERAL = 0
-"""Replaces a number of links: a kernel for any number of links and for all rare features, such as moving
-walls, points of links, a slider, or signals. The other kernels lack these features, and so do not pay for
-them."""
+"""Stands in place of a number of links, for the kernel that can run every scene: with any number of links and
+with all rare features, such as moving walls, points of links, a slider, or signals. The other kernels lack
+the rare features, so they lose no time with them."""
 _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
-"""The functions that return the numbers at the start of a record, in the order of these numbers."""
+"""The names of the functions that return the numbers at the start of a record, in the order of the
+numbers."""
 _FEW = _SIZES[COUNTS.index("channels") :]
-"""The functions whose numbers are 0 in all kernels but GENERAL."""
+"""The names of the functions for the numbers of rare features. In a kernel that is made for a number of
+links, or for any number of links without rare features, these functions return 0."""
 Sizes = int | tuple[int, ...] | None
 """The scenes that a kernel can run: a number of links; None for any number; GENERAL for any number with all
 features; or all numbers at the start of a record, for scenes of exactly these sizes."""
@@ -92,8 +95,9 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
 }}
 """
 Open = dict[str, tuple[str, tuple[str, ...], int]]
-"""The functions that a kernel declares but does not define: C function → LLVM's types of its result and its
-arguments, and the result of its substitute. A function that returns nothing returns a pointer in numba."""
+"""Functions that a kernel calls but does not contain: name of the C function → LLVM's types of its result and
+its arguments, and the number that a substitute for the function returns. For numba, a function without a
+result returns a pointer ("ptr")."""
 LAW: Open = {
     "user_law_present": ("i64", (), 0),
     "user_law_force": ("double", ("double",) * 7, 0),
@@ -192,13 +196,13 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(complete(module, sizes))
     flags = ["-c", *_tuning(what, sizes)]
-    if "windows" not in ZIG_TARGETS[platform][0]:  # code for Windows is always position-independent
+    if "windows" not in ZIG_TARGETS[platform][0]:  # code for Windows needs no such flag
         flags.append("-fPIC")
     _zig(platform, compiled, kernel, flags=flags)
 
 
 def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
-    """Return compiler flags that make a part of a kernel for these sizes faster."""
+    """Return the compiler flags with which a part of a kernel for these sizes runs fastest."""
     if what == DERIVATIVES:
         return ()
     links = sizes[0] if isinstance(sizes, tuple) else sizes

@@ -96,7 +96,10 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
 
 
 def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:
-    """Declare to numba that a function accepts dual numbers; ordinary arguments become ``number`` or stay."""
+    """Declare to numba that a function accepts dual numbers, and returns a value of the type ``result``.
+
+    Arguments that are ordinary numbers are converted to the type ``number``; with None they are not.
+    """
 
     class _Template(AbstractTemplate):
         key = function
@@ -119,7 +122,10 @@ Code = Callable[..., ir.Value]
 
 
 def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
-    """Make ``code(context, builder, *arguments)`` the code of a function for arguments of some types."""
+    """Give a function its code for arguments of the types ``kinds``.
+
+    ``code(context, builder, *arguments)`` writes this code.
+    """
 
     def lowered(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         return code(context, builder, *arguments)
@@ -128,7 +134,7 @@ def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
 
 
 def _of_numbers(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
-    """Return the result of the function for ordinary numbers."""
+    """Return the value of ``function`` for ordinary numbers, computed by numba's own code."""
     typed = context.typing_context.resolve_function_type(function, (float64,) * len(numbers), {})
     return context.get_function(function, typed)(builder, numbers)
 
@@ -229,7 +235,7 @@ def _extreme(relation: str) -> Any:
     def lowered(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         best, *others = arguments
         for candidate in others:
-            # Python keeps the first of equal numbers, and so does this code
+            # of equal numbers the first one is returned, as by max and min in Python
             a, b = (builder.extract_value(number, 0) for number in (candidate, best))
             best = builder.select(builder.fcmp_ordered(relation, a, b), candidate, best)
         return best
@@ -255,7 +261,10 @@ def _chain(function: Any, slope: Code) -> None:
 
 
 def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Value) -> ir.Value:
-    """Return ½/√a, and 0 at a = 0: the kernel takes the root of a clearance that stays 0."""
+    """Return the derivative ½/√a of a root; 0 at a = 0, where ½/√a is infinite.
+
+    The kernel takes the root of a clearance that stays 0. Without the 0, its derivative would be ∞ · 0, NaN.
+    """
     slope = builder.fdiv(ir.Constant(root.type, 0.5), root)
     zero = ir.Constant(root.type, 0.0)
     return builder.select(builder.fcmp_ordered(">", root, zero), slope, zero)

@@ -43,7 +43,10 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 
 
 def follow(d):
-    """Update the contacts to the communication point, and log the active contacts after the finished ones."""
+    """Update the contacts to the communication point, and write the active contacts to the log.
+
+    In the log, the active contacts follow the finished contacts.
+    """
     update_to_output_time(d)
     return 0
 
@@ -95,6 +98,6 @@ def entry_points() -> Entries:
         "follow": (int32(INSTANCE), follow),
         "trajectory": (int64(INSTANCE, reals, int64, indices, int64, reals, int64, int32), trajectory),
         "run_each": (int64(*runs), run_each),
-        # the C interface calls this function when it reads a record from a file
+        # the C interface calls this function to check the size of a record that it reads from a file
         "record_words": (int64(INSTANCE), record_words),
     }

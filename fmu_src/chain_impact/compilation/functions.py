@@ -20,9 +20,9 @@ from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.rules import RULES
 
-# error_model="numpy": a division by zero gives inf, which the step control rejects, in place of an exception,
-# so the compiled kernel needs nothing from Python. Strict IEEE arithmetic (no fastmath) gives equal bits on
-# every machine. No array of the kernel owns its memory, so no references are counted (_nrt).
+# error_model="numpy": a division by zero gives inf, not an exception, so the compiled kernel needs nothing
+# from Python; the step control rejects a step with inf. Strict IEEE arithmetic (no fastmath) gives equal bits
+# on every machine. No array of the kernel owns its memory, so numba need not count references (_nrt).
 OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 MODULES = {f"{chain_impact.kernel.__name__}."}
 """Packages and modules whose functions numba compiles when another function calls them; each name ends with a
@@ -35,7 +35,7 @@ HOOK_SIGNATURES: dict[FunctionType, Any] = {
     )
     for name, (result, arguments, _) in HOOKS.items()
 }
-# functions that are linked to a library, with their types
+# Python function of the kernel → numba's type of the C function that is linked to a library in its place
 EXTERNAL: dict[Any, types.Type] = {
     user_law.present: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
@@ -43,7 +43,7 @@ EXTERNAL: dict[Any, types.Type] = {
 }
 _RULES: dict[Any, Any] = RULES
 _COMPLEX: dict[Any, Any] = COMPLEX
-# functions that dual_numbers.py and record_type.py declare to numba
+# functions for which dual_numbers.py and record_type.py give numba the code
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.sloped, duals.carried, duals.varies),
     *(duals.block, duals.words, duals.copy_values, duals.copy_given, functions.clear),
@@ -64,13 +64,21 @@ class Function(types.Dispatcher):
         super().__init__(compiled(function))
 
     def _for(self, arguments: Any) -> types.Dispatcher:
-        """Return the compiled function, or its replacement, that takes these arguments."""
+        """Return the compiled function for arguments of some types: the function itself, or a replacement.
+
+        A function has a replacement for dual numbers if ``RULES`` has one, and for complex numbers if
+        ``COMPLEX`` has one.
+        """
         rules = _RULES if any(carries_derivatives(argument) for argument in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules
         return types.Dispatcher(compiled(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """Return the signature for some arguments; a rule with a dual number takes dual numbers only."""
+        """Return the signature of the function for arguments of some types.
+
+        A function in ``RULES`` takes either ordinary or dual numbers: with one dual number, all its real
+        arguments become dual numbers.
+        """
         if self._function in _RULES and DUAL in args:
             args = tuple(DUAL if argument == float64 else argument for argument in args)
         return self._for(args).get_call_type(context, args, kws)

@@ -43,7 +43,7 @@ for _operation in (pow, operator.pow, operator.ipow):
 
 
 def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
-    """Return the C function of a law, as an entry of entry_points.py.
+    """Return the C function of a law as a dict with one entry: name → (signature, function).
 
     Raises:
         LawError: when the law cannot be compiled.

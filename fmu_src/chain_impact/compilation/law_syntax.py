@@ -43,7 +43,8 @@ NODES = {ast.Module, *TOP, *STATEMENTS, *EXPRESSIONS}
 ANNOTATIONS = {"bool", "float", "int"}
 LONGEST = 40  # largest number of characters of refused text that an error shows
 WORDS = {"inf", "-inf", "+inf", "nan", "infinity", "-infinity"}
-"""The words allowed in ``float("nan")``; a law contains no other texts except docstrings."""
+"""The words that a law can give to ``float``, as in ``float("nan")``. A law has no other texts except
+docstrings."""
 
 
 class LawError(ValueError):
@@ -133,7 +134,7 @@ class _Names:
         self._texts = {id(text) for node in ast.walk(tree) for text in _texts(node)}
 
     def allow(self, node: ast.AST) -> bool:
-        """Return whether a part of the file, apart from its own parts, is allowed anywhere in a law."""
+        """Return whether a part of the file is allowed in a law; the parts inside it are checked alone."""
         fine = True
         match node:
             case ast.Name(id=name):
@@ -185,7 +186,7 @@ class _Names:
 
 
 def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
-    """Yield the names that some parts of a file define."""
+    """Yield the names that some parts of a file define: variables, arguments, functions, and imports."""
     for node in nodes:
         match node:
             case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name) | ast.FunctionDef(name=name):
@@ -195,7 +196,10 @@ def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
 
 
 def _texts(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the text of a part of a file that may have text: a statement, or the word in ``float("nan")``."""
+    """Yield the text in a part of a file if a text is allowed there.
+
+    A text is allowed as a whole statement, such as a docstring, and as a word in ``float("nan")``.
+    """
     match node:
         case ast.Expr(value=text) if _is_text(node):
             yield text
@@ -205,5 +209,5 @@ def _texts(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _is_annotation(kind: ast.AST | None) -> bool:
-    """Return whether an annotation is missing, or is the type of a number."""
+    """Return whether ``kind`` is None, for a missing annotation, or names the type of a number."""
     return kind is None or (isinstance(kind, ast.Name) and kind.id in ANNOTATIONS)

@@ -14,9 +14,9 @@ from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 
-# [s] usual times to lower and to link each part of a kernel, for messages
+# [s] usual times to lower and to link each part of a kernel; messages tell users how long they wait
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
-# [s] the time that zig needs for its own libraries at the first link for a platform; 0 for other platforms
+# platform → [s] time that zig needs at its first link, for its own libraries; no time for other platforms
 PREPARING = {"win64": 3.0}
 
 

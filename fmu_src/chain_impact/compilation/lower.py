@@ -24,9 +24,10 @@ from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.compilation.sources import fingerprint
 
 TRIPLE = "x86_64-unknown-linux-gnu"  # the target that the passes in this process assume
-# Python keeps its frames in blocks of 16 kB, and allocates and frees memory each time that calls cross the
-# end of a block. A block for a frame of FRAME words is rounded up to a power of two, which leaves room for
-# the frames of all calls in numba.
+# [words] size of the frame of ``main``. Python keeps the frames of calls in blocks of 16 kB. Each time that
+# calls cross the end of a block, Python allocates or frees a block, which takes time. For a frame of this
+# size Python makes one block, of the next larger power of two, which has room for the frames of all calls in
+# numba.
 FRAME = 2**20
 
 
@@ -64,11 +65,11 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
 
 
 def _simplify(whole: llvm.ModuleRef) -> None:
-    """Remove code that each link would have to remove again: variables in memory, and code without effect.
+    """Remove variables in memory, and code without effect, once for all compilations of this module.
 
-    LLVM begins with the same passes, so kernels are as fast as without this step. Further passes, such as
-    combining instructions, would make kernels up to 12 % slower, because such passes should come after
-    inlining.
+    Each compilation begins with the same passes, so kernels are as fast as without this step. Further
+    passes, such as combining instructions, would make kernels up to 12 % slower, because such passes should
+    come after inlining.
     """
     # all targets, because the machine may have another processor than the target
     llvm.initialize_all_targets()

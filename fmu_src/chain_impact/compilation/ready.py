@@ -60,8 +60,9 @@ def for_release() -> bool:
 
 
 def exact(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the number of links for which the kernel of a chain is compiled; None for any number of links.
+    """Return the scenes for which a kernel is made if the ``wanted`` sizes are those of a chain.
 
+    A number of links is returned if a special kernel for it exists; else None, for any number of links.
     GENERAL, and a tuple of all sizes of a scene, are returned unchanged.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
@@ -114,7 +115,7 @@ def _usable() -> bool:
 def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -> Path:
     """Return a compiled part of a kernel from the cache; compile the part if it is not in the cache.
 
-    ``text`` returns the lowered part.
+    ``text`` is called only in this case, and returns the lowered part.
     """
     name = Path(library_name(wanted, platform, what=what)).with_suffix(".o").name
     make = functools.partial(compilers.compile_part, platform=platform, what=what, sizes=wanted)

@@ -38,9 +38,9 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# field of the instance with a count → name of the function that returns this count for an instance
+# count in an instance, such as ``links`` → name of the function that returns this count
 COUNTERS = {name: f"chain_{name}" for name in COUNTS}
-# flag of the instance, on which no size depends → name of the function that returns this flag
+# flag in an instance, such as ``slides`` → name of the function that returns this flag; no size depends on it
 FEATURE_FUNCTIONS = {name: f"chain_{name}" for name in FEATURES}
 WORD = 8  # [byte] size of every scalar
 
@@ -96,7 +96,7 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
             add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
 
     def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
-        """Add a table, an array of records, in the form of a record of columns."""
+        """Add a table of the instance as a record; each field of this record is a column of the table."""
         row = dtypes[0].base
         shape = [affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)]
         size = affine([dtype.itemsize for dtype in dtypes])
@@ -291,14 +291,18 @@ def _type_of_copy_values(_context: Any) -> Any:
 @type_callable(duals.copy_given)
 def _type_of_copy_given(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
-        # numba asks a second time, with the constant itself
+        # numba asks first with the type of ``when``, then with its constant value; only the second is
+        # answered
         return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
 
     return typer
 
 
 def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Return whether ``source`` is a part of an instance, and ``target`` the same part with dual numbers."""
+    """Return whether ``target`` is the part of an instance of dual numbers that corresponds to ``source``.
+
+    ``source`` must be a part of an instance of ordinary numbers.
+    """
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False
     return (source.what, target.what) == ("instance", "tangent")

@@ -21,14 +21,14 @@ def is_of_body(name: str) -> bool:
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:
-    """Return the radii of the points of links [m], in the order of their numbers."""
+    """Return the radius [m] of each point of a link, in the order of the points' numbers."""
     return [radius for discs in _discs(values).values() for *_, radius in discs]
 
 
 def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
-    """Return the points of each link that has points, in the order of their numbers.
+    """Return number of a link → its points as discs, for each link that has points.
 
-    Corners of a box come first.
+    The discs are in the order of the points' numbers: the corners of a box come first.
     """
     discs_of: dict[int, list[Disc]] = {}
     for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
@@ -50,7 +50,7 @@ def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[
 
     Args:
         values: name of a parameter → value.
-        touching: the points that can touch; other ends of links have no radius.
+        touching: the points that can touch; an end of a link that cannot touch has the radius 0.
     """
     outlines = {}
     for link, sites in _discs(values).items():
@@ -72,7 +72,8 @@ def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[s
     """
     if "slider.angle" in values:
         angle = float(values["slider.angle"])
-    # without parameters, the line goes from the place of the least to the place of the largest position
+    # without parameters, the line leads from the base at the least position to the base at the largest
+    # position
     elif positions is not None:
         x, y = bases[positions.argmax()] - bases[positions.argmin()]
         angle = math.atan2(y, x)

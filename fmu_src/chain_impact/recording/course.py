@@ -13,9 +13,9 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
-SAMPLES = 400  # the number of times in the course of an impact
-MANY = 4000  # the number of times in the course of a contact that lasts long
-SOON = 1e-6  # the first time after the onset, relative to the length of the contact
+SAMPLES = 400  # the number of times at which the course of an impact is computed
+MANY = 4000  # the number of additional times in the course of a contact that lasts longer than an impact
+SOON = 1e-6  # the first time after the onset, relative to the duration of the contact
 
 Rerun = Callable[[np.ndarray], np.ndarray]
 """A function that repeats the run: increasing times [s], shape (S,) → outputs at these times."""
@@ -78,7 +78,7 @@ def course_of(
     at, sign = place_of(prepared, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
-    if len(speed):  # outputs have no rate of penetration while there is no penetration
+    if len(speed):  # at onset and end the output is 0, as the penetration is 0
         speed[0] = impact["impact_speed"]
     if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
         speed[-1] = -impact["separation_speed"]

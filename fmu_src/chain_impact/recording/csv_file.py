@@ -94,7 +94,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )
-    # derivatives may be missing at some times
+    # derivatives are NaN at times at which they do not exist; all other columns must be finite
     slopes = [name.startswith(SENSITIVITY) for name in names]
     for row in np.flatnonzero(~(np.isfinite(rows) | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")

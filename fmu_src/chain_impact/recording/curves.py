@@ -17,8 +17,8 @@ from chain_impact.variables.prepared import PreparedScene, of_series
 WITHIN, FOLLOWED = 50, 400
 CLOSE = 1000  # the number of times in a view of one impact
 BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
-LONGEST = 0.02  # the shown duration of a contact that lasts to the end, relative to the duration of the run
-LEAST = 1e-3  # the shown duration of an impulse, relative to the duration of the run
+LONGEST = 0.02  # the duration shown for a contact that lasts to the end, relative to the run's duration
+LEAST = 1e-3  # the duration shown for an impulse, which has no duration, relative to the run's duration
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ def curves_of(
     else:
         rows = (time >= low) & (time <= high)
         time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}
-    # outputs that change only at events and steps keep the value of the row before
+    # an output that changes only at events and steps keeps the value of a row until the next row
     row = np.searchsorted(recording.time, time, side="right") - 1
     values = {
         name: moving[name] if name in moving else recording.columns[name][row.clip(0)] for name in chosen
@@ -113,7 +113,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
 
 
 def impact_numbers(count: int) -> str:
-    """Return words for the numbers that an impact can have."""
+    """Return words that say which numbers of impacts exist, for an error."""
     if count <= 1:
         return "1: the run has 1 impact" if count else "left out: the run has no impact"
     return f"from 1 to {count}: the run has {count} impacts"

@@ -30,19 +30,23 @@ LOG_DTYPE = np.dtype(
 )
 """The columns of ``IMPACT_DTYPE`` that the log of contacts in the kernel contains."""
 IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
-"""One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
-speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
-as accurate as the momentum of the chain; NaN if the scene asks for no impulses; the largest force in a joint
-while the contact lasts [N], and the number of this joint, 1…N, NaN and 0 if the scene asks for no loads; the
-name of the wall, its first 32 characters, "" where it is not known. The
-end and the separation speed of a contact that lasts to the end of the simulation are NaN. Under the law
-``newton_impact`` a bounce has no duration, and its peak force and its joint force are 0, in joint 0, as an
-impulse has no peak. The peak forces of a contact that lasts are the largest forces during the contact. The
-impulse of a bounce in joint i is the jump of ``joint[i].impulse``.
+"""The columns of the table of impacts; a row is one contact. The columns are: the number of the point, 0…N;
+the index of the wall in ``scene.wall_names``; onset and end [s]; impact speed and separation speed [m/s];
+peak force [N]; largest penetration [m]; effective mass at the onset [kg]; impulse of the wall [N·s], as
+accurate as the momentum of the chain; the largest force in any joint during the contact [N], and the number
+of this joint, 1…N; the first 32 characters of the wall's name.
 
-At a stop of a joint, the wall ``joint_min`` or ``joint_max``, the point is the number of the joint, 1…N, and
-the quantities are about its angle: speeds [rad/s], moment [N·m], angle beyond the stop [rad], effective
-inertia [kg·m²], impulse of the moment [N·m·s]."""
+If the scene asks for no impulses, the impulse is NaN. If the scene asks for no loads, the force in a joint is
+NaN, and the number of the joint is 0. If the wall's name is unknown, it is "". If a contact lasts to the end
+of the simulation, its end and its separation speed are NaN.
+
+Under the law ``newton_impact`` a bounce has no duration and no peak: its peak force, the force in a joint,
+and the number of the joint are 0. ``joint[i].impulse`` jumps by the impulse of the bounce in joint i. A
+contact that lasts under this law has the largest forces during the contact.
+
+At a stop of a joint, the wall is ``joint_min`` or ``joint_max``, and the point is the number of the joint,
+1…N. The quantities then belong to the joint's angle: speeds [rad/s], moment [N·m], angle beyond the stop
+[rad], effective inertia [kg·m²], impulse of the moment [N·m·s]."""
 
 NO_IMPACTS = np.zeros(0, IMPACT_DTYPE)
 NO_IMPACTS.flags.writeable = False
@@ -63,7 +67,7 @@ COLUMNS = {
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
     """Return impacts with the names of their walls; ``walls`` has the names, by number."""
     table = np.zeros(len(impacts), IMPACT_DTYPE)
-    # NumPy copies rows of numbers much faster than rows of fields
+    # the fields are copied as plain numbers, because NumPy copies rows of fields much more slowly
     _numbers(table)[:, : len(LOG_DTYPE.names or ())] = _numbers(impacts)
     table["wall_name"] = _names(tuple(walls)).take(impacts["wall"] + 1, mode="clip")
     return table
@@ -71,12 +75,15 @@ def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
 
 @lru_cache(100)
 def _names(walls: tuple[str, ...]) -> np.ndarray:
-    """Return the names of walls, between two empty names for walls without one."""
+    """Return the names of the walls, with an empty name in front and an empty name at the end.
+
+    An index below or above the walls' numbers then gives "".
+    """
     return np.array(["", *walls, ""], IMPACT_DTYPE["wall_name"])
 
 
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the order of contacts by onset, and the contacts in this order with the names of their walls."""
+    """Return the indices that sort contacts by onset, and the sorted contacts with the names of walls."""
     numbers = np.concatenate([_numbers(part) for part in parts])
     ordered = np.ndarray(len(numbers), LOG_DTYPE, numbers)
     order = np.lexsort((ordered["wall"], ordered["point"], ordered["onset"]))
@@ -84,7 +91,7 @@ def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndar
 
 
 def _numbers(table: np.ndarray) -> np.ndarray:
-    """Return a table as rows of words, whatever they hold."""
+    """Return a table as rows of words of 8 bytes, so that NumPy copies it fast; the words keep their bits."""
     return np.ndarray((len(table), table.itemsize // 8), np.float64, table)
 
 

@@ -13,14 +13,14 @@ from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
 
 ARC = 0.25  # the radius of the arc that shows a range, relative to the length of the link
-OPEN = 0.5 * math.pi  # [rad] the length of the arc of a joint with only one stop
+OPEN = 0.5 * math.pi  # [rad] the angle that the arc spans for a joint with only one stop
 TICK = 0.3  # the length of the mark of a stop, relative to the radius of the arc
 CORNERS = 33  # the number of points on the line of an arc
 
 
 @dataclass(frozen=True, slots=True)
 class JointRange:
-    """The range of a joint that has a stop.
+    """The range of angles of a joint that has one stop or two.
 
     Attributes:
         low: joint_min [rad]; −∞ without this stop.
@@ -60,7 +60,7 @@ def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
 
 
 def at_stop(scene: Scene, wall: int) -> bool:
-    """Return whether a wall, by its index in ``scene.wall_names``, stands for the stops of joints."""
+    """Return whether the wall with an index in ``scene.wall_names`` stands for the stops of joints."""
     return bool(scene.chain.stops) and scene.wall_names[wall] in STOPS
 
 

@@ -13,7 +13,7 @@ from chain_impact.recording.recording import Recording
 
 IMPACT_TIME = 0.6  # [s] the time on the screen for one impact
 RAMP = 0.05  # [s] the simulated time before an impact at which the film begins to slow down
-# [s] the longest part of a contact that is shown in slow motion; in a longer contact the chain rests or leans
+# [s] the time after which slow motion ends in a contact that lasts longer: then the chain only rests or leans
 LONGEST = 0.1
 SHORTEST = 1e-4  # [s] the assumed duration of a contact without a duration, such as an impulse
 FRAME_RATE = 60.0  # [1/s] frames per second on the screen
@@ -25,19 +25,21 @@ WITHIN = np.linspace(0.0, 1.0, 25)
 # the least speed of an impact that is shown in slow motion, relative to the speed of the fastest impact
 SLOW_SPEED = 0.05
 SLOW_COUNT = 100  # the largest number of impacts that are shown in slow motion; these are the fastest impacts
-# A film shows an impact as ended after LONGEST_IMPACT times δ/v, with the penetration δ and the approach
-# speed v.
+# For a film, an impact ends at the latest LONGEST_IMPACT times δ/v after its onset, where δ is the
+# penetration and v the approach speed: a contact that lasts longer is no impact any more, but a rest.
 LONGEST_IMPACT = 5.0
-# [m/s] the least approach speed for this ratio, because a point that comes to rest at a wall has no speed
+# [m/s] the least v in δ/v; a point that rests at a wall from the onset on has v = 0, and δ/v would be
+# infinite
 SLOWEST = 1e-6
 
 Span = tuple[float, float]
 
 
 def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
-    """Return the ends of the impacts, shape (I,) [s], also for contacts that last.
+    """Return the times at which impacts end for a film, shape (I,) [s], also for contacts that last.
 
-    An impact takes 2.9 δ/v with Hertz's law, π δ/v with a linear spring, and longer with losses.
+    With penetration δ and approach speed v, an impact takes 2.9 δ/v with Hertz's law, π δ/v with a linear
+    spring, and longer with losses. A contact that lasts ends after LONGEST_IMPACT times δ/v.
     """
     speeds = np.maximum(impacts["impact_speed"], SLOWEST)
     lasting = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
@@ -81,7 +83,8 @@ def fastest_sine(recording: Recording) -> float:
             begin = float(parameters.get(f"{signal}start", 0.0))
             if begin >= stop or float(parameters.get(f"{signal}amplitude", 1.0)) == 0.0:
                 continue
-            # f + ḟ s grows or falls with the time s = max(0, t − start)
+            # at the time s after the start of the signal the frequency is f + ḟ s: largest at s = 0 or at the
+            # end
             change = float(parameters.get(f"{name}_rate", 0.0)) * (stop - begin)
             fastest = max(fastest, abs(float(value)), abs(float(value) + change))
     return fastest

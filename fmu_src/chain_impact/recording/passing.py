@@ -9,8 +9,8 @@ import numpy as np
 from chain_impact.recording.text import few
 from chain_impact.scene.half_planes import HalfPlane
 
-# the distance on both sides of a wall from which on a point passes through it, relative to the size of the
-# motion
+# a point passes through a wall if it is farther than this from the wall, at different times on both sides;
+# relative to the size of the motion
 THROUGH = 1e-3
 SHOWN = 4  # the largest number of points that a sentence names
 
@@ -32,7 +32,7 @@ def passing(
         free = [k for k in range(places.shape[1]) if (k, number) not in pairs]
         if not free or not len(places):
             continue
-        # the distance of each point from the wall, negative beyond it
+        # [m] the distance of each point from the wall; negative for a point beyond the wall
         gaps = places[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
         least = THROUGH * float(np.ptp(places, axis=(0, 1)).max())
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]

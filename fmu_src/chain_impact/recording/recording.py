@@ -93,7 +93,7 @@ class Recording:
     def link_count(self) -> int:
         """The number N of links: the largest number of a link or joint in the names of columns.
 
-        Without such names all points count as ends of links.
+        If no name has such a number, all points count as ends of links, and N is one less than their number.
         """
         numbers = [n for owner in ("link", "joint") for n, _ in self._of(owner)]
         return max(numbers, default=self.all_points.shape[1] - 1)
@@ -117,7 +117,7 @@ class Recording:
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
 
     def output_hint(self, name: str) -> str | None:
-        """Return a hint for a name that is no column; None if none is known."""
+        """Return a hint for a name that no column has; None if no hint is known."""
         return output_hint(name, self.inputs, self.parameters)
 
     @property
@@ -145,9 +145,9 @@ class Recording:
 
     @cached_property
     def pinned(self) -> bool:
-        """Whether the base is a joint; only a chain with such a base, at rest or moving, has a joint 1.
+        """Whether the base is pinned: link 1 then turns about joint 1 at the base, which may also be moved.
 
-        If no joint is known, a base that does not move counts as a joint.
+        If no column belongs to a joint, a base that does not move counts as pinned.
         """
         joints, bases = self._of("joint"), self.points[:, :1]
         if self.rail is not None:
@@ -238,7 +238,7 @@ class Recording:
         return max(len(self.impacts), int(counted[-1]))
 
     def is_stop(self, wall: int) -> bool:
-        """Return whether a wall, by its number, stands for the stops of joints."""
+        """Return whether the wall with a number stands for the stops of joints."""
         return bool(self.stops) and self.wall_names[wall] in STOPS
 
     def toucher(self, impact: np.void) -> str:
@@ -305,7 +305,10 @@ class Recording:
         return np.asarray(position - wall.clearance(*position) * np.array(wall.normal))
 
     def wall_of(self, row: np.void) -> HalfPlane:
-        """Return the free side of the wall or slider's stop of an impact or a phase of dry friction."""
+        """Return the free side of the wall, or of the slider's stop, at which something touches.
+
+        The ``row`` is an impact or a phase of dry friction.
+        """
         time = row["onset" if "onset" in (row.dtype.names or ()) else "start"]
         return self.sides_at(float(time))[self.wall_names[row["wall"]]]
 

@@ -9,7 +9,8 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 
-# the speed of a point at rest: in the whole time, it moves the point by this part of the longest path
+# the largest speed of a point that counts as at rest, relative to the speed that leads through the extent of
+# the largest path in the duration of the run
 SLOW = 0.02
 LEAST = 0.05  # the shortest rest that counts, relative to the duration of the run
 

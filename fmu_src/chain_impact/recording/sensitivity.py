@@ -18,8 +18,8 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
-"""The change of a parameter for which changes of results are given, relative to its value or, if that is 0,
-to its unit."""
+"""The change of a parameter for which the changes of results are told, relative to the parameter's value; if
+the value is 0, relative to the parameter's unit."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -160,12 +160,18 @@ class Sensitivities:
         )
 
     def changes(self, output: str) -> np.ndarray:
-        """Return the change of an output by each parameter's ``step``, to first order, shape (T, P)."""
+        """Return how much an output changes if each parameter changes by its ``step``, shape (T, P).
+
+        The changes are of first order: derivative times step.
+        """
         changes: np.ndarray = self.slopes[:, self.columns[output]] * self._steps
         return changes
 
     def impact_changes(self, quantity: str) -> np.ndarray:
-        """Return the change of a quantity of impacts by each parameter's ``step``, to first order, (I, P)."""
+        """Return how much a quantity of impacts changes if each parameter changes by its ``step``, (I, P).
+
+        The changes are of first order: derivative times step.
+        """
         changes: np.ndarray = self.impact_slopes[quantity] * self._steps
         return changes
 

@@ -11,8 +11,8 @@ from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, point_label
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
-"""One change of mode, as the kernel logs it: from this time [s] on the mode is 0, sticks; ±1, slides along
-±t; or 2, no friction. Point and wall as in ``STICK_SLIP_DTYPE``."""
+"""One change of mode, as the kernel logs it: the time [s] from which on the mode holds, point and wall as in
+``STICK_SLIP_DTYPE``, and the mode: 0 for sticking, 1 or −1 for sliding along t or −t, 2 for no friction."""
 STICK_SLIP_DTYPE = np.dtype(
     [
         ("point", np.int64),
@@ -22,10 +22,11 @@ STICK_SLIP_DTYPE = np.dtype(
         ("mode", np.int64),
     ]
 )
-"""One phase of dry friction: point 0…N; wall as index into ``scene.wall_names``; start and end [s], the end
-is NaN in a phase that lasts to the end of the simulation; mode 0 for sticking, 1 or −1 for sliding along t or
-−t, with t = (n_y, −n_x) of the wall's normal n. For a joint the wall is −1, the point is the number of the
-joint, 1…N, and in mode 1 its angle grows."""
+"""One phase of dry friction: the number of the point, 0…N; the index of the wall in ``scene.wall_names``;
+start and end [s]; and the mode. The end is NaN if the phase lasts to the end of the simulation. The mode is 0
+for sticking, 1 for sliding along t, and −1 for sliding along −t. The tangent t = (n_y, −n_x) belongs to the
+wall's normal n. For a joint, the wall is −1, the point is the number of the joint, 1…N, and in mode 1 the
+joint's angle grows."""
 NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
 """The empty array of phases for a run without dry friction."""
 NO_PHASES.flags.writeable = False
@@ -89,7 +90,7 @@ class Touch:
         rate: the rate of penetration, shape (T,) [m/s]; None if not known.
         friction: dry friction along t = (n_y, −n_x), shape (T,) [N]; for a joint the moment [N·m]; None
             without dry friction.
-        sticking: a number above 0 in rows in which the contact sticks, shape (T,); None without dry friction.
+        sticking: above 0 in rows in which the contact sticks, else 0, shape (T,); None without dry friction.
     """
 
     point: int
@@ -102,9 +103,10 @@ class Touch:
 
     @classmethod
     def of_stops(cls, joint: int, moment: np.ndarray) -> Iterator[Touch]:
-        """Yield the contacts at both stops of a joint, from the moment on its link, shape (T,) [N·m].
+        """Yield two contacts, one for each stop of a joint.
 
-        The moment is positive at joint_min.
+        ``moment`` is the moment of the stops on the joint's link, shape (T,) [N·m]. It is positive where the
+        link touches joint_min, and negative where it touches joint_max.
         """
         for stop, sign in zip(STOPS, (1.0, -1.0), strict=True):
             yield cls(joint, stop, np.maximum(sign * moment, 0.0))

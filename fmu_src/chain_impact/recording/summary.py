@@ -25,7 +25,8 @@ UNITS, STOP_UNITS = ("m/s", "ms", "N", "N·s"), ("rad/s", "ms", "N·m", "N·m·s
 """The columns of the list of impacts, with their units at walls and at stops of joints."""
 NONE = "—"  # the text for a number that does not exist
 LASTS = "lasts"  # the text for the duration of a contact that lasts to the end
-LONG, MILLION = 1e4, 1e6  # the range of numbers that have no exponent in four digits
+# numbers from LONG to MILLION are written without an exponent, although a number has only four digits
+LONG, MILLION = 1e4, 1e6
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -122,12 +123,12 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _peak(value: float) -> str:
-    """Return the text of a peak force or a duration; a dash for an impulse, for which 0 is stored."""
+    """Return the text of a peak force or a duration; a dash for 0, because only an impulse has 0."""
     return digits(value) if value else NONE
 
 
 def digits(value: float) -> str:
-    """Return a number with four digits, without an exponent below a million; a dash for a missing number."""
+    """Return a number with four digits, without an exponent below a million; a dash for NaN."""
     if np.isnan(value):
         return NONE
     text = f"{value:.4g}"
@@ -173,9 +174,9 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return a sentence on a wall in which a point went deeper than the size of the smallest body.
+    """Return a sentence on the wall with the deepest penetration if this is deeper than the smallest body.
 
-    Such a wall does not act as a wall. The sentence names the wall with the largest penetration.
+    Such a wall is too soft to stop a body. The list is empty if no penetration is so deep.
     """
     walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)

@@ -42,7 +42,7 @@ STOP_UNITS = {
 SUFFIXES = (".csv", ".json", ".parquet")
 """The suffixes of a file with a list of impacts."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
-"""Kind of element → dimensions of arrays for this kind."""
+"""Kind of element → dimensions that an array of this kind has in addition to the time."""
 
 
 def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
@@ -99,7 +99,7 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
             values = np.full((len(time), *(sizes[dimension] for dimension in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
         index = variable.index[: len(dimensions)]
-        # the stops of joints stand between the contacts of points and the stops of a slider
+        # the record's index also counts the stops of joints, which lie before the stops of a slider
         if owner == "contact":
             index = (contacts.index(variable.name.rpartition(".")[0]),)
         data[key][1][(slice(None), *index)] = motion[variable.name]

@@ -17,7 +17,7 @@ def plural(count: int, what: str) -> str:
 
 
 def few(names: Sequence[str], shown: int) -> str:
-    """Return some names, and the number of the other names, as text."""
+    """Return the first ``shown`` names, and how many other names there are, as text."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"
 
@@ -40,7 +40,10 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor to a unit with the prefix that suits the largest value, and this unit."""
+    """Return a factor, and the unit with a prefix, such as kN, into which the factor converts values.
+
+    With this unit the ``largest`` value is between 1 and 1000, if a prefix for this exists.
+    """
     power = 3 * math.floor(math.log10(largest) / 3.0) if 0.0 < largest < math.inf else 0
     power = min(max(power, min(PREFIXES)), max(PREFIXES))
     return 10.0**-power, f"{PREFIXES[power]}{unit}"

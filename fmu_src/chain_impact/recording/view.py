@@ -16,7 +16,7 @@ NEAR = 0.2  # the distance beyond which a wall is left out, relative to the widt
 ROOM = 1.0
 MARGIN = 0.06  # the margin around the view of a film, relative to the size of the view
 LEAST = 1e-6  # [m] the size assumed for a chain that does not move
-# the least component of a wall's normal along an axis with which the wall bounds the view on this axis
+# a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
 UPRIGHT = 0.5
 ALONE = 1e-3  # the largest radius that is not drawn, relative to the size of the motion
 PIN = 0.08  # the height of the ground mark of a pinned base, relative to the width of the motion
@@ -24,7 +24,8 @@ PIN = 0.08  # the height of the ground mark of a pinned base, relative to the wi
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
 Key = TypeVar("Key", bound=Hashable)
-"""A name of a wall, or of one of several positions of a wall that moves."""
+"""The type of the keys of a dict of walls: names of walls; for a wall that moves, one key for each of several
+positions."""
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 
 
@@ -54,15 +55,17 @@ def seen(
     room: float = 0.0,
     pinned: bool = False,
 ) -> tuple[np.ndarray, dict[Key, HalfPlane]]:
-    """Return the rectangle around a motion, the mark of a pinned base, and the nearest points of near walls.
+    """Return the rectangle that a picture shows, and the walls near the motion.
+
+    The rectangle contains the motion, the ground mark of a pinned base, and a part of each near wall.
 
     Args:
         points: positions, shape (T, N+1, 2) [m].
         walls: name → free side; a wall that moves has a name for each of several positions.
         radius: the radius of the points [m].
-        near: the largest distance of a near wall from the motion, over the width of the motion.
-        room: a distance over the width of the motion. If the walls close a room that ends within this
-            distance, the rectangle contains the whole room, and all walls are near.
+        near: a wall is near up to this distance from the motion, relative to the width of the motion.
+        room: a distance, relative to the width of the motion. If the walls close a room that ends within
+            this distance, the rectangle contains the whole room, and all walls are near.
         pinned: whether the base has a ground mark, which moves with the base.
 
     Returns:
@@ -104,9 +107,10 @@ def framed(
 
 
 def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
-    """Return which fraction, 0…1, of an extension lies left or below, and whether a side is open.
+    """Return to which sides a view can be extended: to the sides without a wall.
 
-    Both results have a value for x and a value for y. A view is extended to the sides without a wall.
+    The first result is the fraction, 0…1, of an extension that goes to the left, for x, and down, for y. The
+    second result is whether at least one of the two sides has no wall, for x and for y.
     """
     open_sides = np.ones((2, 2))  # rows: left and below, right and above
     for wall in walls:

@@ -38,10 +38,10 @@ OF_FMU = {"time": "onset", "speed": "impact_speed"}
 """Field of ``Result.impacts`` → name in the FMU's ``impact[j]``, where the two differ."""
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """Parameters that change the unit of a stiffness."""
-LARGE = 0.2  # the share of the quantity above which the text says: holds for smaller changes only
+LARGE = 0.2  # above this share of the quantity, the text says that an effect holds for smaller changes only
 NOTHING = 1e-12  # the largest effect that counts as round-off, relative to the quantity
 DRAWN = 16  # the largest number of bars
-ADDED = "*"  # the mark of a parameter with the value 0, to which the step is added
+ADDED = "*"  # the mark of a parameter with the value 0: it is changed by a fixed step, not by 1 %
 
 
 class Effect(NamedTuple):
@@ -89,8 +89,8 @@ class Ranking:
         without: the parameters without an effect.
         unknown: the parameters whose derivatives cannot be trusted; ``limits`` gives the reason.
         limits: sentences, as ``Result.sensitivity_limits``.
-        left_out: exponents that were not named in full. With another exponent the stiffness has another unit,
-            so the same number is another stiffness.
+        left_out: exponents of contact laws that are not ranked, because they were not named in full. With
+            another exponent the stiffness has another unit, so the same number is another stiffness.
     """
 
     source: str
@@ -113,7 +113,7 @@ class Ranking:
         return as_html(self.parts())
 
     def share(self, effect: Effect) -> float:
-        """Return the change over the absolute value of the quantity; NaN if the value is 0."""
+        """Return the change, divided by the absolute value of the quantity; NaN if this value is 0."""
         return effect.change / abs(self.value) if self.value else np.nan
 
     def parts(self) -> Iterator[str | Table]:
@@ -260,7 +260,8 @@ def ranking_of(
 
 
 _Found = tuple[float, str, str, np.ndarray, float]
-"""Value, unit, name in words, derivatives of shape (P,), and the size with which round-off is compared."""
+"""A quantity in a recording: value, unit, the place in words, derivatives of shape (P,), and the size
+relative to which an effect counts as round-off."""
 
 
 def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
@@ -286,7 +287,7 @@ def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> 
 def _largest(
     recording: Recording, sensitivities: Sensitivities, name: str, field: str, *, at_stops: bool
 ) -> _Found:
-    """Return the largest value among all impacts at walls, or at stops of joints."""
+    """Return the largest value among all impacts at walls or, with ``at_stops``, at stops of joints."""
     values = np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
     if not np.nanmax(values, initial=0.0) > 0.0:
         surface = "a stop of a joint" if at_stops else "a wall"

@@ -147,7 +147,7 @@ class Result(Pictured):
 
     @property
     def _has_all(self) -> bool:
-        """Whether the outputs are complete rows of the kernel's record."""
+        """Whether the result has all outputs, as complete rows of the kernel's record."""
         return "point_position" in (self.outputs.dtype.names or ())
 
     @cached_property
@@ -344,7 +344,10 @@ class Result(Pictured):
         return [*summary.energy_lines(self.energies), *facts, *summary.solver_lines(self.statistics)]
 
     def _all(self, field: str) -> np.ndarray:
-        """Return a field of ``output_dtype`` (kernel/record/instance.py), from all outputs or a choice."""
+        """Return a field of ``output_dtype`` (kernel/record/instance.py) as an array over time.
+
+        If the result has only some outputs, all outputs of the field must be among them.
+        """
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
         parts = [v for v in self.prepared.motion if v.field == field]
