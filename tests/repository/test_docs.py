@@ -6,6 +6,7 @@ import re
 import shlex
 import sys
 import tomllib
+import unicodedata
 from pathlib import Path
 from typing import NamedTuple
 
@@ -93,8 +94,13 @@ def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
         for arguments in commands(page):
             cli.parser().parse_args(arguments)
             count += 1
-        links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text)
-        files = {target: page.parent / target for target in links}
+        links = re.findall(r"\]\(([^)#:]*)(?:#([^)]*))?\)", text)
+        files = {target: page.parent / target for target, _ in links if target}
+        wrong += [
+            (page.name, anchor)
+            for target, anchor in links
+            if anchor and anchor not in anchors(files.get(target, page))
+        ]
         wrong += [
             (page.name, target) for target, file in files.items() if not (file.exists() or file in MADE)
         ]
@@ -105,6 +111,20 @@ def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
     assert count > 10
     names = {found[1] for page in DOCS for found in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))}
     assert names == generate.TABLES.keys()
+
+
+def anchors(page):
+    """Return the anchors of a page: given ids, and its headings as ``slug`` gives them."""
+    text = page.read_text(encoding="utf-8")
+    return {slug(heading) for heading in re.findall(r"^#+ (.*)$", text, re.M)} | set(
+        re.findall(r"(?:\{ ?#|id=\")([\w-]+)", text)
+    )
+
+
+def slug(heading):
+    """Return the anchor that Python-Markdown makes from a heading."""
+    letters = unicodedata.normalize("NFKD", heading).encode("ascii", "ignore").decode()
+    return re.sub(r"[-\s]+", "-", re.sub(r"[^\w\s-]", "", letters).strip().lower())
 
 
 def others(page):

@@ -33,9 +33,9 @@ BODIES = {
     "inputs": {"slider_force": True},
     "outputs": {"loads": True},
 }
-"""A scene with features that no model has: a slider, and a link with a shape."""
+"""A scene with a slider, and a link with a shape."""
 DRIVES = {"link[2].joint_armature": 0.1, "link[2].joint_torque_limit": 9.0, "inputs.joint_targets": True}
-"""A scene with drives, which no model has."""
+"""A scene with drives."""
 HINT = "run: python tests/repository/test_public_api.py"
 
 

@@ -116,7 +116,7 @@ def script_data(content: Any) -> str:
 
 
 def data(recording: Recording) -> dict[str, Any]:
-    """Return the data for the page's ``packed.js``, with numbers only as accurate as the screen needs."""
+    """Return the data that ``player/packed_recording.js`` reads, only as accurate as the screen needs."""
     points, touches = recording.all_points, recording.touches
     return {
         "name": recording.name,

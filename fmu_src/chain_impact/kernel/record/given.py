@@ -370,7 +370,7 @@ def law_dtype(candidates: int) -> np.dtype:
 def walls_dtype(candidates: int) -> np.dtype:
     """Return the layout of the walls at any angle, at most C, and of the materials of all walls.
 
-    variables/filling.py sets these values; an importer may set stiffness and restitution at any time.
+    variables/filling.py sets these values; an importer may set those of the materials at any time.
     """
     return record(
         ("x", REAL, (candidates,)),  # m, x of a point on each wall
