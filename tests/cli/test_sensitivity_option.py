@@ -100,7 +100,12 @@ def test_rank_orders_all_parameters_and_draws_bars(run, here):
     assert (code, errors) == (0, "")
     _, _, told = said.partition("PinnedArm  peak_force = 1015.53 N")
     rows = told.splitlines()
-    assert [row.split()[0] for row in rows[3:5]] == ["initial.angle[1]", "link[1].joint_stiffness"]
+    assert [row.split()[0] for row in rows[3:5]] == ["initial.angle[1]", "gravity.y"]
+    assert (
+        told.index(" link[2].joint_damping")
+        < told.index("added to a parameter that is 0")
+        < told.index("joint[1].torque")
+    )
     assert "contact.exponent is left out" in told
     assert "without effect: link[1].joint_rest_angle" in told
     assert (here / "bars.png").stat().st_size > 10_000

@@ -28,7 +28,7 @@ from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.variable import UNLESS_SET
 
-NAMED = re.compile(r"point (\d+) \((\w+)\)")
+NAMED = re.compile(r"point (\d+) \((\w+)(?:, link \d+)?\)")
 """Regular expression for the number and the name of a point at the start of a variable's description."""
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """Values, in addition to parameters, that can be set for one run of an FMU."""
