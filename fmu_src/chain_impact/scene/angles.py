@@ -27,7 +27,7 @@ def in_radians(value: Any, unit: str) -> Any:
 
 
 def or_degrees(unit: str) -> str:
-    """Return the words that a value may also be text in degrees; "" if the unit is not one of angles."""
+    """Return words for an error: or text, such as "90 deg"; "" if the unit is not one of angles."""
     return f', or text in degrees as "90 {DEGREES[unit]}"' if unit in DEGREES else ""
 
 

@@ -21,9 +21,10 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
 
 
 def places(scene: Scene) -> list[str]:
-    """Return words for each place that can be the reason why a simulation is refused.
+    """Return words for each place that can be the reason why a simulation is refused, in the kernel's order.
 
-    These places are the candidates, the links, and the base at the wall of each pair of a point and a wall.
+    These places are the candidates, then the links, then, for each pair of a point and a wall, the base at
+    this wall.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)

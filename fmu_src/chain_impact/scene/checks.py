@@ -45,7 +45,10 @@ def check(scene: Contents) -> None:
 
 
 def check_masses(chain: Chain) -> None:
-    """Refuse links without inertia that can turn without kinetic energy; see kernel/chain/inertia.py."""
+    """Refuse links without inertia that can turn without moving any mass: see kernel/chain/inertia.py.
+
+    Nothing would determine their angular acceleration.
+    """
     columns = {name: [getattr(link, name) for link in chain.links] for name in _MASSES}
     massless = chain.slider is not None and chain.slider.mass == 0.0
     first, last = loose_links(SimpleNamespace(pinned=chain.has_base_joint, **columns), massless)
@@ -64,7 +67,7 @@ def check_masses(chain: Chain) -> None:
 
 
 def check_together(scene: Contents) -> None:
-    """Refuse values that are each valid, but not together."""
+    """Refuse values that contradict each other, although each value alone is valid."""
     check_masses(scene.chain)
     contact, box, movable = scene.contact, scene.box, scene.chain.movable_points
     for point in contact.points:
@@ -124,7 +127,7 @@ def check_slider(scene: Contents) -> None:
 
 
 def check_reach(scene: Contents) -> None:
-    """Refuse a wall that no point can reach, if the walls outnumber the pairs that can touch."""
+    """Refuse a wall that no point can reach, if there are more walls than pairs that can touch."""
     if scene.chain.slider is None or not scene.may_touch:
         return
     points, planes = scene.touching_points, scene.half_planes
@@ -214,7 +217,7 @@ def check_friction(scene: Contents) -> None:
 
 
 def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
-    """Return the coefficients of sliding and of static friction at a wall, as the kernel does."""
+    """Return the coefficients of sliding and static friction at a wall, by the kernel's rule for defaults."""
     own = (-1.0 if value is None else value for value in (material.friction, material.static_friction))
     sliding, static = wall_friction(contact.friction, contact.static_friction, *own)
     return sliding, static
@@ -321,7 +324,7 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def start_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each coordinate of a driven base that does not start where the scene says."""
+    """Return a sentence for each coordinate in which a signal starts the base elsewhere than the scene."""
     if scene.chain.base != "pinned":
         return []
     starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
@@ -329,7 +332,7 @@ def start_hints(scene: Contents) -> list[str]:
 
 
 def start_hint(axis: str, start: float, given: float) -> str:
-    """Return a sentence on a driven base that does not start where the scene says."""
+    """Return the sentence on a coordinate in which a signal starts the base elsewhere than the scene."""
     return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
 
 
@@ -385,7 +388,7 @@ def warn(source: str, hints: list[str]) -> None:
 
 
 def has_counts(data: Any) -> bool:
-    """Return whether an entry of the links stands for several links, so that the numbers of both differ."""
+    """Return whether an entry of the links has a count; then entries and links have different numbers."""
     chain = data.get("chain") if isinstance(data, Mapping) else None
     links = chain.get("links") if isinstance(chain, Mapping) else None
     tables = links if isinstance(links, list | tuple) else []

@@ -61,7 +61,7 @@ class Contents:
     solver: Solver
     simulation: Simulation
     derived_paths: tuple[DataPath, ...] = field(default=(), metadata=NO_KEY)
-    # whether joint angles were given in place of absolute angles
+    # whether the file gave joint angles; the scene itself always has absolute angles
     has_joint_angles: bool = field(default=False, compare=False, metadata=NO_KEY)
 
     @property
@@ -127,7 +127,7 @@ class Contents:
 
     @property
     def has_contact_friction(self) -> bool:
-        """Whether a contact may have dry friction: a coefficient is not 0, or is given for one wall."""
+        """Whether a contact may have dry friction: a coefficient is above 0, or a wall has its own."""
         if not (self.may_touch and self.contact.wall):
             return False
         for material in self.contact.wall.values():
@@ -149,7 +149,7 @@ class Contents:
 
     @property
     def is_driven(self) -> bool:
-        """Whether inputs, or springs and motors with a limited torque, may supply energy."""
+        """Whether something may supply energy: an input, or a spring or motor with a limited torque."""
         limits = [link.joint_torque_limit for link in self.chain.links]
         limits += [self.chain.slider.force_limit] if self.chain.slider else []
         return self.inputs.any or any(limit is not None for limit in limits)
@@ -215,9 +215,9 @@ class Contents:
         return point_label(number, self.point_names)
 
     def stop_name(self, wall: int) -> str:
-        """Return the name of the wall with a number if the wall is a stop of joints or of a slider.
+        """Return the name of a stop, by its number among the walls; "" if the wall is no stop.
 
-        Returns "" for any other wall.
+        A stop belongs to joints or to a slider.
         """
         name, stops = self.wall_names[wall], STOPS if self.chain.stops else ()
         return name if name in (*stops, *self.slider_stops) else ""

@@ -1,8 +1,8 @@
 """Derived values of a scene: defaults that follow from other values.
 
-A value stays derived until it is given: only given values are changed, written and compared.
-``Scene.derived_paths`` has the paths of the derived values. The kernel treats the parameters of a record in
-the same way: kernel/chain/inertia.py.
+A value stays derived until a user gives it; then it no longer follows other values. Only given values are
+written to files and compared. ``Scene.derived_paths`` has the paths of the derived values. The kernel derives
+parameters of a record in the same way: kernel/chain/inertia.py.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from chain_impact.scene.names import DataPath
 
 
 def of_every_link(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
-    """Yield the paths, in the scene, of the values that were derived in the data of a file.
+    """Yield the paths of derived values in the scene, from their ``paths`` in the data of a file.
 
-    In the data an entry can stand for several links; in the scene each link has its own entry.
+    An entry of the data can stand for several links; in the scene each link has its own entry.
     """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]
@@ -54,7 +54,7 @@ def above(paths: Iterable[Any]) -> set[DataPath]:
 
 
 def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
-    """Return the rule that derives the value at a path; a link with a shape has its own rules."""
+    """Return the rule that derives the value at a path: ``rule``, or its other rule if the link is a box."""
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
             return rule.of_box
@@ -62,7 +62,7 @@ def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
 
 
 def rule_of(path: DataPath, rules: Mapping[str, Any]) -> Derived:
-    """Return the name of the rule that derives a value; ``rules`` are the metadata of all keys."""
+    """Return the rule that derives the value at a path; ``rules`` has the dataclass field of each key."""
     key = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
     rule: Derived = rules[key].metadata["default"]
     return rule

@@ -39,7 +39,7 @@ class Limits(TypedDict, total=False):
     # name of another key, of the same table or as "table.key"; the file that this key names is one more
     # choice
     extended_by: str
-    # function that returns the unit from the values of the keys before it, where these decide the unit
+    # function that returns the unit from the values of the keys read before, if these keys decide the unit
     unit_by: Callable[[Mapping[str, Any]], str]
 
 
@@ -53,7 +53,8 @@ class Derived:
         terms: for a parameter of the FMU: the default is the sum of the products of these keys, divided by
             the divisor. A key without a dot belongs to the same table.
         divisor: divides the sum of the terms.
-        constant: whether the value is always the same, and other values only decide whether it exists.
+        constant: whether the default is always the same number; other values only decide if there is a
+            default.
         of_box: the other rule for a link that is a box, if there is one.
     """
 
@@ -90,7 +91,7 @@ def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpa
 
 @functools.cache
 def without_none(kind: Any) -> Any:
-    """Return the type ``kind``, or the first of a union with None."""
+    """Return the type ``kind``; for a union with None, ``X | None``, return X."""
     return get_args(kind)[0] if NoneType in get_args(kind) else kind
 
 

@@ -28,7 +28,7 @@ def line_of(text: str, path: DataPath) -> int | None:
         text: a scene file.
         path: the path of the key, ``("chain", "links", 0, "mass")``.
     """
-    # the best line so far: how many steps of the path it has, and its number
+    # the best line so far: how many steps of the path it matches, and the number of the line
     best: tuple[int, int | None] = (0, None)
     table: DataPath = ()
     counts: dict[DataPath, int] = {}
@@ -67,7 +67,7 @@ def _steps(dotted: str) -> DataPath:
 
 
 def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
-    """Return the keys that lines of a TOML file give after the last head of a table."""
+    """Return the keys in the lines of a TOML file that follow the last head of a table."""
     keys: set[DataPath] = set()
     for line in lines:
         if _HEAD.match(line):

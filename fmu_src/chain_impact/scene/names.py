@@ -13,14 +13,14 @@ from difflib import get_close_matches
 DataPath = tuple[str | int, ...]
 """A path in nested tables and lists; indices of lists count from 0."""
 AT = "{at}"
-"""The placeholder of an index in the template of a path.
+"""The placeholder of an index in the template of a path: ("chain", "links", "{at}", "mass").
 
-The template of a name has {n} in this place, or {name} for a wall.
+The template of the name has {n} in this place, link[{n}].mass, or for a wall {name}.
 """
 LINK_AT, ENTRY_AT = "{link}", "{entry}"
-"""The placeholders of a link and of a point on the link in the template of a path.
+"""The placeholders of two indices in the template of a path: of a link, and of a point on this link.
 
-The template of a name has {of} and {n} in these places.
+The template of the name has {of} and {n} in these places: link[{of}].point[{n}].x.
 """
 AXES = ("x", "y")
 STOPS = ("joint_min", "joint_max")
@@ -68,9 +68,9 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
 
 
 def _of_signal(path: DataPath) -> DataPath:
-    """Return, for the path of a number of a signal, the path that its name shows.
+    """Return the path that the name of a signal's number shows: ("signal", …) for ("signals", …).
 
-    Any other path is returned unchanged.
+    Any path that does not lead to a number of a signal is returned unchanged.
     """
     if path[:1] != ("signals",) or len(path) < 3:  # noqa: PLR2004
         return path
@@ -95,12 +95,12 @@ def fmu_name(name: str) -> str:
     steps = name.replace("[", ".").replace("]", "").split(".")
     try:
         return name_of(tuple(int(step) - 1 if step.isdecimal() else step for step in steps)) or name
-    except (IndexError, ValueError):  # the number is no index of the list, or has too many digits
+    except (IndexError, ValueError):  # the list has no such entry, or the number has too many digits
         return name
 
 
 def other_names(name: str) -> set[str]:
-    """Return the other names of a value: from its FMU name and its key in the file."""
+    """Return the other names of a value: its name in the FMU and its key in the file, except ``name``."""
     of_fmu = fmu_name(name)
     in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu
     return {of_fmu, in_file} - {name}
@@ -200,10 +200,10 @@ def signal_hint(name: str, signals: Collection[str]) -> str | None:
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
-    """Return the name that is most similar to another name; first among names with the same last part.
+    """Return the name that is most similar to ``name``; names with the same last part have priority.
 
-    For example ``contact[1].y_min.force`` for ``joint[1].force``. Returns None if no name has at least the
-    similarity ``at_least`` (0 to 1), or SAME_LAST if the last part is the same.
+    For example ``contact[1].y_min.force`` for ``joint[1].force``. A similarity is a number from 0 to 1. A
+    name needs at least the similarity ``at_least``, or SAME_LAST if the last part is the same; else None.
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
     same = [one for one in every if owner and len(last) > 1 and one.rpartition(".")[2] == last]
@@ -214,7 +214,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
 
 
 SAME_LAST = 0.45
-"""The least similarity, 0 to 1, of the nearest name if its last part is the same."""
+"""The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
 
 
 def _dotted(path: DataPath) -> str:

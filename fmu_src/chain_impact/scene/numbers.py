@@ -32,14 +32,14 @@ _KEYS: dict[DataPath, tuple[Any, tuple[str, ...]]] = {
         for i in range(LINKS)
     },
 }
-"""Path of a table → keys of the table with numbers; ``_LISTS`` has the lists of numbers."""
+"""Path of a table → keys of the table whose value is one number; ``_LISTS`` has the keys with lists."""
 _LISTS = {"position": 2, "velocity": 2, "angles": LINKS, "angular_velocities": LINKS}
 """List of the initial state → how many entries the list may have."""
 
 
 @functools.cache
 def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
-    """Return the path and the metadata of each number, by path and by name."""
+    """Return path or name of a number → its path and its metadata."""
     rule_of: dict[DataPath, Mapping[str, Any]] = {}
     for path, (table, names) in _KEYS.items():
         rules = {entry.name: entry.metadata for entry in keys(table)}
@@ -74,7 +74,7 @@ def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):
         return None
-    # if one entry of a derived list is changed, all entries of the list become given
+    # a change of one entry of a derived list makes all entries given, so ``with_values`` must read the scene
     is_derived = path in scene.derived_paths or path[:-1] in scene.derived_paths
     return None if is_derived else _changed(scene, path, value)
 
@@ -109,7 +109,10 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
 
 
 def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | None:
-    """Return the scene with a number of a link changed, and with the inertia that follows from the number."""
+    """Return the scene with a number of a link changed; a derived inertia follows the mass.
+
+    Returns None if the link does not exist, or its inertia would not be a finite number > 0.
+    """
     links = scene.chain.links
     if i >= len(links):
         return None
@@ -126,7 +129,7 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
 
 
 def _with(table: Table, **changes: Any) -> Table:
-    """Return a table with some values changed, as ``dataclasses.replace`` does, in half the time."""
+    """Return a table with some values changed; ``dataclasses.replace`` would take twice the time."""
     kind: Any = type(table)
     fresh: Table = object.__new__(kind)
     for name, read, write in _slots(kind):
@@ -136,7 +139,7 @@ def _with(table: Table, **changes: Any) -> Table:
 
 @functools.cache
 def _slots(table: type) -> list[tuple[str, Callable[..., Any], Callable[..., None]]]:
-    """Return the name of each value of a table, and the functions that read and write it."""
+    """Return for each value of a table its name, and the functions that read and write the value."""
     slots = [(entry.name, getattr(table, entry.name)) for entry in fields(table)]
     return [(name, slot.__get__, slot.__set__) for name, slot in slots]
 

@@ -43,7 +43,10 @@ class SceneError(ValueError):
 
 @contextmanager
 def as_typed(names: Iterable[Any]) -> Iterator[None]:
-    """Let errors use the name that a user typed, for values that have two names."""
+    """Let an error inside the ``with`` block call a value by the name that the user typed.
+
+    ``names`` are the typed names. The error may have the value's other name.
+    """
     try:
         yield
     except SceneError as error:
@@ -94,9 +97,10 @@ def matching(
     what: str,
     hint: Callable[[str], str | None],
 ) -> list[str]:
-    """Return the names that equal ``name``, or match it if it has a ``*``, which stands for any text.
+    """Return the names that equal ``name``, or that match it; a ``*`` in ``name`` stands for any text.
 
-    If no name matches, the error ends with ``hint``, or without a hint with the most similar name.
+    If no name matches, the error ends with the text that ``hint`` returns for ``name``; if ``hint`` returns
+    None, with the most similar name.
 
     Raises:
         UnknownNameError: when no name matches.
@@ -109,7 +113,7 @@ def matching(
 
 
 def matches(name: str, names: Iterable[str]) -> list[str]:
-    """Return the names that equal ``name``, or match it if it has a ``*``; see ``matching``."""
+    """Return the names that equal ``name``, or that match it; a ``*`` in ``name`` stands for any text."""
     for spelling in (name, fmu_name(name)):
         if spelling in names:
             return [spelling]
@@ -134,7 +138,7 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 
 def entry_type(kind: Any) -> Any:
-    """Return the type of the entries of a list, or of tables by name; for other types, the type itself."""
+    """Return the type of the entries if ``kind`` is a list or a dict; else ``kind`` itself."""
     item, *others = get_args(kind) or (kind,)
     return others[0] if get_origin(kind) is Mapping else item
 
@@ -243,9 +247,9 @@ class Reader:
         return SceneError(f"{where} = {shown(value)} must be {needed}", path)
 
     def _unknown(self, table: Any, path: DataPath, name: Any) -> str:
-        """Raise an error that names the key most similar to the unknown `name`, in this table or another.
+        """Return the message for an unknown key `name`, with the most similar key of this or another table.
 
-        Without a similar key, the error lists the keys of the table.
+        If no key is similar, the message lists the keys of this table.
         """
         name = shown(name).strip("'")
         what = f"{self.label((*path, name))} is unknown"
@@ -258,7 +262,7 @@ class Reader:
         return f"{what}; the keys here are {', '.join(here)}"
 
     def _one_table(self, item: Any, value: Mapping[Any, Any], path: DataPath) -> str:
-        """Raise an error: a list of tables is expected, not one table; say which keys belong elsewhere."""
+        """Return the message for one table where a list of tables must be; it says where its keys belong."""
         name = self.label(path)
         moved = [
             self._keys()[key]
@@ -269,9 +273,10 @@ class Reader:
         return f"{name} is one table, must be a list of tables: write [[{name}]]{others}"
 
     def _keys(self) -> dict[str, str]:
-        """Return the last part of each key → the whole key.
+        """Return last part of a key → whole key.
 
-        Of several keys with the same last part, the first one counts; keys in tables by name are left out.
+        Of several keys with the same last part, only the first one is returned. Keys of tables that users
+        name, such as walls, are left out.
         """
         return {
             key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root))) if ".<" not in key

@@ -9,7 +9,7 @@ from chain_impact.scene.limits import Derived
 
 
 def _product(text: str, *factors: str, divisor: int) -> Derived:
-    """Return the rule that multiplies values of the same table and divides the product by a number."""
+    """Return the rule for a default that is a product of values of the same table, divided by a number."""
     return Derived(
         text, lambda tables: math.prod(tables[key] for key in factors) / divisor, (factors,), divisor
     )
@@ -38,7 +38,7 @@ ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), const
 
 
 def of_contact(key: str) -> Derived:
-    """Return the rule that a scene with stops takes the value of a key of the table ``contact``."""
+    """Return the rule for a default that equals a key of the table ``contact``, in a scene with stops."""
     return Derived(
         "as in [contact]",
         lambda tables: getattr(tables["contact"], key) if tables["chain"].stops else None,
@@ -47,11 +47,11 @@ def of_contact(key: str) -> Derived:
 
 
 def with_stops(value: float) -> Derived:
-    """Return the rule that a scene with stops has this value."""
+    """Return the rule for a default that is always ``value``; it exists only in a scene with stops."""
     return Derived(f"{value:g}", lambda tables: value if tables["chain"].stops else None, constant=True)
 
 
-# ``completion.py`` fills in this value after the whole file is read, because contact.radius comes later in
-# the file
+# This rule returns no value, because contact.radius is read later; ``completion.py`` fills in the value when
+# the whole file has been read.
 CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
 CARRIAGE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)

@@ -210,7 +210,7 @@ def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _without_no_points(link: Any) -> Any:
-    """Return the data of a link without an empty list of points."""
+    """Return the data of a link; leave out the list of points if it is empty."""
     empty = isinstance(link, Mapping) and isinstance(link.get("points"), list) and not link["points"]
     return {key: value for key, value in link.items() if key != "points"} if empty else link
 
@@ -298,9 +298,8 @@ def _leaves(
 ) -> Iterator[tuple[DataPath, Any]]:
     """Yield the path and the value of every single value.
 
-    Each entry of a list of quantities is a single value.
-
-    The first ``apart`` entries of a list are left out, because they follow from other values.
+    Each entry of a list of quantities is a single value. If ``value`` is a list, its first ``apart`` entries
+    are left out: they are corners of a box, and follow from other values.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):

@@ -17,7 +17,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import CORNERS, Site
 
 _APART = object()
-"""Replaces a corner that is not given in a list of points."""
+"""Stands in a list of points in place of a corner of a box, because the box determines the corner."""
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
@@ -37,9 +37,9 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Mark the corners of boxes in the plain data of a scene; with ``given``, turn them into ordinary points.
+    """Replace the corners of boxes by marks in the plain data of a scene.
 
-    With ``given`` the link is then no longer a box.
+    With ``given``, the corners stay as ordinary points, and the link is no longer a box.
     """
     for link in data["chain"]["links"]:
         if "shape" not in link:
@@ -61,7 +61,10 @@ def without_corners(data: Any) -> Any:
 
 
 def among_all_points(path: DataPath, data: Any) -> DataPath:
-    """Return the path in the scene for a path in its plain data, in which boxes have no corners."""
+    """Return the path in the scene for a path in its plain data.
+
+    In the plain data, a box has no corners, so its other points have smaller indices there.
+    """
     match path:
         case "chain", "links", int(i), "points", int(j), *following if "shape" in data["chain"]["links"][i]:
             return ("chain", "links", i, "points", j + CORNERS, *following)
@@ -69,7 +72,7 @@ def among_all_points(path: DataPath, data: Any) -> DataPath:
 
 
 def refuse_corner(scene: Contents, path: DataPath) -> None:
-    """Refuse a change of a single corner of a box, by its path."""
+    """Refuse a path that leads to a corner of a box, because one corner cannot be changed alone."""
     links = scene.chain.links
     match path:
         case "chain", "links", int(i), "points", int(j), *_ if i < len(links) and j < links[i].corners:

@@ -34,8 +34,8 @@ _UNITS = {
 def unit_of(name: str) -> str:
     """Return the unit of an input.
 
-    A misspelt name, which is refused after the values are read, has the unit of the nearest input; "1" if
-    no input is near.
+    A misspelt name is refused only after the values are read. Until then it has the unit of the nearest
+    input, or "1" if no input is near.
     """
     template = next((one for one in _UNITS if is_like(name, one)), nearest(name, _UNITS))
     return _UNITS[template] if template else "1"
@@ -47,7 +47,7 @@ def _unit_of_values(tables: Mapping[str, Any]) -> str:
 
 
 def _value(description: str) -> Any:
-    """Return the field of a number, or of numbers, in the unit of the input."""
+    """Return the dataclass field for a number, or a list of numbers, in the unit of the driven input."""
     return quantity("1", description, None, unit_by=_unit_of_values)
 
 

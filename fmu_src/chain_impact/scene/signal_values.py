@@ -35,12 +35,14 @@ def value_at_start(signal: Signal, driven: str, stop: float) -> float:
 
 
 def _fields(part: np.ndarray) -> SimpleNamespace:
-    """Return a part of a record with its fields as attributes, which the kernel's functions read."""
+    """Return a part of a record as an object, because the kernel's functions read fields as attributes."""
     return SimpleNamespace(**{name: part[name] for name in part.dtype.names or ()})
 
 
 def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> None:
-    """Write a signal to row j of a record of zeros, in which only the row's order and first knot are set.
+    """Write a signal to row j of a record.
+
+    The record must be 0, except for the order and the first knot of the row, which must be set already.
 
     Args:
         d: the parts ``signal`` and ``knot`` of the record.
@@ -84,7 +86,7 @@ def joined_by(signal: Signal, driven: str) -> str:
 
 
 def is_closed(signal: Signal) -> bool:
-    """Return whether the last row of a periodic table repeats the first row one period later."""
+    """Return whether the last row of a periodic table is one period after the first row, so repeats it."""
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
     return abs(last) <= CLOSED * (signal.period or 0.0)
@@ -115,7 +117,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         at, values = np.append(at, at[0] + period), np.append(values, values[0])
     powers = _interpolated(signal, driven, at, values, stop)
     if not period:
-        # the first value also acts before the table, and the last value acts from its own time on
+        # the first value also acts before its time, and the last value acts from its time until the end
         constants = np.zeros((2, powers.shape[1]))
         constants[:, 0] = values[[0, -1]]
         at, powers = np.append(at[0], at), np.concatenate([constants[:1], powers, constants[1:]])
@@ -126,7 +128,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         powers = np.insert(powers / np.arange(1.0, powers.shape[1] + 1.0), 0, 0.0, axis=1)
         grown = np.cumsum(_at(powers, ends - at))
         powers[1:, 0], gain = grown[:-1], float(grown[-1])
-        # the integral is 0 at the start of the run
+        # the integral must be 0 at t = 0, the start of the run
         powers[:, 0] -= values_of(at, powers, np.zeros(1))
     return at, powers, gain if period else 0.0
 
@@ -147,16 +149,16 @@ def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarra
 
 
 def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right") -> np.ndarray:
-    """Return the values of polynomials, which begin ``at`` given times, at some ``times``.
+    """Return the values of a piecewise polynomial at some ``times``; its pieces begin at the times ``at``.
 
-    At a jump the value is the one on a ``side``, left or right.
+    At a jump, ``side`` says which value is returned: the value of the left or of the right piece.
     """
     k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
     return _at(powers[k], times - at[k])
 
 
 def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the values of polynomials at arguments, one argument for each polynomial."""
+    """Return the value of each polynomial at its own argument in ``x``."""
     total = np.zeros(len(x))
     for column in powers.T[::-1]:
         total = total * x + column

@@ -58,12 +58,12 @@ class Driven(NamedTuple):
 
     @property
     def order(self) -> int:
-        """How many times the signal must be integrated to give the first of the outputs."""
+        """How many times the input must be integrated to give the first of the ``outputs``."""
         return self.outputs.index(self.input)
 
 
 def driven_by(scene: Contents) -> tuple[Driven, ...]:
-    """Return the inputs that signals drive; a target velocity comes after its target."""
+    """Return the inputs that signals drive; target velocities come last, after all targets."""
     if not scene.signals:
         return ()
     driven = [
@@ -75,21 +75,27 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
 
 
 def family(name: str) -> tuple[str, ...]:
-    """Return the integrals of an input, the input and its derivatives, in this order; "" for missing ones."""
+    """Return the names of an input's integrals, of the input, and of its derivatives, in this order.
+
+    The name is "" for an integral that is no input.
+    """
     head, _, last = name.rpartition(".")
     if head == "base":
         return tuple(f"base.{prefix}{last[-1]}" for prefix in ("", "v", "a"))
     if head.startswith("wall.") and last != "belt_speed":
         return tuple(f"{head}.{key}" for key in ("displacement", "velocity", "acceleration"))
     if last == "belt_speed":
-        return "", name  # the travel of a belt is no input
+        return "", name  # the integral of a belt's speed is no input
     if last in ("target_angle", "target_position"):
         return name, f"{head}.target_velocity"
     return (name,)
 
 
 def driven_alone(name: str) -> tuple[str, ...]:
-    """Return the inputs that a signal drives alone: one, or a motion with its integrals and derivatives."""
+    """Return the inputs that no second signal may drive if a signal drives the input ``name``.
+
+    For a motion these are the position, the velocity and the acceleration; else only the input itself.
+    """
     return family(name) if is_motion(name) else (name,)
 
 

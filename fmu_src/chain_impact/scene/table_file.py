@@ -67,7 +67,7 @@ class Table:
         Args:
             row: the number of the row.
             name: the name of the column.
-            otherwise: words for the error that say which other content the cell may have.
+            otherwise: words at the end of the error: what the cell may have in place of a number.
 
         Raises:
             SceneError: when the cell is not a finite number.

@@ -58,7 +58,7 @@ class Site:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its joint nearer to the base to its other end; ``count`` makes it several."""
+    """One rigid link, from its proximal joint to its other end; with a ``count``, that many equal links."""
 
     count: int | None = quantity(
         "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
@@ -163,7 +163,7 @@ class Chain:
 
     @property
     def has_base_joint(self) -> bool:
-        """Whether link 1 hangs in a joint at the base."""
+        """Whether a joint connects link 1 with the base: the base is pinned, or slides."""
         return self.base != "free"
 
     @property
@@ -264,7 +264,7 @@ class Contact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stops:
-    """The contact law of all stops in joints, as a law of the joint's angle; None without stops."""
+    """The contact law of all stops in joints, for angles and moments; all keys are None without stops."""
 
     model: str | None = quantity(
         "",

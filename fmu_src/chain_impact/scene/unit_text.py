@@ -23,7 +23,7 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
     if word == "%":
         return f"; write {number / 100.0:.12g}"
     for unit in units:
-        # a kilogram already has a prefix
+        # kg already has a prefix, so the other prefixes are tried before g
         base, scale = (unit[1:], 1e-3) if unit.startswith("kg") else (unit, 1.0)
         for prefix, factor in PREFIXES.items():
             if word == prefix + _plain(base):
@@ -32,7 +32,7 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
 
 
 def _plain(unit: str) -> str:
-    """Return a unit without the signs that people write in different ways."""
+    """Return a unit without the signs ·, . and ^, which people write in different ways, and with 2 for ²."""
     return re.sub(r"[·.^]", "", unit.replace("²", "2"))
 
 

@@ -38,7 +38,10 @@ MAGIC = b"chainsv2"
 
 @dataclass(frozen=True, slots=True)
 class _Access:
-    """Where a variable is stored: where its value is read and written, and its allowed values."""
+    """Where a variable is stored in the record, and which values it may have.
+
+    The value is read at the index ``word``, and written at the indices ``word`` and ``set_word``.
+    """
 
     word: int
     set_word: int
@@ -53,7 +56,11 @@ class _Access:
 
 @dataclass(frozen=True, slots=True)
 class _Selection:
-    """Several variables that are read together: words, which words are integers, and if any is computed."""
+    """Several variables that are read together.
+
+    ``words`` are their indices in the record, and ``whole`` says which of them are integers. ``observed``
+    says whether any of them must be computed before it is read: an output, or a value that can be derived.
+    """
 
     words: np.ndarray
     whole: np.ndarray
@@ -274,7 +281,7 @@ class Chain:
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ready(self) -> None:
-        """Compute the start again if a value was set after the last computation of the start."""
+        """Compute the start again if a value was set since the start was computed."""
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False
@@ -330,7 +337,7 @@ class Chain:
         return access, number
 
     def _hint(self, name: str) -> str | None:
-        """Return a hint: the key of the scene that makes an input or a friction exist."""
+        """Return a hint: the key of the scene that makes an input, or a parameter of friction, exist."""
         key = input_key(name)
         if key is None or (key != "wall_motion" and getattr(self.scene.inputs, key)):
             return absent_hint(name)

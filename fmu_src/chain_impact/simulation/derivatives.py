@@ -36,9 +36,9 @@ from chain_impact.variables.variable import Variable
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The columns of impacts that have derivatives."""
 LEAST_REPORTED_SHARE = 1e-5
-"""The least error of derivatives that a user is told, relative to the largest derivative.
+"""The least error of derivatives that users are told, relative to the largest derivative.
 
-Smaller errors are like the errors that the tolerance allows.
+Smaller errors are not told, because the tolerance allows errors of this size anyway.
 """
 # columns of impacts whose values are known from the onset on
 AT_ONSET = ("onset", "impact_speed", "effective_mass")
@@ -133,7 +133,7 @@ class DifferentiatedInstance(Instance):
         rows = super().collect()
         if len(rows):
             last = int(self.record["finished"]["count"])
-            # a contact may have ended in a step that failed; such a contact has no derivatives
+            # if a step failed, a contact may have ended in the instance only; it then has no derivatives
             self._keep_slopes(rows, slots, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
 
@@ -142,7 +142,7 @@ class DifferentiatedInstance(Instance):
         rows = super().open_contacts()
         if len(rows):
             log, slots = self._log, self._lasting % self._log_at.room
-            # after a fault, the instances of derivatives may have other lasting contacts than the instance
+            # after a fault, the derivatives at these slots may belong to other contacts, and are not used
             same = (log["point"][:, slots] == rows["point"]) & (log["wall"][:, slots] == rows["wall"])
             self._keep_slopes(rows, slots, same.all(axis=0) & (self.status == OK))
         return rows
@@ -154,9 +154,9 @@ class DifferentiatedInstance(Instance):
         return log
 
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
-        """Store the derivatives of the impacts at some slots of the log.
+        """Store the derivatives of the impacts in ``rows``, which are at some slots of the log.
 
-        NaN where they are not ``valid``.
+        The derivatives of an impact that is not ``valid`` are NaN.
         """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]

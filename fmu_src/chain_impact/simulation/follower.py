@@ -26,24 +26,28 @@ Sampled = Callable[[np.ndarray], np.ndarray]
 # number of times in a run at which each function is called; a pulse shorter than their distance can be missed
 CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function in a piece
-SHORTEST = 4e-13  # the length below which a piece is dropped, relative to the length of the run
+SHORTEST = 4e-13  # a piece shorter than this, relative to the length of the run, is dropped
 ALIKE = 1e-6  # the largest relative difference of two lengths that count as equal
-# an interval longer than 2^FAR times the last piece is halved before a fit is tried
+# an interval longer than 2^FAR times the last piece is halved without a fit, which would probably fail
 FAR = 2
-TOGETHER = 4  # log₂ of the largest number of pieces that are fitted at once; more cost more calls in vain
-PATIENCE = 32  # a length for which fits have failed is tried again after at most so many pieces
-NOISE = 4  # the number of successive pieces with jumps after which a function counts as smooth nowhere
-# the length of a piece, relative to the length of the run, below which a function is hardly smooth in pieces
+# log₂ of the largest number of pieces that are fitted in one call; if pieces fail, more of them waste more
+# calls
+TOGETHER = 4
+PATIENCE = 32  # if fits of a length have failed, the length is tried again after at most this many pieces
+NOISE = 4  # after this many successive pieces with jumps, a function counts as smooth nowhere
+# calls for a piece shorter than this, relative to the length of the run, count against the limit CALLS
 FINE = 1 / 65536
-CALLS = 15_000  # the number of calls in a run that functions may have for fine pieces, jumps and kinks
+CALLS = 15_000  # the largest number of calls in a run for short pieces, jumps and kinks; more raise an error
 CALLS_PER_PIECE = 50  # the number of calls in addition to CALLS for each piece of the held signals
 SIMPLE = 4  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
-# a value belongs to one of two polynomials if it is nearer to that one by the factor NEARER
+# a value belongs to the nearer of two polynomials only if its distance is less than NEARER times the other
+# distance
 NEARER = 0.1
-RESOLVED = 1e-14  # the error of a time, relative to the time; it changes the values
-# the difference of two pieces where they meet, relative to the allowed error, above which there is a jump
+# round-off of a time, relative to the time; because of it, each value of a function has an error, too
+RESOLVED = 1e-14
+# if two pieces differ where they meet by more than this, relative to the allowed error, there is a jump
 JOINED = 10.0
-# the size of a last coefficient, relative to the allowed error, below which the coefficient is left out
+# a last coefficient smaller than this, relative to the allowed error, is left out
 DROPPED = 0.05
 
 _ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS
@@ -79,8 +83,8 @@ class Follower:
             stop: end of the run, which begins at 0 [s].
             accuracy: allowed error of a piece, as a part of each function's largest value, shape (M,), or one
                 number for all functions.
-            resolved: error of the time as a part of the time, which changes the values; shape (M,), or one
-                number.
+            resolved: round-off of a time, relative to the time, from which the functions' values have an
+                error; shape (M,), or one number.
         """
         self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
         self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
@@ -89,17 +93,18 @@ class Follower:
         self._resolved = resolved
         self._accuracy = np.maximum(accuracy, ROUND_OFF)
         self._calls_left = CALLS
-        # number of fits that failed because of each function
+        # for each function, the number of fits that failed because of it
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        # [s] length of the last interval whose fit failed, or was not tried because such fits had failed
+        # [s] length of the last interval that no piece fits: its fit failed, or was not tried after failures
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
-        # binary exponent of a length → the count below which a fit of this length is not tried, and the last
-        # increase of this count
+        # _again: binary exponent of a length → the number of found pieces from which on a fit of this length
+        # is tried again; _patience: the number of pieces by which the last failure has delayed such fits
         self._again: dict[int, int] = {}
         self._patience: dict[int, int] = {}
-        # start and end of an interval [s] → its fit, made in advance for all intervals up to a time [s]
+        # start and end of an interval [s] → its fit, which was made in advance; _foreseen_until: the end [s]
+        # of the last of these intervals
         self._foreseen: dict[tuple[float, float], Piece | None] = {}
         self._foreseen_until = 0.0
 
@@ -154,7 +159,7 @@ class Follower:
         )
 
     def _join(self, pieces: list[Piece], piece: Piece) -> None:
-        """Append a piece, or join the piece with the last one if one polynomial fits both."""
+        """Append a piece, or replace the last piece by one piece for both, if one polynomial fits both."""
         meets = bool(pieces) and pieces[-1].end == piece.start
         both = (
             self._fitted(pieces[-1].start, piece.end)
@@ -168,17 +173,21 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether two pieces are as long as the halves of an interval that no single piece fits."""
+        """Return whether two pieces are the halves of the interval for which a fit has just failed.
+
+        Only their lengths are compared. Such pieces cannot be joined.
+        """
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
-        """Yield pieces in order; yield None for an interval that is too short to matter."""
+        """Yield the pieces of an interval in order; yield None for a part that is too short to matter."""
         if end - start <= self._shortest:
             yield None
             return
         last, middle = self._last, 0.5 * (start + end)
-        # an interval that continues a piece of high degree is not simple, so it is not searched for a break
+        # only a simple interval is searched for a jump or kink; one that follows a piece of high degree is
+        # not simple
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
         far = last is not None and end - start > 2.0**FAR * (last.end - last.start)
         _, length = math.frexp(end - start)
@@ -202,17 +211,18 @@ class Follower:
                 yield from self._parted(*part)
 
     def _is_vain(self, length: int) -> bool:
-        """Return whether fits of a length, given by its binary exponent, are not tried now."""
+        """Return whether a fit is not tried now, because fits of intervals of its length have failed.
+
+        ``length`` is the binary exponent of the length.
+        """
         return self._count < self._again.get(length, 0)
 
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
-        """Return two times [s] just before and after a jump or kink, if there seems to be exactly one.
-
-        Returns None otherwise.
-        """
+        """Return two times [s] just before and after a jump or kink; None if there is not exactly one."""
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
-        # polynomials extrapolated from afar distinguish the sides of a break; polynomials nearby locate it
+        # the first round extrapolates polynomials from afar, to find on which side of the break a time is;
+        # the second round uses polynomials near the break, to locate it accurately
         for until in (0.125 * quarter, self._shortest):
             left = self._simple(before - quarter, before)
             right = self._simple(after, after + quarter) if left is not None else None
@@ -229,9 +239,10 @@ class Follower:
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
 
     def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
-        """Return the last time [s] with values of the left piece, and the first time of the right piece.
+        """Return the last time [s] with values of the left piece, and the first with values of the right.
 
-        The distance of the two times exceeds ``until`` if some values seem to belong to neither piece.
+        The search ends when the two times are closer than ``until``, or earlier if a value belongs to neither
+        piece.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
@@ -267,9 +278,9 @@ class Follower:
         return self._fits(np.array([start, end]))[0]
 
     def _foresee(self, start: float, end: float) -> None:
-        """Fit all pieces of an interval in one call, if all will be as long as the last piece.
+        """Fit all pieces of an interval in one call, if all of them will be as long as the last piece.
 
-        This is certain only if longer pieces are not tried at present, because fits of them have failed.
+        This is certain only while longer pieces are not tried: see ``_is_vain``.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0
@@ -286,7 +297,7 @@ class Follower:
         """Return P pieces between times [s], shape (P + 1,), and None in place of an inaccurate piece."""
         start, end = ends[:-1, np.newaxis], ends[1:, np.newaxis]
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
-        # a change of the function between an end and the nearest node shows at the end
+        # two more times, close to the ends, show a change of the function between an end and the nearest node
         inside = np.minimum(0.1 * self._shortest, 0.002 * half)
         times = np.hstack([middle + half * _NODES, start + inside, end - inside])
         called = self._called(times.ravel(), costly=bool(2.0 * half[0, 0] < self._fine))

@@ -36,7 +36,7 @@ Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 Given = Mapping[str, Signal] | Source
 """Inputs by their names, or a table with the column ``time`` and a column for each input."""
 Interpolation = Literal["follow", "hold", "linear"]
-"""How the value of an input follows from its samples or its function between communication points."""
+"""How an input acts between its samples, or between the calls of its function: see ``simulate``."""
 INTERPOLATIONS = ("follow", "hold", "linear")
 # the allowed error of an input that is followed, relative to its largest value and the solver's tolerance
 FINER = 1e-3
@@ -48,7 +48,7 @@ NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 AT_START, NEVER = np.zeros(1, int), np.zeros(1, bool)
 COURSE = "course"
-"""The path of the coefficients of motions in the record."""
+"""The field of the record with the coefficients of motions."""
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ class Drive:
             if part != MOTION:
                 course[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
-        # where motions follow values at communication points, other inputs are constant, and the kernel sets
-        # the coefficients of motions
+        # the exception: if motions follow values at communication points, all other inputs are constant, and
+        # the kernel itself computes the coefficients of motions
         steady = motion["follows"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or course["order"]):
             changed = changed or any(course[name] != value for name, value in settings.items())
@@ -188,7 +188,7 @@ def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.
         resolved = np.where(forces, RESOLVED, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, values_of, columns, pieces, (accuracy, resolved))
         pieces = replace(pieces, moving=moving)
-    pieces.same[moving] = np.inf  # this limit is infinite because another function finds jumps of motions
+    pieces.same[moving] = np.inf  # no limit here: ``refuse_jumps`` finds the jumps of motions
     belts = np.array([not channel.position for channel in channels], bool)
     refuse_jumps(scene.name, motions, belts, pieces, moving)
     warn(scene.name, contradictions(channels, given, pieces, moving, called))
@@ -255,7 +255,7 @@ def _with_functions(
     held: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Return pieces of all signals: polynomials that follow functions, and held samples."""
+    """Return pieces of all signals: polynomials that follow the functions, and the samples in ``held``."""
     names = list(functions)
 
     def called(times: np.ndarray) -> np.ndarray:
@@ -274,7 +274,10 @@ def _with_functions(
 
 
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
-    """Return the communication points, merged with the times of samples that are not close to any of them."""
+    """Return the communication points together with the times of the samples inside the run.
+
+    A sample that is not farther than ``same`` from a communication point counts as the same time.
+    """
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]
     after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]

@@ -94,13 +94,16 @@ class WordRows:
         if self.numbers.shape[1]:
             rows = self.numbers[start : start + len(times)]
             return instance.trajectory(times, rows, self.spans, of_state=self.of_state)
-        # a run does not depend on its rows; if rows have no columns, only the last row is computed
+        # rows without columns need not be filled, and rows do not change a run: one row at the end is enough
         done = instance.trajectory(times[-1:], self.numbers[:1], self.spans, of_state=True)
         return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
 
 
 def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
-    """Return indices as spans of consecutive indices: first index and length of each span, shape (S, 2)."""
+    """Return indices in a short form: the first index and the length of each span of consecutive indices.
+
+    The result has the shape (S, 2).
+    """
     return _spans_of(np.asarray(words, np.int64).tobytes())
 
 
@@ -114,7 +117,10 @@ def _spans_of(indices: bytes) -> np.ndarray:
 
 
 def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
-    """Return a view of the first columns of rows of numbers, shape (T, W), with a layout, shape (T,)."""
+    """Return rows of numbers, shape (T, W), as a structured array of shape (T,), without a copy.
+
+    ``layout`` gives the fields for the first numbers of a row; further numbers are left out.
+    """
     size = numbers.shape[1] * numbers.itemsize
     whole = np.dtype({"names": ["first"], "formats": [layout], "offsets": [0], "itemsize": size})
     if not layout.itemsize:
@@ -141,7 +147,8 @@ class Instance:
     ) -> None:
         """Load or compile the kernel and set the instance to its start, with the first values of the inputs.
 
-        The instance has derivatives with respect to ``varied``; the default is that of the scene's FMU.
+        The instance has derivatives with respect to ``varied``; by default to the variables that the scene
+        names in ``outputs.sensitivities``.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -191,7 +198,7 @@ class Instance:
 
     def is_sound(self, words: np.ndarray) -> bool:
         """Return whether the words of a record are a valid record for this kernel."""
-        # the kernel relies on the sizes at the start of the record
+        # with other sizes at the start of the record, the kernel would read outside of the record
         same_sizes = words[:HEAD].tobytes() == self.words[:HEAD].tobytes()
         return same_sizes and bool(self._kernel.sound(words.ctypes.data))
 
@@ -248,10 +255,10 @@ class Instance:
 
     @property
     def _ended(self) -> np.ndarray:
-        """The numbers from 0 of the contacts that have ended since the last collection.
+        """The numbers, from 0, of the contacts that have ended since the last collection.
 
-        In a full log the oldest of these contacts are lost, also because contacts that have not ended are
-        stored after them.
+        The log has limited room, which contacts that have not ended also need. If it is full, the contacts
+        that ended first are lost.
         """
         at, number = self._log_at, self._integers.item
         ended = number(at.ended)
@@ -266,7 +273,7 @@ class Instance:
         """Collect the changes between sticking and sliding from the log."""
         log = self.record["changes"]
         count, room = int(log["count"]), len(log["time"])
-        # the oldest changes are lost if they were not collected in time
+        # the log has limited room: the oldest changes are lost if they were not collected before it was full
         slots = np.arange(max(0, count - room), count) % max(1, room)
         rows = np.zeros(len(slots), CHANGE_DTYPE)
         for name in CHANGE_DTYPE.names or ():
@@ -284,16 +291,16 @@ class Instance:
 
     @property
     def _lasting(self) -> np.ndarray:
-        """The numbers of the lasting contacts; the log numbers the ended contacts first."""
+        """The numbers of the contacts that have not ended; in the log they follow the ended contacts."""
         ended = self._integers.item(self._log_at.ended)
         return np.arange(ended, ended + self._integers.item(self._log_at.active))
 
     def _impacts(self, numbers: np.ndarray) -> np.ndarray:
-        """Return the contacts of some numbers; impulses and forces that are not computed are NaN."""
+        """Return the contacts with some numbers; impulses and forces in joints that are unknown are NaN."""
         if not len(numbers):
             return NO_CONTACTS
         at, columns = self._log_at, len(LOG_DTYPE.names or ())
-        # the log has the columns of the table in the same order; its last row is followed by its first
+        # the log has the columns of LOG_DTYPE in the same order; after its last row it continues in its first
         table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
         impacts = table.T.take(numbers, 0, mode="wrap")
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
@@ -316,7 +323,10 @@ class Instance:
 
     @property
     def contradictions(self) -> list[str]:
-        """At most one sentence: given positions and velocities of a motion contradict each other."""
+        """The sentence on a motion whose given positions contradict its given velocity, in a list.
+
+        The list is empty if there is no contradiction.
+        """
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
         names = {variable.record_path: variable.name for variable in self.prepared.inputs}
@@ -354,7 +364,7 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
         BuildError: when the kernel cannot be compiled.
     """
     links, law = sizes or kernel_size(scene), scene.contact.law_file
-    # a loaded kernel is used again only with the same folder of kernels
+    # after a change of the cache folder, a kernel is loaded anew from the new folder
     key = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and key in _loaded:
         return _loaded[key]
@@ -365,7 +375,10 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
 
 
 def sizes_of(block: np.ndarray) -> tuple[int, ...]:
-    """Return the sizes at the start of a record, without the number of tangent instances."""
+    """Return the counts and flags at the start of a record, for a kernel with exactly these sizes.
+
+    The number of tangent instances, which is the last of these words, is left out.
+    """
     return tuple(block.view(np.int64)[: HEAD - 1].tolist())
 
 

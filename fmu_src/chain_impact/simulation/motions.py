@@ -20,10 +20,11 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.follower import Follower
 from chain_impact.simulation.pieces import Pieces, joined_points
 
-ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15  # as in follower.py, but for motions
-# The largest differences of position, speed and acceleration between pieces that are no jump, relative to the
-# largest value of a channel. The time of a kink, and so the speed at the kink, is known up to the square root
-# of round-off.
+# for motions: the allowed error of a piece and the round-off of a time, both relative, as in follower.py
+ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
+# Up to these differences between two pieces, the position, the speed and the acceleration do not jump,
+# relative to the largest value of a channel. The limits are large because the time of a kink, and so the
+# speed at the kink, is known only up to the square root of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
 # the largest difference between a given speed and the derivative of the position, relative to the largest
 # speed
@@ -150,7 +151,7 @@ def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) ->
 
 
 def derivatives(pieces: Pieces, order: int) -> np.ndarray:
-    """Return the derivative of some order of all signals at both ends of each piece, shape (2, P, M)."""
+    """Return the derivatives of one ``order`` of M signals at both ends of P pieces, shape (2, P, M)."""
     powers, ends = pieces.powers, np.stack([pieces.start, pieces.end])
     x = (ends - pieces.middle) * pieces.scale
     total = np.zeros((*x.shape, powers.shape[2]))
@@ -160,15 +161,15 @@ def derivatives(pieces: Pieces, order: int) -> np.ndarray:
 
 
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
-    """Return whether the derivative of an ``order`` jumps at the start of each piece, shape (P, K).
+    """Return whether the derivative of an ``order`` of K motions jumps at the start of P pieces, (P, K).
 
-    ``columns`` are the columns of the motions.
+    ``columns`` are the columns of the motions among the signals of the pieces.
     """
     jumping = np.zeros((len(pieces.start), len(columns)), bool)
     if not len(columns) or not math.isfinite(pieces.end[-1]):
         return jumping
     ends = derivatives(pieces, order)[:, :, columns]
-    # |s⁽ᵏ⁾| ≤ Σ p!/(p − k)! |c_p| scaleᵏ, for |x| ≤ 1
+    # bound of the derivative of order k of s = Σ c_p x^p: |s⁽ᵏ⁾| ≤ Σ p!/(p − k)! |c_p| scaleᵏ, for |x| ≤ 1
     orders = np.array([math.perm(p, order) for p in range(pieces.powers.shape[1])])
     bounds = np.einsum("p,npm,n->nm", orders, np.abs(pieces.powers), pieces.scale**order)
     largest = bounds[:, columns].max(axis=0, initial=0.0)

@@ -68,7 +68,10 @@ class Pieces:
 
     @cached_property
     def _largest(self) -> np.ndarray:
-        """An upper bound of each signal's absolute values, shape (M,), not 0."""
+        """An upper bound of the absolute values of each signal, shape (M,); 1 in place of a bound of 0.
+
+        For a motion, the bound is without the constant terms, so it is the size of the motion.
+        """
         sizes = np.abs(self.powers)
         sizes[:, 0, self.moving] = 0.0
         largest = sizes.sum(axis=1).max(axis=0, initial=0.0)
@@ -76,7 +79,10 @@ class Pieces:
 
     @cached_property
     def _changes(self) -> tuple[np.ndarray, np.ndarray]:
-        """The order of each piece, and its rate of change (|u⁽ᵐ⁾|/|u|)^(1/m) at the middle, shapes (P,)."""
+        """The degree of each piece, and how fast it changes in x, at its middle; both of shape (P,).
+
+        The rate of change is the largest (|u⁽ᵐ⁾|/|u|)^(1/m) of all signals u and all derivatives m.
+        """
         count = self.powers.shape[1]
         used = self.powers.any(axis=2) * np.arange(count)
         shares = (np.abs(self.powers) / self._largest).max(axis=2, initial=0.0)
@@ -92,7 +98,7 @@ class Pieces:
             "order": order[at],
             "middle": self.middle[at],
             "scale": self.scale[at],
-            # round-off must not make the step that ends with the piece end before the piece
+            # a little after the end, because by round-off the last step could otherwise end before the piece
             "until": self.end[at] + 4.0 * np.spacing(self.end[at]),
             "change_rate": self.scale[at] * rate[at],
         }
@@ -103,8 +109,8 @@ def joined_points(
 ) -> Pieces:
     """Return signals from values (T, M) at T times [s]: held until the next time, or joined by lines.
 
-    A single value is held for the whole run. A new piece begins at each of the ``breaks``, which are among
-    the times.
+    A single value is held for the whole run. ``breaks`` are some of the times; a new piece begins at each of
+    them.
     """
     if len(times) == 1:
         times, values = np.append(times, math.inf), values.repeat(2, axis=0)

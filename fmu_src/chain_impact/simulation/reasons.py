@@ -20,7 +20,8 @@ REASONS = {
     JUMP: "the force of its contact law jumps where the point turns",
     NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
 }
-"""Code → reason why derivatives end: all but the last reason apply at an impact."""
+"""Code → reason why derivatives end. The last reason can apply at any time, the other reasons at an
+impact."""
 
 REASONS_AT_STOPS = REASONS | {
     GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
@@ -43,4 +44,5 @@ LEFT_OPEN = (
     "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "
     "sticking end while the chain comes to rest"
 )
-"""The sentence on the error of derivatives if the exact time at which a mode of friction ends is open."""
+"""The sentence on derivatives that have an error, because the tolerance leaves open when sliding or sticking
+ends."""

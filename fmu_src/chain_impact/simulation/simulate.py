@@ -156,7 +156,7 @@ def simulate(
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(prepared, driven),
     )
-    # few runs have a penetration so deep that a warning is possible
+    # ``hints`` is called only for a penetration so deep that it can give a warning, which is rare
     if sorted_impacts["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
         warn(scene.name, hints(scene, sorted_impacts))
     if instance.record["moved"]["contradiction"]:
@@ -220,7 +220,10 @@ class Rerun:
 
 
 class _Stepwise(Mapping[str, np.ndarray]):
-    """The columns of outputs that change only at events and steps, by name, as views of rows of words."""
+    """The outputs that change only at events and steps: name → column.
+
+    A column is read from the rows of words only when it is asked for.
+    """
 
     def __init__(
         self, numbers: np.ndarray, words: np.ndarray, indices: Mapping[str, tuple[int, bool]]

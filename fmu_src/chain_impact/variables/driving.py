@@ -21,7 +21,7 @@ _DRIVEN = {
     "slider_target_position": kernel.SLIDER_TARGET,
     "slider_target_velocity": kernel.SLIDER_TARGET_VELOCITY,
 }
-"""Field of the record with an input → the input's number in the kernel."""
+"""Field of the record that holds an input → the number by which the kernel knows the input."""
 
 
 def fill_signals(d: Any, scene: Scene) -> None:
@@ -40,6 +40,9 @@ def fill_signals(d: Any, scene: Scene) -> None:
 
 
 def acting(path: DataPath) -> tuple[int, str | int]:
-    """Return, for an input's path in the record, the kernel's number of the input and the element's index."""
+    """Return the number by which the kernel knows an input, and the index of the input's joint or channel.
+
+    ``path`` is the path of the input in the record. The index is 0 if there is only one such input.
+    """
     part, field, *index = path
     return kernel.CHANNEL if part == MOTION else _DRIVEN[str(field)], index[0] if index else 0

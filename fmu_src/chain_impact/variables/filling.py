@@ -44,7 +44,8 @@ _kept: dict[Sizes, _Kept] = {}
 """The last scene of each record size, with its record."""
 MOST_KEPT = 16
 _GIVEN_IF = {kind.given_if for _, kinds in PARAMETERS for kind in kinds if kind.given_if}
-"""The conditions under which the record has a separate field for a given value."""
+"""The conditions on which the record has a field for the given value of a parameter, beside the value in
+use."""
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
 """The tables of the scene whose numbers can be written again without the other tables."""
 
@@ -66,7 +67,8 @@ def _decisive(table: type, path: DataPath) -> list[str]:
 _OF_CONTACT = _decisive(Contact, ("contact",))
 _OF_LINK = _decisive(Link, ("chain", "links", AT))
 _OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
-"""The decisive keys; a slider's angle decides which points can move along the normal of a wall."""
+"""The decisive keys of these tables. A slider's angle is decisive, because it decides which walls the points
+can reach."""
 
 
 def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> np.ndarray:
@@ -115,7 +117,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
 
 
 def _chains_differ(first: Chain, second: Chain) -> bool:
-    """Return whether two chains differ in more than numbers."""
+    """Return whether two chains differ in anything other than numbers that can be written alone."""
     if first is second:
         return False
     if first.base != second.base or len(first.links) != len(second.links):
@@ -178,7 +180,10 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 
 
 def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
-    """Return the function that reads a kind's values, and then the values for the field ``given``."""
+    """Return a function that reads the values of a kind of parameters from a scene.
+
+    If the record has a field for given values, these values follow.
+    """
     members, part, paths = _members(kind.path or ())
     given_if = attrgetter(kind.given_if)
 
@@ -197,10 +202,10 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
 def _members(
     path: DataPath,
 ) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[DataPath]]]:
-    """Return three functions for the path of a kind of parameter in a scene.
+    """Return three functions that find the values of a kind of parameters by the template of their path.
 
-    The functions return the elements that have values of the kind, in order; the value of one element; and
-    the paths of all values.
+    The first function returns the elements of a scene that have such a value, in order. The second function
+    returns the value of one element. The third function returns the paths of all these values in a scene.
     """
     if ENTRY_AT in path:  # points of links
         key = path[-1]
@@ -221,7 +226,7 @@ def _members(
 
 
 def _given(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
-    """Return the values at some paths, with the number DERIVED in place of each derived value."""
+    """Return the values at some paths; a value that the scene derives is replaced by the number DERIVED."""
     derived = frozenset(scene.derived_paths)
     return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
 
@@ -238,7 +243,10 @@ def _itself(value: Any) -> Any:
 
 
 def _choice(kind: Kind, name: str) -> float:
-    """Return the number of a choice, counted from 1, as a real number with the same bits."""
+    """Return the number of a choice, from 1, as a real number with the same bits as this integer.
+
+    The words of a record are written as real numbers.
+    """
     number = SOLVER_METHODS.index(name) + 1 if kind.choices == METHODS else _law_number(name)
     real: float = struct.unpack("d", struct.pack("q", number))[0]
     return real
@@ -298,9 +306,10 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(block: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
-    """Return an instance and, after it, instances of dual numbers in which each parameter has a direction.
+    """Return an instance that instances of dual numbers follow in memory, for derivatives.
 
-    ``paths`` are the paths of the parameters in the record.
+    ``paths`` are the paths of the parameters in the record. Each parameter has its own direction: there its
+    derivative is 1, and the derivatives of all other parameters are 0.
     """
     layout, count = block.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()

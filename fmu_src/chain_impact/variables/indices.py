@@ -16,13 +16,14 @@ from chain_impact.variables.variable import Variable
 
 WORD = 8  # [byte] size of every scalar in the record
 PEAKS: dict[str, DataPath] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
-"""The largest values of all contacts at walls [N], [m]: column → path in the record."""
+"""The largest force [N] and penetration [m] of all contacts at walls: name in a sweep → path in the
+record."""
 STOP_PEAKS: dict[str, DataPath] = {
     "stop.peak_moment": ("peaks", "moment"),
     "stop.max_penetration": ("peaks", "rotation"),
 }
-"""The largest values of all contacts at stops of joints [N·m], [rad], in a scene with stops: column →
-path."""
+"""The largest moment [N·m] and angle beyond a stop [rad] of all contacts at stops of joints: name in a sweep
+→ path in the record. Only a scene with stops has these values."""
 # layouts are kept, because computing a layout takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
@@ -72,7 +73,7 @@ class LogWords(NamedTuple):
 
     Attributes:
         ended: number of ended contacts.
-        collected: number of those that are collected.
+        collected: number of ended contacts that a reader has already collected.
         active: number of contacts that last, which are listed after the ended ones.
         changes: number of changes between sticking and sliding that wait to be collected.
         first: the first word of the columns.
@@ -98,14 +99,14 @@ def log_words(sizes: Sizes) -> LogWords:
 
 
 class OutputIndices(NamedTuple):
-    """The indices of the words of the record with outputs, by the outputs' names.
+    """Where some outputs are in the record of an instance; an index counts words of 8 bytes.
 
     Attributes:
-        motion: the outputs that change continuously.
-        stepwise: the outputs that change only at events and steps, and whether each output is a real number.
-        row: the record of the outputs that change continuously, a row of ``Result.outputs``.
-        words: the words of such a row, followed by the sorted words of the stepwise outputs.
-        of_state: whether all of them are outputs of ``STATE_OUTPUTS`` in kernel/record/instance.py.
+        motion: outputs that change continuously: name → index.
+        stepwise: outputs that change only at events and steps: name → index, and whether it is a real number.
+        row: the layout of the outputs that change continuously, a row of ``Result.outputs``.
+        words: the indices of the numbers in such a row, then the sorted indices of the stepwise outputs.
+        of_state: whether all these outputs are among ``STATE_OUTPUTS`` in kernel/record/instance.py.
     """
 
     motion: dict[str, int]
@@ -116,7 +117,7 @@ class OutputIndices(NamedTuple):
 
 
 def indices_of(variables: Iterable[Variable], every: OutputIndices) -> OutputIndices:
-    """Return the indices of some outputs from those of ``every`` output."""
+    """Return the indices of some outputs; ``every`` has the indices of all outputs."""
     paths = {variable.name: variable.record_path for variable in variables}
     motion = {name: every.motion[name] for name in paths if name in every.motion}
     stepwise = {name: every.stepwise[name] for name in paths if name in every.stepwise}
@@ -144,7 +145,7 @@ def output_indices(shape: Shape, sizes: Sizes) -> OutputIndices:
             motion[name] = word
         else:
             stepwise[name] = word, output.type == "real"
-    # all outputs of the motion are kept in the kernel's own order
+    # the row is the whole part ``output`` of the record, in the kernel's order
     row, first = layout["output"], first_word(layout, "output")
     words = _words(range(first, first + row.itemsize // WORD), stepwise)
     return OutputIndices(motion, stepwise, row, words)

@@ -65,7 +65,7 @@ class Kind:
         given_if: condition under which the path ``given`` exists; without a condition it always exists.
         derived: the rule by which the scene may derive the value.
         tunable: condition under which a parameter can be set at any time.
-        trivial: value with which a scene does not have the parameter.
+        trivial: a scene in which the value is equal to this number does not have the parameter.
         if_missing: number in the record if the scene does not have the value.
         choices: name of an enumeration's list of choices.
         smooth: whether there are derivatives with respect to the variable.
@@ -134,7 +134,7 @@ class Kind:
         return Kind(name=sensitivity_name(of, by), text=text, record_path=(), at_once=self.at_once)
 
     def ended(self, text: str) -> str:
-        """Return a description with the parameter's open limit, which FMI's attributes cannot express."""
+        """Return a description; add the limit ``above`` in words, because FMI has no attribute for it."""
         return text if self.above is None else f"{text}; must be > {self.above:g}"
 
 

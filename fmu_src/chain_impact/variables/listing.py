@@ -80,7 +80,7 @@ def outputs_of(shape: Shape) -> dict[str, Variable]:
 
 
 def _driven(shape: Shape) -> Iterator[Variable]:
-    """Yield the driven quantities of signals as outputs, under the names of the inputs that they replace."""
+    """Yield the quantities that signals drive, as outputs with the names of the inputs that they replace."""
     for kind, element, tables in _each(INPUTS, shape) if shape.signals else ():
         driven = shape.of_signals.get(kind.name.format_map(tables))
         if driven is not None:

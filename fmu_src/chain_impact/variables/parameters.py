@@ -39,7 +39,8 @@ HAS_FRICTION = "it is a parameter where the scene has dry friction: give it a va
 HAS_ONE = "it is a parameter where the scene has one: give it a value there first"
 HAS_TARGET = "with inputs.joint_targets the target angle takes its place, whose start value it is"
 KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
-"""Steps of paths in templates: the key of a parameter, and the number and the name of an axis."""
+"""Steps in the template of a path: placeholders of a parameter's key, of an axis's number, and of its
+name."""
 
 
 @cache
@@ -200,7 +201,7 @@ PARAMETERS = (
         "material",
         *_of(
             *(Material, ("contact", "wall", "{name}", KEY), ("walls", KEY, AT)),
-            restitution={"if_missing": -1.0},  # a number below 0 means the restitution of all walls
+            restitution={"if_missing": -1.0},  # below 0: as for all walls
             friction={"if_missing": -1.0, "hint": HAS_FRICTION},
             static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
         ),

@@ -59,7 +59,7 @@ class PreparedScene:
     """
 
     _last: PreparedScene | None = None
-    """The last prepared scene. The next takes over its variables if the two scenes differ in numbers only."""
+    """The scene that was prepared last; the next one takes over its variables if only numbers differ."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, before = scene, PreparedScene._last
@@ -78,7 +78,7 @@ class PreparedScene:
             self.sizes = Sizes(links, pairs, elements, loads, channels, sites, len(driven), knots)
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
-        PreparedScene._last = self  # it is complete, so another thread may take over its parts
+        PreparedScene._last = self  # at the end: other threads take over only complete parts
 
     def __eq__(self, other: object) -> bool:
         """Return whether another prepared scene has an equal scene."""
@@ -172,7 +172,7 @@ class PreparedScene:
         return word_index(self.start.dtype, variable.record_path)
 
     def table_row(self, variable: Variable) -> list[Any]:
-        """Return the data on a variable that an importer needs, as ``variable_row`` gives them."""
+        """Return the data on a variable that an importer needs: see ``variable_row``."""
         words = (word_index(self.start.dtype, path) for path in (variable.record_path, variable.set_path))
         return variable_row(variable, *words)
 
@@ -323,9 +323,9 @@ def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
 
 
 def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
-    """Return a hint for a name that is no output: what it is; None if it is unknown.
+    """Return a hint for a name that is no output: it is an input or a parameter; None if it is neither.
 
-    ``how`` names what makes an input an output.
+    ``how`` are words for what makes an input an output.
     """
     if matches(name, inputs):
         return f"it is an input{how and f'; {how} makes it an output'}"
@@ -335,13 +335,17 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
 
 
 def parts_hint(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint: the components of the vector with a name, "there are force.x, force.y"; None if none."""
+    """Return a hint for the name of a vector: "there are force.x, force.y"; None for any other name."""
     parts = [one for one in names if one.startswith(f"{name}.")]
     return f"there are {', '.join(parts[:3])}" if parts else None
 
 
 def of_series(hint: Hint) -> Hint:
-    """Return a hint for names of time series: where values are that change at events only, else ``hint``."""
+    """Return a function that gives hints for names that are no time series.
+
+    For outputs that change only at events, it says where the result has them; else it returns what ``hint``
+    returns.
+    """
 
     def found(name: str) -> str | None:
         if name.startswith(("impact.", "impact[", "solver.")):

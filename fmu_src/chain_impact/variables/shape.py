@@ -78,7 +78,7 @@ class Shape:
         return "the carriage" if self.base == "slider" else "the ground"
 
     def label(self, point: int) -> str:
-        """Return the name and the link of a point of a link in brackets; "" for an end of a link."""
+        """Return the words " (heel, link 2)" for a point of a link; "" for an end of a link."""
         if point <= self.links:
             return ""
         link, _, name, _ = self.sites[point - self.links - 1]
@@ -94,7 +94,7 @@ class Shape:
 
     @property
     def first_channel(self) -> int:
-        """The first channel of moving walls, after the channels of the base."""
+        """The index of the first channel that moves a wall; the channels of the base, if any, come before."""
         return 2 if self.inputs.base_motion else 0
 
     def known(self) -> dict[str, Any]:
@@ -123,8 +123,8 @@ class Shape:
         }
         walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(self.wall_names, 1))
         words = {
-            # an integer variable, because an enumeration counts from 1 in importers, with no number for
-            # "none"
+            # The numbers of walls are integer variables. Enumerations would have no number for "none",
+            # because importers count them from 1.
             "wall_numbers": f"0 none, {walls}",
             "wall_numbers_if_any": f"0 if there is none, {walls}",
             "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
@@ -152,7 +152,7 @@ OF_STOPS = {
     "in_rad": "; of a stop the angle in rad",
     "in_n_m_s": "; of a stop in N·m·s",
 }
-"""Words that say how a stop's quantities differ in the list of impacts; empty in a scene without stops."""
+"""Words that give the units of a stop's quantities in the list of impacts; "" in a scene without stops."""
 
 
 def shape_of(scene: Scene) -> Shape:
@@ -184,7 +184,10 @@ def shape_of(scene: Scene) -> Shape:
 
 
 def _links(shape: Shape) -> Iterable[Element]:
-    """Yield the links; conditions tell whether the joint's spring follows inputs, and if it has friction."""
+    """Yield the links, with conditions on the joint: ``follows`` or ``rests``, and ``rubs``.
+
+    The joint's spring follows an input, or does not; and the joint may have dry friction.
+    """
     for n in range(1, shape.links + 1):
         follows = shape.inputs.joint_targets and n in shape.joints
         yield {
@@ -197,7 +200,7 @@ def _links(shape: Shape) -> Iterable[Element]:
 
 
 def _points(shape: Shape) -> Iterable[Element]:
-    """Yield the points, with the condition whether the point is fixed."""
+    """Yield the points, with the condition ``held``: the point is a base that cannot move."""
     fixed = shape.base == "pinned" and not shape.inputs.base_motion
     for n in range(shape.links + 1 + len(shape.sites)):
         yield {"n": n, "at": n, "held": n == 0 and fixed, "label": shape.label(n)}
@@ -213,7 +216,10 @@ def _joints(shape: Shape) -> Iterable[Element]:
 
 
 def _stops(shape: Shape) -> Iterable[Element]:
-    """Return the joints with a stop, each with its first candidate, which holds the joint's outputs."""
+    """Return the joints with a stop; ``at`` is the index of the joint's first candidate.
+
+    The record has the outputs of both stops at this index.
+    """
     first: dict[int, int] = {}
     for c, (joint, _) in enumerate(shape.stops, len(shape.pairs)):
         first.setdefault(joint, c)
@@ -230,10 +236,7 @@ def _contacts(shape: Shape) -> Iterable[Element]:
 
 
 def _slider(shape: Shape) -> Iterable[Element]:
-    """Return the slider, if there is one.
-
-    The index of its dry friction comes after the joints.
-    """
+    """Return the slider, if there is one; its index for dry friction follows the indices of the joints."""
     follows = shape.inputs.joint_targets
     return [{"rests": not follows, "rubs": shape.slider_rubs, "at": shape.links}] * (shape.base == "slider")
 

@@ -50,7 +50,7 @@ class Variable:
         minimum: value >= minimum, if any.
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
-        held: whether the variable belongs to a point that a base at rest holds.
+        held: whether the variable belongs to point 0 of a pinned base at rest, which cannot move.
         owner: the variable's terminal in FMI 3.0, "" for none.
         known: words of the scene, for the description of all variables of the kind.
     """
@@ -75,7 +75,7 @@ class Variable:
     def of(cls, kind: Kind, element: Mapping[str, Any], tables: Mapping[Any, Any], **other: Any) -> Variable:
         """Return the variable of a kind for an element.
 
-        ``tables`` has the scene's words for templates and limits.
+        ``tables`` has the words that replace the braces in templates, and the numbers for limits.
         """
         changing = kind.record_path[:1] in OBSERVED and kind.unit
         text, rule = kind.description.format_map(tables), other.get("rule")
@@ -136,7 +136,7 @@ class Variable:
 
     @property
     def set_path(self) -> DataPath:
-        """The path in the record to which a new value is written, and at which derivatives start."""
+        """The path in the record of the value that users set, with respect to which derivatives are taken."""
         return self.given_path or self.record_path
 
     @property
@@ -154,10 +154,10 @@ class Variable:
 
 
 def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
-    """Return name, type, word, kind, lowest and highest value, allowed values as text, and set word.
+    """Return name, type, word, kind, lowest and highest value, allowed values as text, and set_word.
 
-    An importer reads ``word``, the index of the value in use. It writes a new value to ``word`` and to
-    ``set_word``, the index of the given value.
+    ``word`` is the index of the value in use, and ``set_word`` the index of the value that was set. An
+    importer reads the first of them, and writes a new value to both.
     """
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST, LARGEST
