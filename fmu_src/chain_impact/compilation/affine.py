@@ -1,7 +1,8 @@
 """Sizes and offsets in the record of an instance, which are affine functions of the record's counts.
 
-Every size and offset is a + bN + cC + dF + eL + fK + gP + hD + iR. A record has N links, C candidates, F
-elements that may have dry friction, L loads, K channels, P sites, D signals and R knots of signals.
+Every size and offset is a + bN + cC + dF + eL + fK + gP + hD + iR, with its own constants a to i. A record
+has N links, C candidates, F elements that may have dry friction, L loads, K channels, P sites, D signals and
+R knots of signals.
 """
 
 from __future__ import annotations

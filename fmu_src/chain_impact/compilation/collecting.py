@@ -97,8 +97,8 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
     """Make numba, in this process, only lower functions.
 
     Args:
-        any_python: whether the functions may use all features that numba supports, or only those of the
-            kernel.
+        any_python: whether the functions may use all features of Python that numba supports; else only the
+            features that the kernel uses.
         guarded: whether the C functions set the floating-point registers; functions that only the kernel
             calls need not set them.
     """

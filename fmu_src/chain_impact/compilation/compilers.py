@@ -42,9 +42,9 @@ KERNEL, DERIVATIVES = "kernel", "derivatives"
 """The two parts of a kernel that are lowered and compiled separately: the kernel itself, and the hooks that
 carry derivatives. The names also stand for the kinds of libraries: the kernel, and the kernel with these
 hooks."""
-# ARM's instruction for a multiplication with an addition is not used, because it rounds once, where the two
-# instructions of x86 round twice. Without LLVM's loop strength reduction linking takes less time, and kernels
-# are no slower.
+# ARM's instruction for a multiplication with an addition is not used: it rounds once, but the two
+# instructions of x86 round twice, so the bits would differ. Without LLVM's loop strength reduction linking
+# takes less time, and kernels are no slower.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
 # A doubled limit for inlining makes steps of four links up to 4 % faster. Derivatives have the usual limit:
 # with the doubled limit they would be no faster, and would take longer to compile.
@@ -170,7 +170,8 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
         LawError: when the law cannot be compiled.
         BuildError: when numba fails, or the sources have changed meanwhile.
     """
-    # by default numba uses the features of this machine's processor, and orders by hash
+    # by default numba uses the features of this machine's processor, and orders by hash; the code would then
+    # differ between machines and between runs
     cpu = CPUS["aarch64"] if HOST.startswith("aarch64") else PORTABLE_CPU
     settings = {"NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
     given = [str(law)] if law else []
@@ -196,7 +197,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(complete(module, sizes))
     flags = ["-c", *_tuning(what, sizes)]
-    if "windows" not in ZIG_TARGETS[platform][0]:  # code for Windows needs no such flag
+    if "windows" not in ZIG_TARGETS[platform][0]:  # code for Windows does not need the flag
         flags.append("-fPIC")
     _zig(platform, compiled, kernel, flags=flags)
 

@@ -57,7 +57,7 @@ def compiled(function: FunctionType) -> Any:
 
 
 class Function(types.Dispatcher):
-    """numba's type of a function of the kernel, or of its replacement for some arguments."""
+    """numba's type for a function of the kernel, which may have replacements for some types of arguments."""
 
     def __init__(self, function: FunctionType) -> None:
         self._function = function

@@ -131,7 +131,7 @@ def _law(file: str) -> UserLaw:
 
 @contextmanager
 def _about(law_file: str) -> Iterator[None]:
-    """Add the file of the law to the message of an error of the law."""
+    """Turn a LawError into a BuildError with the name of the law's file in front of the message."""
     try:
         yield
     except LawError as error:

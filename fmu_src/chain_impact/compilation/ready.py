@@ -60,10 +60,10 @@ def for_release() -> bool:
 
 
 def exact(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the scenes for which a kernel is made if the ``wanted`` sizes are those of a chain.
+    """Return the sizes of the kernel that runs a chain with the ``wanted`` sizes.
 
-    A number of links is returned if a special kernel for it exists; else None, for any number of links.
-    GENERAL, and a tuple of all sizes of a scene, are returned unchanged.
+    A number of links is returned if a special kernel for it exists; else None, for the kernel for any number
+    of links. GENERAL, and a tuple of all sizes of a scene, are returned unchanged.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 

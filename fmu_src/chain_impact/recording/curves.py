@@ -13,7 +13,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.reading import matching
 from chain_impact.variables.prepared import PreparedScene, of_series
 
-# WITHIN: the number of times within an impact; FOLLOWED: the largest number of impacts that get such times
+# WITHIN: the number of additional times within an impact; FOLLOWED: the largest number of impacts that get
+# them
 WITHIN, FOLLOWED = 50, 400
 CLOSE = 1000  # the number of times in a view of one impact
 BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact

@@ -115,11 +115,11 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
             columns of contacts and stops.
 
     Returns:
-        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. An FMU has no output
-            for the effective mass and the joint of an impact: the table has NaN and 0 there. Of a contact
-            that lasts to the end of the record, the end and the separation speed are NaN. Peak force,
+        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. An FMU has no outputs
+            for the effective mass and the joint of an impact, so the effective mass is NaN, and the joint 0.
+            If a contact lasts to the end of the record, its end and its separation speed are NaN. Peak force,
             penetration and impulse are NaN, too, if newer impacts pushed the contact out of the FMU's list
-            during it.
+            before it ended.
 
     Raises:
         ValueError: when a column is missing.

@@ -58,8 +58,8 @@ def slow_spans(recording: Recording) -> list[Span]:
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
     """Return simulated seconds per second on the screen, shape (T,); 1 far from impacts.
 
-    During an impact the rate is such that the impact takes ``impact_time``. Before and after it the rate
-    grows in proportion to the distance in time from the impact.
+    During an impact the rate is so small that the impact takes ``impact_time`` on the screen. Before and
+    after the impact the rate grows in proportion to the distance in time from the impact.
 
     Args:
         time: shape (T,) [s].

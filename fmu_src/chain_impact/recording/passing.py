@@ -9,8 +9,8 @@ import numpy as np
 from chain_impact.recording.text import few
 from chain_impact.scene.half_planes import HalfPlane
 
-# a point passes through a wall if it is farther than this from the wall, at different times on both sides;
-# relative to the size of the motion
+# a point passes through a wall if it is once on the free side and once beyond the wall, each time farther
+# from the wall than this, relative to the size of the motion
 THROUGH = 1e-3
 SHOWN = 4  # the largest number of points that a sentence names
 

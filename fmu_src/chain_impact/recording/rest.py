@@ -9,8 +9,8 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 
-# the largest speed of a point that counts as at rest, relative to the speed that leads through the extent of
-# the largest path in the duration of the run
+# the largest speed of a point that counts as at rest, relative to a reference speed: the extent of the
+# largest path of a point, divided by the duration of the run
 SLOW = 0.02
 LEAST = 0.05  # the shortest rest that counts, relative to the duration of the run
 

@@ -149,7 +149,7 @@ def load_lines(result: Recording) -> Iterator[str]:
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
-    """Yield lines with the number of phases of dry friction, and with the sticking elements at the end."""
+    """Yield a line with the number of phases of dry friction, and a line with what sticks at the end."""
     phases = result.stick_slip
     if not len(phases):
         return

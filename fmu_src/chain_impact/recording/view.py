@@ -11,14 +11,14 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import HalfPlane
 
 NEAR = 0.2  # the distance beyond which a wall is left out, relative to the width of the motion
-# the distance within which an animation shows walls that together close a room, relative to the width of the
-# motion
+# if walls close a room that ends within this distance from the motion, an animation shows the whole room;
+# relative to the width of the motion
 ROOM = 1.0
 MARGIN = 0.06  # the margin around the view of a film, relative to the size of the view
 LEAST = 1e-6  # [m] the size assumed for a chain that does not move
 # a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
 UPRIGHT = 0.5
-ALONE = 1e-3  # the largest radius that is not drawn, relative to the size of the motion
+ALONE = 1e-3  # a radius up to this size is not drawn, relative to the size of the motion
 PIN = 0.08  # the height of the ground mark of a pinned base, relative to the width of the motion
 # the corners of the support, relative to the height of the mark
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])

@@ -35,7 +35,7 @@ stops."""
 JOINT_FORCE = "joint_force"
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
 OF_FMU = {"time": "onset", "speed": "impact_speed"}
-"""Field of ``Result.impacts`` → name in the FMU's ``impact[j]``, where the two differ."""
+"""Name of a quantity in the FMU's ``impact[j]`` → field of ``Result.impacts``, if both names differ."""
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """Parameters that change the unit of a stiffness."""
 LARGE = 0.2  # above this share of the quantity, the text says that an effect holds for smaller changes only

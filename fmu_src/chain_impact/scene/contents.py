@@ -33,8 +33,8 @@ from chain_impact.scene.tables import (
     Wall,
 )
 
-# the largest cosine between a slider's line and a wall's normal at which both count as perpendicular:
-# round-off
+# up to this cosine of the angle between a slider's line and a wall's normal, the two count as perpendicular:
+# the cosine is then only round-off, and points slide parallel to the wall
 PARALLEL = 1e-12
 
 

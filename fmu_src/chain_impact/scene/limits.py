@@ -50,8 +50,8 @@ class Derived:
     Attributes:
         text: the rule in words.
         value: function that returns the default from the values read before, or None if there is no default.
-        terms: for a parameter of the FMU: the default is the sum of the products of these keys, divided by
-            the divisor. A key without a dot belongs to the same table.
+        terms: for a parameter of the FMU: each term is a product of these keys, and the default is the sum of
+            the terms, divided by the divisor. A key without a dot belongs to the same table.
         divisor: divides the sum of the terms.
         constant: whether the default is always the same number; other values only decide if there is a
             default.

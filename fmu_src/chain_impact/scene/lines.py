@@ -53,7 +53,10 @@ def line_of(text: str, path: DataPath) -> int | None:
 
 
 def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
-    """Return the path of a table; in each list of tables around it, the last entry counts."""
+    """Return the path of a table from the ``steps`` of its head, which name lists of tables without an index.
+
+    A table in a list belongs to the list's last entry so far, whose index is in ``counts``.
+    """
     path: DataPath = ()
     for step in steps[:-1]:
         path = (*path, step)

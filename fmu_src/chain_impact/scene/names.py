@@ -95,7 +95,7 @@ def fmu_name(name: str) -> str:
     steps = name.replace("[", ".").replace("]", "").split(".")
     try:
         return name_of(tuple(int(step) - 1 if step.isdecimal() else step for step in steps)) or name
-    except (IndexError, ValueError):  # the list has no such entry, or the number has too many digits
+    except (IndexError, ValueError):  # the list has no entry with this number, or there are too many digits
         return name
 
 

@@ -43,7 +43,7 @@ _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """A point that is fixed to a link beside its ends and may touch the walls, such as a heel or a corner."""
+    """A point of a link that is not one of its two ends, such as a heel or a corner; it may touch walls."""
 
     x: float = quantity("m", "position along the link, from the joint nearer to the base")
     y: float = quantity("m", "position to the left of the link's line", 0.0)
@@ -140,7 +140,7 @@ class Chain:
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
-        """Replace a link that has a `count` by so many equal links."""
+        """Replace a link that has a `count` by this number of equal links."""
         if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
             raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
         links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))

@@ -22,7 +22,7 @@ from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.simulation.pieces import ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]
-"""Times, shape (T,) → values of M functions there, shape (T, M)."""
+"""Times, shape (T,) → values of M functions at these times, shape (T, M)."""
 # number of times in a run at which each function is called; a pulse shorter than their distance can be missed
 CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function in a piece
@@ -125,7 +125,9 @@ class Follower:
         return pieces
 
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
-        """Return pieces of all signals; ``columns`` are the functions' columns, the other signals are held.
+        """Return pieces of all signals: of the functions, and of the signals that are ``held``.
+
+        ``columns`` are the columns of the functions among all signals.
 
         Raises:
             NotSmoothError: when a function cannot be approximated.

@@ -76,7 +76,7 @@ def simulate(
 
     Args:
         scene: a scene, or an argument of ``load_scene``.
-        stop_time: end of the run [s]; by default that of the scene.
+        stop_time: end of the run [s]; by default the scene's stop time.
         output_step: time between the rows of the result [s]; by default the scene's communication step. The
             output step changes neither the solution nor the cost, except with functions that are not
             followed. With ``math.inf`` there are two rows, the start and the end.

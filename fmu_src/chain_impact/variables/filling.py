@@ -53,7 +53,7 @@ _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
 def _decisive(table: type, path: DataPath) -> list[str]:
     """Return the keys of a table whose values determine the layout of the record, or which variables exist.
 
-    These are all keys but those of the parameters that every scene with the table has.
+    These are all keys, except the keys of parameters that every scene with this table has.
     """
     numbers = {
         kind.path[-1]

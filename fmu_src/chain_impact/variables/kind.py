@@ -25,7 +25,7 @@ MOTIONS = ("position", "velocity", "acceleration")
 
 
 class Heading(NamedTuple):
-    """The first words of a description: for one variable, and for all variables of the kind together."""
+    """The first words of a description: ``text`` for one variable, ``general`` for all of the kind."""
 
     text: str = ""
     general: str = ""
@@ -145,7 +145,7 @@ LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
 
 
 class Block(NamedTuple):
-    """Kinds of one kind of element: all variables of an element come before those of the next element."""
+    """The kinds that one kind of element has; all variables of an element come before the next element's."""
 
     of: str
     kinds: tuple[Kind, ...]

@@ -65,7 +65,7 @@ def inputs_asked(shape: Shape) -> Iterator[Variable]:
 
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
-    """Return the outputs that the scene asks for, by their names, including those of its candidates."""
+    """Return the outputs that the scene asks for, by their names, also the outputs of candidates."""
     return outputs_of(shape_of(scene))
 
 

@@ -306,7 +306,7 @@ class PreparedScene:
         what: str,
         hint: Hint = lambda _: None,
     ) -> dict[str, None]:
-        """Return the entries of ``there`` with the wanted names, each once."""
+        """Return the names in ``there`` that are wanted, each once."""
         names = (wanted,) if isinstance(wanted, str) else wanted
         return {match: None for name in names for match in matching(self.scene.name, name, there, what, hint)}
 
