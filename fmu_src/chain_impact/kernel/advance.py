@@ -85,7 +85,7 @@ from chain_impact.kernel.status import (
     work_exceeded,
 )
 
-# [s] The longest step. The error estimate of a chain in flight without spin is only round-off: no limit.
+# [s] The longest step. A chain in flight without spin has no errors that would limit the size of its steps.
 LONGEST_STEP = 1.0
 # [s] The shortest step, far below the resolution of floating-point time except at t = 0. A run ends if it
 # needs a shorter step.
@@ -123,7 +123,8 @@ def log_is_full(d, capacity):
 def advance_to_onset(d, time):
     """Advance as ``advance`` does, but without limits on log and work, and only to the first onset.
 
-    The onset is not applied yet. An onset at the present time counts if it is new: a run may start at a wall.
+    The onset is not applied yet. An onset at the present time counts if no earlier call has returned it, for
+    example at the start of a run with a point at a wall.
 
     Returns:
         A status; ONSET_DUE if contacts begin at the time that is reached.
@@ -154,7 +155,7 @@ def event_update(d):
 
 
 def onset_due(d):
-    """Return whether contacts begin at the communication point whose onsets are not applied yet."""
+    """Return whether onsets at the communication point are not applied yet."""
     return d.step.end == d.step.time and ends_in_onset(d)
 
 
@@ -173,8 +174,8 @@ def reinit_if_changed(d, time):
 def must_reinit(d):
     """Return whether an input or parameter has changed so that the solver must re-initialize.
 
-    Inputs that continue without a jump at the end of the last step are applied by the next step instead.
-    A value that was set and then set back has not changed.
+    A value that was set and then set back has not changed. If the next piece of the inputs continues without
+    a jump at the end of the last step, the next step applies this piece, and the solver goes on.
     """
     if d.given.changed == AT_ONCE and inputs_in_use(d) and laws_in_use(d):
         withdraw_request(d)
@@ -201,12 +202,12 @@ def set_output_time(d, time):
 def reinit(d):
     """Re-initialize at the communication point, because an input or parameter changed. Return a status."""
     update_to_output_time(d)
-    control.rescale(d, time_rate_now(d, d.step.state_end))  # the next size becomes a time in seconds
+    control.rescale(d, time_rate_now(d, d.step.state_end))  # converts the next size to seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
-    # steps of a chain at rest are far too long for the motion that a new input may cause
+    # the proposed step of a chain at rest is far too long for the motion that a new input may cause
     control.limit(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
@@ -217,8 +218,8 @@ def apply_pending_inputs(d):
     """Apply the given inputs and parameters, and update the active set. Invalid parameters change nothing.
 
     Returns:
-        A status. While a point touches a wall, a law with penetration cannot change to a rigid law. If no
-        forces are found for the new values, the values are applied nevertheless.
+        A status. It is a fault if a law with penetration would become rigid while a point touches a wall, or
+        if no forces are found for the new values; in the second case the new values are in use nevertheless.
     """
     clear_unsolved(d)
     apply_inputs(d)
@@ -274,13 +275,13 @@ def find_step(d):
         limited = limit_to_segment(d, limited)
     h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
-        # a step that is lengthened to pass the end of a contact must not pass the end of the inputs' piece
+        # `prepare` may lengthen a step to pass the end of a contact, but not the end of the inputs' piece
         h = min(h, limited)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_step(d, h)
         suggested = h * min(grow, control.factor(d))
         if control.accepted(d):
-            # a step that ends with a piece of the inputs does not show which size the errors allow
+            # a step that was shortened to end with a piece of the inputs does not reduce the proposed size
             control.propose(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)
@@ -316,7 +317,7 @@ def try_step(d, h):
 
 
 def must_land(d, theta):
-    """Return whether the last step must be repeated to end at the event at its fraction θ (−1: no event).
+    """Return whether the last step must be repeated to end at the event at the fraction θ, if θ is not −1.
 
     The force of a contact is not smooth at its end and at its kink, so the interpolant of a step across this
     point is less accurate than the step. The interpolant of an implicit step is less accurate everywhere
@@ -330,7 +331,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ.
 
-    Returns the fraction of the repeated step at which the onsets are, or −1.
+    Returns the fraction of the repeated step at which contacts begin, or −1 if none begins before its end.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
@@ -359,16 +360,16 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:
-        choose_method(d)  # a step that ends at a kink does not show whether the equations are stiff
+        choose_method(d)  # after a kink the size of the last step shows no stiffness
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events
 
 
 def apply_pending_events(d):
-    """Apply the events and set the rate after them; return their number.
+    """Apply the events at the end of the last step, and set the rate after the events.
 
-    The second value is whether any of them is a kink of a force or the limit of a drive.
+    Returns the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
     events = d.drive.event
     kinked = events > 0
@@ -393,6 +394,6 @@ def apply_pending_events(d):
 
 
 def set_first_stage(d):
-    """Set the first stage of a step from the rate at its start, in the integration variable of the step."""
+    """Set the first stage of a step: the rate at the start, converted to the step's integration variable."""
     regularize(d, d.step.state_end, d.work.rate_start, d.work.stage[0])
     set_quadrature_stage_at_end(d, 0)

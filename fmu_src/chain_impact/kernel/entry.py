@@ -47,7 +47,7 @@ from chain_impact.kernel.status import (
 
 
 def sound(d):
-    """Return 1 if every index of the record is within bounds and the hooks' own indices are valid, else 0.
+    """Return 1 if all indices in the record, and in the data of the hooks, are within bounds, else 0.
 
     The caller must check the sizes at the start of the record, such as the number of links.
     """
@@ -263,9 +263,9 @@ def run_each(d, words, places, values, stops, output_indices, rows, continuing):
 
 
 def finish_run(d, stop, work):
-    """Advance to ``stop`` [s], and log the contacts that last until then, for their peaks.
+    """Advance to ``stop`` [s], and return a status.
 
-    Return a status.
+    Contacts that still last at the end are logged, because the outputs of peaks come from the log.
     """
     log_capacity = len(d.finished.point) - d.candidates
     status = LOG_FULL

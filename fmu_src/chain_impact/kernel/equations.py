@@ -173,7 +173,7 @@ def loaded_rate(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Clear the records of a step's stages: crossed kinks, forces not found, least forces and margins."""
+    """Clear the records of stages: crossed kinks, forces not found, least forces, and margins of modes."""
     clear_unsolved(d)
     clear_crossings(d)
     clear_least_forces(d)
@@ -188,7 +188,7 @@ def joint_moments(d, y):
     link i − 1. A free base has no joint to carry τ_1. In a drive all power of τ_i is supplied.
     """
     dissipated, supplied, before = 0.0, 0.0, 0.0
-    # without inputs on the chain there is no force at the tip, and in flight its velocity is not known
+    # without inputs the tip has no force; its velocity, which is not computed in flight, is then not read
     if d.model.driven:
         force, velocity, tip = d.inputs.tip_force, d.work.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]

@@ -34,8 +34,8 @@ from chain_impact.kernel.status import counted_work, uncount_work
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
 # where the forces may rise and fall often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
-# The least fraction of a squared peak that a parabola through three samples finds. With a larger value some
-# peaks would be missed.
+# A parabola through three samples may lie below the peak of the squared force. Where the parabola exceeds the
+# largest square so far times NEAR_PEAK, the peak is searched for. A larger value would miss some peaks.
 NEAR_PEAK = 0.95
 
 
@@ -82,7 +82,10 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Sum the required forces from the tip on, less ``at_tip``: x and y become the forces in the joints."""
+    """Sum the required forces of the links from the tip on, minus the force ``at_tip`` on the tip.
+
+    x and y hold the required forces of the links, and become the forces in the joints.
+    """
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
     for i in range(d.links - 2, -1, -1):

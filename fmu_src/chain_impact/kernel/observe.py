@@ -196,7 +196,7 @@ def fill_quadrature(d, i, value):
 
 
 def combine_forces(d):
-    """Convert forces and depths of stops to moments [N·m] and angles [rad] of each joint's first stop.
+    """Convert forces and depths of stops to moments [N·m] and angles [rad], in the entry of the first stop.
 
     A joint can touch only one of its two stops at a time; moments at joint_max are negative.
     """
@@ -214,7 +214,7 @@ def combine_forces(d):
 
 
 def combine_impulses(d):
-    """Convert impulses of stops to impulses [N·m·s] of each joint's first stop."""
+    """Convert impulses of stops to angular impulses [N·m·s], in the entry of each joint's first stop."""
     out = d.output
     for c in range(d.candidates):
         side = d.candidate.stop[c]

@@ -14,14 +14,18 @@ SPRING_ROUND_OFF = 1e-14
 
 
 def wanted_drive(motor, damping, rate, stiffness, stretch):
-    """Return F = u − c (q̇ − q̇_t) − k (q − q_t) without a limit, for a rate and a stretch."""
+    """Return F = u − c (q̇ − q̇_t) − k (q − q_t) without a limit.
+
+    ``rate`` is q̇ − q̇_t, and ``stretch`` is q − q_t.
+    """
     return motor - damping * rate - stiffness * stretch
 
 
 def limited_drive(wanted, limit, mode):
     """Return the force F of a drive, from the force without a limit.
 
-    Where a mode ends, F continues smoothly until an event ends the step.
+    The mode stays the same until an event ends the step. So a force in mode 0 may exceed the limit within a
+    step, and F is smooth in every step.
     """
     return wanted if mode == 0 else float(mode) * limit
 
@@ -34,9 +38,9 @@ def drive_mode(wanted, limit):
 
 
 def mode_excess(wanted, limit, mode, stiffness, size):
-    """Return how far a drive's force is from the end of the drive's mode, plus round-off.
+    """Return how far a drive's force is from the end of the drive's mode, plus an allowance for round-off.
 
-    ``size`` is |q| + |q_t|.
+    The result is negative where the mode has ended. ``size`` is |q| + |q_t|, which have round-off.
     """
     margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
     return margin + (DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * size)

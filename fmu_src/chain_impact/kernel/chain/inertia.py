@@ -23,15 +23,15 @@ elimination of a positive definite matrix.
 DERIVED = -1.7976931348623157e308
 """The number that replaces a given value if no value is given.
 
-DERIVED is the lowest double, which no link can have.
+DERIVED is the lowest double; no scene gives this number as a value.
 """
 
 
 def in_use(given, derived):
     """Return the given value, or the derived value if no value is given.
 
-    If no value is given, the function adds ``given − DERIVED``, which is 0. In a tangent instance this term
-    has the derivatives with respect to the value itself.
+    If no value is given, the term ``given − DERIVED`` is 0. In a tangent instance this term has the
+    derivatives with respect to the value, as if the derived value had been given.
     """
     return derived + (given - DERIVED) if given == DERIVED else given
 
@@ -79,7 +79,7 @@ def loose_links(chain, free_base):
     Args:
         chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and
             ``inertia`` [kg·m²] of each link, and ``pinned``.
-        free_base: whether the base has no mass although link 1 hangs in a joint there.
+        free_base: whether link 1 hangs in a joint at a base that can slide and has no mass.
     """
     begin, count = -1, len(chain.length)
     for i in range(count):

@@ -8,11 +8,12 @@ If targets are inputs, the spring and the damper are a servo: φ₀ is the targe
 moment at the target velocity. The torque of motor, spring and damper together may have a limit (drives.py).
 
 With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of
-M⁻¹ C. The largest eigenvalue is at least the rate ρ_i of each joint if all other dampers are removed,
+M⁻¹ C. The damper of joint i alone, without all other dampers, causes a motion that decays with the rate
 
-    ρ_i = c_i g_iᵀ M⁻¹ g_i,
+    ρ_i = c_i g_iᵀ M⁻¹ g_i.
 
-and not much larger. Likewise for springs S = Σ k_i g_i g_iᵀ and the squares of the frequencies,
+The largest eigenvalue is at least the largest ρ_i, and not much larger. In the same way S = Σ k_i g_i g_iᵀ
+determines the squares of the frequencies of springs, and the spring of joint i alone has
 
     ω_i² = k_i g_iᵀ M⁻¹ g_i.
 
@@ -48,7 +49,7 @@ def joint_armature(d, i):
 
 
 def joint_resistance(d, i, time):
-    """Return κ_i = s c_i + s² k_i [kg·m²] of the damper and the spring in joint i, for a ``time`` s [s]."""
+    """Return κ_i = s c_i + s² k_i [kg·m²] of the damper and the spring in joint i; ``time`` is s [s]."""
     return time * (joint_damping(d, i) + time * spring_stiffness(d, i))
 
 
@@ -100,7 +101,7 @@ def joint_torque(d, y, i):
 
 
 def mode_margin(d, y):
-    """Return the least distance [N·m] of drives' torques from the ends of their modes, plus round-off.
+    """Return the least result of ``mode_excess`` [N·m] of all drives: negative where a mode has ended.
 
     Returns ∞ if no drive has a limit.
     """

@@ -25,9 +25,9 @@ def polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * cosine
             vertical[i] = radius[i] * sine
         return
-    # The copy lets the compiler know that the results do not overwrite the angles,
+    # The copy shows the compiler that the results do not overwrite the angles.
     copy(y, first, count, vertical)
-    # so that the compiler uses vector instructions in this loop.
+    # Therefore the compiler uses vector instructions in this loop.
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine
@@ -101,9 +101,9 @@ def place_points(d, y):
 
 
 def place_joints(d, values, first, vectors):
-    """Set the vectors of the joints' places from values of the N links.
+    """Set the vectors of the joints' places from the links' angles or angular velocities.
 
-    These values begin at index ``first``.
+    The numbers of the N links begin at index ``first`` of ``values``.
     """
     before, size = 0.0, d.model.size
     for i in range(d.links):
@@ -191,7 +191,7 @@ def largest(d, vectors):
 
 
 def at_center(d, vectors, i):
-    """Return the velocity, acceleration or change at link i's centre of mass, from those at points."""
+    """Return the vector at link i's centre of mass, such as the velocity, from the vectors at points."""
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥,  Δv = v_{i+1} − v_i
     ratio, x, y = d.model.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]
     dx, dy = vectors.x[i + 1] - x, vectors.y[i + 1] - y

@@ -30,7 +30,7 @@ def move(d, time):
             half_a = half_a * x + v
             v = v * x + s
             s = s * x + moved.course[course.order - k, m]
-        # the added terms have the value 0; in a tangent instance they have derivatives
+        # `added`, `added_rate` and `added_push` are 0; a tangent instance has their derivatives
         moved.position[m] = (
             s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_push[m])
         )

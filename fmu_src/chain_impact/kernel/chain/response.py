@@ -12,8 +12,8 @@ motion a of the joint and on the rotation β of the link next to the joint on th
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
 
 with A, e and p a symmetric 3×3 articulated inertia. Link i adds its own inertia and its damper, and is
-eliminated, Δ_i = α. With τ a moment on the link, L, m c and x⊥ as in chain/tree.py, and primes for the part
-of the chain outside of link i, whose β is α:
+eliminated, Δ_i = α. L, m c and x⊥ are those of chain/tree.py, and τ is a moment on the link. The coefficients
+A', b', e', p' and t' belong to the part of the chain outside of link i, for which β is the α of link i:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -24,10 +24,11 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
     A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
-in which nothing cancels, however large κ is. As in chain/tree.py, two arms meet at the middle joint. The
-damper of the middle joint belongs to the outward arm. Its β is the α of the last link of the inward arm, so
-e, p and t of the outward arm add to h, H and s of this link. A light link at an end is eliminated before
-heavier links, because the sum with a heavier link would lose digits of the light one.
+in which nothing cancels, however large κ is. As in chain/tree.py, two arms meet at the middle joint: the
+inward arm begins at the base, the outward arm at the tip. The damper of the middle joint belongs to the
+outward arm. For this arm β is the α of the last link of the inward arm, so e, p and t of the outward arm add
+to h, H and s of that link. A light link at an end is eliminated before heavier links, because the sum with a
+heavier link would lose digits of the light one.
 
 In an implicit step κ and D may be complex, because they contain the shift s of ode/extended.py. Even then no
 pivoting is needed: the argument of every s is below 61°, so all quadratic forms lie in a sector of less than
@@ -40,7 +41,7 @@ from chain_impact.kernel.chain.tree import arm, hinge, inertia_along
 from chain_impact.kernel.functions import inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Rows of the factors. FREE: of M. HELD: of M with impedances at constraints. SHIFTED: for a real shift."""
+"""Rows of the factors. FREE: M alone. HELD: M and impedances of constraints. SHIFTED: a real shift s."""
 ROWS = 3
 
 
@@ -52,7 +53,7 @@ def reciprocal(number):
 def complex_reciprocal(number):
     """Return the reciprocal of a complex number.
 
-    Numba's own quotient may raise an error, and has branches.
+    The quotient of numba may raise an error, and has branches, which cost time.
     """
     size = 1.0 / (number.real * number.real + number.imag * number.imag)
     return complex(number.real * size, -number.imag * size)
@@ -64,14 +65,14 @@ def cross(lx, ly, bx, by):
 
 
 def complex_cross(lx, ly, bx, by):
-    """Return L⊥·b for a complex b; numba would make a copy of ``cross`` with a complex L."""
+    """Return L⊥·b for a complex b and a real L; numba would convert L in ``cross`` to complex numbers."""
     return complex(cross(lx, ly, bx.real, by.real), cross(lx, ly, bx.imag, by.imag))
 
 
 def complex_hinge(link, axx, axy, ayy):
     """Return h and H as ``hinge`` does, for a complex A'.
 
-    Numba would make a copy of ``hinge`` with a complex L.
+    The link's data are real; numba would convert them to complex numbers, which costs time.
     """
     hx, hy, about_joint = hinge(link, axx.real, axy.real, ayy.real)
     gx, gy, part = hinge((link[0], link[1], 0.0, 0.0, 0.0), axx.imag, axy.imag, ayy.imag)
@@ -118,8 +119,9 @@ def factorize(d, links, space, row, coupled):
             last = inner + 1 == middle
             resistance = 0.0 if last else impedance.joint[inner + 1]
             if last and coupled:
-                # e belongs to the motion a of the middle joint, but `eliminate` takes an e for a' of the
-                # link's outer joint: e·a α = e·(a' − α L⊥) α. L is seen from the middle joint: L = −links.
+                # This e multiplies the motion a of the middle joint, the link's inner joint. `eliminate`
+                # takes an e that multiplies the motion a' of the outer joint: e·a α = e·(a' − α L⊥) α. So
+                # −2 e·L⊥ adds to p. L begins at the middle joint, and `links` ends there: L = −links.
                 q += p + cross(2.0 * links.x[inner], 2.0 * links.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = eliminate(
@@ -134,9 +136,8 @@ def factorize(d, links, space, row, coupled):
 def take_factors(d, coupled):
     """Copy the factors of M that ``accelerations`` has found to the row FREE.
 
-    ``coupled`` as for ``factorize``.
-
-    With armatures, ``geared_accelerations`` in rows/compliance.py has already set this row.
+    ``coupled`` has the same meaning as for ``factorize``. In a chain with armatures the function does
+    nothing, because ``geared_accelerations`` in rows/compliance.py has already set this row.
     """
     if d.model.geared:
         return
@@ -150,7 +151,7 @@ def take_factors(d, coupled):
 
 
 def set_middle(d, factors, row, axx, axy, ayy):
-    """Set A⁻¹ of the middle joint: 0 for a pinned base, u uᵀ/(u·A u + m) for a slider."""
+    """Set A⁻¹ of the middle joint: 0 at a pinned base, u uᵀ/(u·A u + m) at a slider (chain/slider.py)."""
     mobility = factors.middle_mobility
     if d.slides:
         ux, uy, inverse = d.slider.ux, d.slider.uy, reciprocal(inertia_along(d, axx, axy, ayy))
@@ -163,7 +164,10 @@ def set_middle(d, factors, row, axx, axy, ayy):
 
 @inlined
 def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
-    """Eliminate link i, whose inner joint has the ``resistance`` κ; return A, e and p from A', e' and p'."""
+    """Eliminate link i. Return A, e and p at the inner joint from A', e' and p' at the outer joint.
+
+    ``resistance`` is κ of the inner joint.
+    """
     point, factors = i + 1 if outward else i, space.factors
     axx += space.impedance.xx[point]
     axy += space.impedance.xy[point]
@@ -238,9 +242,10 @@ def solve(d, links, space, row, change):
 
 @inlined
 def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change):
-    """Set α for a = 0 and β = 0, the first part of the change of ω_i; return b and t from b' and t'.
+    """Set α for a = 0 and β = 0: the part of the change of ω_i that the loads cause.
 
-    ``moment`` is μ, the impulse of the inner joint on link i.
+    ``moment`` is μ, the impulse of the inner joint on link i. Returns b and t at the inner joint from b' and
+    t' at the outer joint.
     """
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
@@ -260,7 +265,7 @@ def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change)
 
 @inlined
 def spread(links, space, row, coupled, i, outward, x, y, before, change):
-    """Add the effects of the inner joint's change a and of the inner link's change β to the change of ω_i.
+    """Add to the change of ω_i the effect of the inner joint's motion a and of the inner link's rotation β.
 
     Returns:
         The changes of the outer joint's velocity and of ω_i.

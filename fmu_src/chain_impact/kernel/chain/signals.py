@@ -20,14 +20,14 @@ from chain_impact.kernel.mathematics.angles import direction
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
-# values of signal.input: the kind of the driven input; `signal.index` is the index of its joint, component or
-# channel
+# values of signal.input: the kind of the driven input; `signal.index` is the index of the joint, of the
+# component of a force, or of the channel that the signal drives
 TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE = 0, 1, 2, 3
 SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY, CHANNEL = 4, 5, 6, 7
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
-# largest degree of the polynomials: a ramp of an acceleration is integrated twice
+# largest degree of the polynomials: a ramp that drives an acceleration is integrated twice
 SIGNAL_DEGREE = RAMP_DEGREE + 2
-# the largest slope and the largest curvature of ``smooth``
+# the largest sizes of the first and the second derivative of ``smooth`` for x from 0 to 1
 STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 
@@ -85,7 +85,7 @@ def signal_bounds(d, j):
     x = since_knot(d, j, d.step.start + half)
     rate, bend, power = 0.0 * x, 0.0 * x, 1.0
     for n in range(1, signal.degree[j] + 1):
-        # c′ = u⁽ⁿ⁾/n! at the middle of the step, coefficient n of the Taylor series there
+        # c: coefficient n of the Taylor series at the middle of the step, the n-th derivative over n!
         c, weight = knot.powers[k, n] + 0.0 * x, 1.0 + 0.0 * x
         for p in range(n + 1, signal.degree[j] + 1):
             weight *= x * (p / (p - n))
@@ -152,13 +152,13 @@ def acts_in_limited_drive(d, j):
 
 
 def sway_of_signals(d):
-    """Estimate the sum of the amplitudes of all sines and of their integrals."""
+    """Estimate the sum of the amplitudes of all sines, or of their integrals where a sine is integrated."""
     signal, total = d.signal, 0.0
     for j in range(d.signals):
         if signal.form[j] == SINE:
             i = signal.source[j]
             size = abs(signal.amplitude[i])
-            # while the frequency is near 0, an integral of the sine moves by about a/√|ḟ|, a the amplitude
+            # while the frequency passes 0, the integral of a sine with the amplitude a moves by about a/√|ḟ|
             slow = math.sqrt(abs(signal.frequency_rate[i]))
             falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
             for _ in range(signal.integrals[j]):
@@ -191,7 +191,7 @@ def next_segment(d, j):
 
 
 def set_segment(d, j, k, lap):
-    """Set the knot of signal j that is in use, and how often the signal's table was repeated before."""
+    """Let signal j use knot k; ``lap`` tells how often the signal's table has been repeated before."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 

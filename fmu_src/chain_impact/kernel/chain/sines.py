@@ -2,7 +2,7 @@
 
     I_m = m-fold integral of r(s) sin Φ(s),   Φ = ψ + 2π (f s + ½ ḟ s²),   ω = Φ′,   g = Φ″
 
-r is the smooth ramp from 0 to 1, or it is 1. By parts, with the n-fold integrals E_n of e^{iΦ},
+r is the smooth ramp from 0 to 1, or it is 1. E_n is the n-fold integral of e^{iΦ}. Integration by parts gives
 
     I_m = Im Σ_k c_k E_{m+k},   c_k = (−1)ᵏ (m+k−1 over k) r⁽ᵏ⁾,   k = 0…5
     E_{n+1} = (i E_{n−1} + ω E_n)/(n g),   E_0 = e^{iΦ}
@@ -12,11 +12,15 @@ continued fraction, which is exact for g = 0 and loses no digits for small g:
 
     K_n/K_{n−1} = 1/(1 + i n y K_{n+1}/K_n),   y = g/ω²
 
-Source: W. Gautschi 1967, SIAM Rev 9:24. Around the time s* at which ω = 0, E_1 is a Fresnel integral, by
-quadrature from its value at s*, which is C for the function that the fraction gives where ω has the sign
-with which it begins. On the other side of s* the fraction gives the function that is −C at s*, so the
-solution of the recurrence that begins with 0, 2C is added there.
-In a rise during which Φ turns little, E_n has large terms that cancel; there I_m is a quadrature, too.
+Source: W. Gautschi 1967, SIAM Rev 9:24.
+
+The frequency is zero at a time s*, ω = 0, and near s* the fraction is not accurate. There E_1 is a Fresnel
+integral: its value C at s*, plus a quadrature from s* on. As long as ω has the sign that it has at the start,
+the fraction gives the function with this value C. On the other side of s* the fraction gives another
+function, with the value −C at s*. The solution of the recurrence that begins with E_0 = 0, E_1 = 2C is the
+difference, and is added there, so that the integral does not jump.
+
+In a rise during which Φ turns little, E_n has large terms that cancel; I_m is then found by quadrature.
 """
 
 import math
@@ -27,11 +31,12 @@ TAU = 2.0 * math.pi
 RISING = 5  # degree of the smooth ramp
 # largest |y| for the continued fraction; beyond it Φ is within 1/(2 NEAR_TURNING_POINT) = 4 rad of Φ(s*)
 NEAR_TURNING_POINT = 0.125
-# The largest depth from which the fraction is evaluated, without and with a rise, and its growth with |y|. A
-# smaller depth costs digits of E_2, and in a rise of E_7.
+# The largest number of levels of the continued fraction: DEPTH without a rise, DEPTH_OF_RISE in a rise, and
+# DEEPER |y| more. With fewer levels E_2 would lose digits, and in a rise also E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
-FRACTION_ERROR = 1e-17  # error of the fraction, relative, at which it is deep enough
-# the largest turn [rad] in a rise that is integrated by quadrature, and in a panel of a quadrature
+FRACTION_ERROR = 1e-17  # the relative error at which the fraction has enough levels
+# LARGEST_TURN: the largest turn [rad] of Φ in a rise that is integrated by quadrature; in a larger turn the
+# terms of E_n hardly cancel. PANEL: the largest turn [rad] in one panel of a quadrature.
 LARGEST_TURN, PANEL = 24.0, 6.0
 # Gauss and Legendre's nodes and weights on [0, 1]
 # fmt: off
@@ -103,7 +108,7 @@ def by_fraction(m, rates, s, rise):
 
 
 def by_recurrence(m, first, rates, s, rise):
-    """Return Im Σ_k c_k E_{m+k} from the ``first`` two, real and imaginary parts of E_0 and of E_1."""
+    """Return Im Σ_k c_k E_{m+k}; ``first``: the real and imaginary part of E_0, then of E_1."""
     u, v, next_u, next_v = first
     omega, g = rates
     total = part(m, 0, s, rise) * next_v if m == 1 else 0.0 * next_v
@@ -139,8 +144,8 @@ def part(m, k, s, rise):
 def at_standstill(d, i, begins_up):
     """Return Φ(s*) [rad] and the real and imaginary part of C; ``begins_up``: whether ω > 0 at the start.
 
-    C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start; each other sign turns C, and g < 0
-    also the angle π/4.
+    C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start. C changes its sign if ω < 0 at the
+    start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4.
     """
     signal = d.signal
     rate = signal.frequency_rate[i]
@@ -152,7 +157,10 @@ def at_standstill(d, i, begins_up):
 
 
 def fresnel(middle, since, g, u, v):
-    """Add to u, v real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt for a time ``since`` s* [s]."""
+    """Add to u and v the real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt from t = 0 to ``since``.
+
+    ``middle`` is Φ* = Φ(s*), and ``since`` is the time since s* [s].
+    """
     for n in range(len(NODES)):
         t = since * NODES[n]
         cosine, sine = direction(middle + 0.5 * g * t * t)
@@ -164,7 +172,7 @@ def fresnel(middle, since, g, u, v):
 def by_quadrature(d, i, m, s, rise):
     """Return I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from 0 to s in a rise, m ≤ 2."""
     begin = TAU * d.signal.frequency[i]
-    # in a rise Φ turns by LARGEST_TURN at most
+    # `integral` calls this function only for a turn up to LARGEST_TURN: the limit bounds the loop
     turn = min(LARGEST_TURN, max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s))
     panels = 1
     while panels * PANEL < turn:

@@ -50,7 +50,7 @@ def slider_stiffness(d):
 
 
 def slider_resistance(d, time):
-    """Return κ = t c + t² k [kg] of damper and spring, for a ``time`` t [s]."""
+    """Return κ = t c + t² k [kg] of the damper and the spring; ``time`` is t [s]."""
     return time * (slider_damping(d) + time * slider_stiffness(d))
 
 

@@ -130,7 +130,7 @@ def accelerations(d, y, rate):
             links [rad/s²]. The function also stores the factors that ``take_factors`` needs for the response
             to other loads.
     """
-    # two calls, so that the middle joint is a constant for the compiler in the first call
+    # In the first call the middle joint is a constant, for which the compiler makes faster code.
     if d.model.pinned:
         arms(d, y, rate, 0)
     else:

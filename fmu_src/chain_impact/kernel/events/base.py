@@ -33,21 +33,21 @@ def check_base(d):
     """Return BASE_BEYOND_WALL if a pinned base is beyond a wall at the end of the last step, else OK."""
     move(d, d.step.end)
     for c in range(d.candidates if d.model.pinned and not d.slides else 0):
-        # if ``end_at_base`` has ended the step, the clearance equals that of ``meeting`` up to round-off
+        # if ``end_at_base`` has ended the step, the clearance is −OVERLAP up to round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK
 
 
 def room_at(d, c, time):
-    """Return the distance of the base from the wall of candidate c at a time [s], plus round-off [m]."""
+    """Return the distance [m] of the base from the wall of candidate c at a time [s], plus OVERLAP."""
     move(d, time)
     count_other_work(d, 1)
     return base_clearance(d, c) + OVERLAP
 
 
 def meeting(d, c, until):
-    """Return the time [s] at which the wall of candidate c meets the base in the last step, or ``until``."""
+    """Return the time [s] at which the wall of candidate c meets the base; ``until`` if this is later."""
     _, push = given_bounds(d, c)
     a, b = d.step.start, until
     at_a, at_b = room_at(d, c, a), room_at(d, c, b)

@@ -47,7 +47,7 @@ def update_extremes(d):
     if any_point_held(d):
         update_held_extremes(d)
     for k in range(touch.compliant_count):
-        # the search for the peaks of the contact before has located the points at another time
+        # the search for the peaks of another contact may have located the points at another time
         ensure_points(d)
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)

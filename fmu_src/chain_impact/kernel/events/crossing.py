@@ -88,10 +88,10 @@ def locate_at(d, theta):
 # The largest deviation of φ from its chord that counts as round-off, relative to a link length; an interval
 # with a smaller deviation is not halved.
 CROSSING_RESOLUTION = 1e-15
-# The largest |φ| with which a point skims a wall, relative to a link length; φ also changes by less than this
-# in the interval. Points of a link that is held elsewhere skim a wall.
+# A point skims a wall if |φ|, and the change of φ in the interval, are less than this, relative to a link
+# length. Points of a link that a wall holds at another point can skim this wall.
 SKIMS = 1e-13
-# The largest part of a step that is not halved where a point skims a wall; a longer interval is halved.
+# The largest interval that is not halved if a point skims a wall in it, as a part of the step.
 FINE = 2.0**-8
 # The largest time [s] between events that count as one: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12
@@ -116,7 +116,7 @@ def find_crossing(d):
             return -1.0
         else:
             keep_start(d)
-            # the next interval is the widest one of the bisection's tree that begins at b
+            # the next interval begins at b, and is the widest one there that halving of the step can give
             a, width = b, b - a
             while a + width < 1.0 and math.floor(0.5 * a / width) == 0.5 * a / width:
                 width *= 2.0
@@ -140,22 +140,22 @@ def check_candidate(d, c, a, b):
     width = (b - a) * d.step.size
     start, end = d.search.clear_start[c], d.search.clear_end[c]
     if c == d.step.regularized:
-        # for u to fall to zero and rise again, δ̇ would have to change its sign twice
+        # u does not fall to zero and rise again, because δ̇ would have to change its sign twice
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # at the end of the step, a point this shallow, or a point that leaves, may never penetrate further
+    # at the end of the step, or when it leaves, a point beyond zero by `harmless` may never go further
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    # the condition `sag < …` would halve without end for a curvature that is not finite
+    # the condition `sag < …` is false if the curvature is NaN, and the interval would be halved without end
     if settled or not sag >= CROSSING_RESOLUTION * d.model.size or (b - a <= FINE and skims(d, c, width)):
         # At a loose tolerance the interpolant can put a point deep inside a wall although the point does not
-        # move inward. A point in contact that moves inward has not left, wherever the interpolant of a stiff
-        # step puts it.
+        # move inward; this is an onset. But a point in contact that moves inward has not left, wherever the
+        # interpolant of a stiff step puts it.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
@@ -190,7 +190,7 @@ def locate(d, a, b):
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # the candidate `located` is always kept, because round-off may exceed this limit for a slow point
+        # the candidate `located` keeps its mark: the round-off of φ of a slow point may exceed the limit
         if c != located and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             mark(d, c, NONE)
     return first
@@ -202,7 +202,7 @@ def find_root(d, c, a, b):
     The points must be located at b. The function also sets φ of all suspects at θ.
 
     Newton's method is safeguarded by a shrinking bracket. If φ is not positive at a either, the event should
-    have been found before: θ is then the first end of the bracket at which φ falls.
+    have been found before: θ is then a if φ falls there, else b.
     """
     if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.clear_start_rate[c] <= 0.0 else b
@@ -220,7 +220,7 @@ def find_root(d, c, a, b):
             break
         guess = theta - value / slope
         if abs(guess - theta) <= 0.25 * resolution:
-            # the bracket may end here, so that bisection would only approach this point
+            # the guess is close enough; if it is an end of the bracket, bisection would only approach it
             break
         theta = next_guess(low, high, guess, tries)
         locate_at(d, theta)
@@ -233,11 +233,12 @@ def find_root(d, c, a, b):
 def bound_curvature(d):
     """Bound |g̈| of every suspect over the last step.
 
-    The bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). For a point that rests on a stiff
-    wall it is far too large, but there the implicit step integrates the clearance itself.
+    The bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). This is far too large for a point
+    that rests on a stiff wall. But the implicit step integrates the clearance of such a point, and
+    ``curvatures`` finds a smaller bound from it.
     """
     n = d.links
-    # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
+    # d²g/ds² = p d(ġ)/ds + p′ ġ for the step's variable s; p ≤ u and |p′| ≤ |u′| (sundman.py)
     p, change = 1.0, 0.0
     if d.step.regularized != NO_CONTACT:
         p, change = rate_bounds(d.step, sundman_u_at(n))
@@ -277,7 +278,9 @@ def links_part(d, c):
 
 
 def motion_bounds(d, c, along_x, along_y):
-    """Return bounds on |ġ| of candidate c, and on the derivative of ġ, for base and wall without the links.
+    """Return bounds on the base's part of |ġ| of candidate c, and on the base's part of |dġ/ds|.
+
+    For a stop the bounds are those of the whole motion.
 
     ``along_x`` and ``along_y`` are the bounds for the components of the base's velocity.
     """
@@ -291,7 +294,7 @@ def motion_bounds(d, c, along_x, along_y):
         return arm * v, arm * a
     _, nx, ny = normal(d, c)
     if nx * ny == 0.0:
-        # walls along an axis have the same bounds for all points
+        # n is along an axis, so the bounds for one component of the base's velocity suffice
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
     return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
 

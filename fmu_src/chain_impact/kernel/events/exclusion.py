@@ -20,12 +20,12 @@ SMALL_TURN = 1.0
 # The margin for round-off and for the estimated remainder, relative to the range of the Bernstein
 # coefficients.
 MARGIN = 0.05
-# The ratio δ̇/v₀ at which v₀ is latched again. v₀ is latched (fixed) at the onset of the contact. After the
-# onset of an impact, gravity adds only a thousandth to δ̇; with the ratio 2 the usual laws have at most 1 +
-# 2λ times their elastic force.
+# The ratio δ̇/v₀ at which v₀ is latched (fixed) again, after it was latched at the onset of the contact. In a
+# usual impact gravity adds only a thousandth to δ̇, so that v₀ stays. With the ratio 2 the usual laws never
+# have more than 1 + 2λ times their elastic force.
 RELATCH_RATIO = 2.0
-# The fraction of the speed RELATCH_RATIO v₀. If δ̇ exceeds this fraction at an end of a step, the search also
-# samples the inside of the step.
+# If δ̇ exceeds this fraction of the speed RELATCH_RATIO v₀ at an end of a step, the search also samples the
+# inside of the step.
 NEARLY_FAST = 0.75
 
 
@@ -82,11 +82,11 @@ def excludes_events(d):
     error = way * turns * (larger * larger) / 4608.0
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
-        # Without branches the compiler can use vector instructions. A point that a rigid wall holds has φ =
-        # ∞, and the second condition decides.
+        # Without branches the compiler can use vector instructions, so both conditions are evaluated for all
+        # candidates. The second one lets every contact pass, also a held point, which has φ = ∞.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
-        # errors in a penetration have a far smaller scale than errors in a position
+        # without `leeway`, because errors in a penetration are far smaller than errors in a position
         c = d.touch.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and is_quiet(d, c)
     if not clear:
@@ -136,8 +136,9 @@ def leeway(d):
 def way_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
-    For a point the result is the length of the stretched chain. The angle of a joint changes by 2 rad. With
-    the lever arm of a stop this distance is larger if one link is longer than all others together.
+    For a point this distance is the length of the stretched chain. The place of a joint with stops moves by
+    its relative angle, at most 2 rad, times the length of the longest link. This distance is larger if one
+    link is longer than all others together.
     """
     if d.model.stopped and d.links > 1:
         return max(d.model.reach, 2.0 * d.model.size)
@@ -153,7 +154,8 @@ def remains_far(d):
     if d.channels > 0:
         fastest, push = fastest_wall(d)
         search.speed, search.acceleration = search.speed + fastest, search.acceleration + push
-    # way: a bound on the distance that any point moves in the step, with twice the effect of its acceleration
+    # way: a bound on the distance that any point moves in the step; the acceleration counts double, as a
+    # margin
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
@@ -197,7 +199,7 @@ def stays_positive(d, c, error):
 def stays_in_contact(d, c, error):
     """Return the result of ``stays_positive`` for the penetration of a contact with a force law, or for u."""
     if c == d.step.regularized:
-        # for u to fall to zero and rise again, δ̇ would have to change its sign twice
+        # u does not fall to zero and rise again, because δ̇ would have to change its sign twice
         return d.search.clear_end[c] > 0.0
     return stays_positive(d, c, error)
 
@@ -239,7 +241,7 @@ def set_clearances(d, y):
 def sundman_u_now(d, y):
     """Return u and u′ of the regularized contact for the state y, with the points located.
 
-    1, 0 without such a contact.
+    Without a regularized contact the result is 1, 0.
     """
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0

@@ -36,9 +36,10 @@ from chain_impact.kernel.rows.geometry import any_sticking, tangential_accelerat
 from chain_impact.kernel.rows.limits import share_within_limits
 from chain_impact.kernel.status import count_evaluations
 
-# The largest backward acceleration with which a sliding element at rest keeps sliding, relative to the sum of
-# the largest acceleration, gravity and one link length per second squared. The acceleration is then an error:
-# other forces hold the element. Twice the largest acceleration of a sticking element is allowed in addition.
+# An element at rest with the mode "slides" may have an acceleration against the direction of sliding because
+# of errors, if other forces hold the element. It keeps its mode up to this acceleration, relative to the sum
+# of the largest acceleration, gravity and one link length per second squared. Twice the largest acceleration
+# of a sticking element is allowed in addition.
 AGAINST = 1e-9
 # The largest speed of an element that sticks or has just stopped, relative to a link length per second. Such
 # a speed is an error at a loose tolerance; a faster element slides.
@@ -50,7 +51,8 @@ def update_modes(d, jumped):
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        jumped: whether speeds may have jumped. If not, the speed of an element that stuck is an error.
+        jumped: whether speeds may have jumped. If not, an element that stuck until now continues to stick:
+            its small speed is an error.
     """
     friction = d.friction
     list_friction(d)
@@ -93,17 +95,18 @@ def reinit_modes(d, jumped):
 def set_slack(d, e):
     """Set the speed with which element e may move against its direction of sliding because of errors.
 
-    If other forces hold an element whose friction is at its limit, errors decide whether it slides. The speed
-    is then the tolerance; for all other elements it is 0.
+    If other forces hold an element whose friction is at its limit, errors decide whether it moves. The speed
+    is then the tolerance times a link length per second; for all other elements it is 0.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = d.solver.tolerance * d.model.size if unchanged and d.element.undecided[e] else 0.0
 
 
 def widen_slack(d, e):
-    """Widen the slack of element e to the error of its present speed.
+    """Widen the slack of element e, if necessary, to twice its present backward speed.
 
-    Where sliding begins at rest, the speed has the error with which its zero was located.
+    Where sliding begins at rest, the speed should be zero. The speed that is left is the error with which
+    the zero was located.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     if d.element.undecided[e]:
@@ -162,8 +165,8 @@ def count_inconsistent_now(d):
 def choose_by_limits(d):
     """Let all undecided elements stick, except those whose forces are at their limits (rows/limits.py).
 
-    An element at its limit slides, or other forces hold the element: then its motion is only an error, in
-    either direction.
+    An element at its limit gets the mode "slides" although other forces may hold the element. Its motion is
+    then only an error, in one direction or the other.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
@@ -182,7 +185,10 @@ def any_over(d):
 
 
 def let_go(d):
-    """Let elements slide whose forces are at their limits or, if there are none, exceed their limits."""
+    """Let the elements slide whose forces are at their limits.
+
+    If no force is at its limit, let the elements slide whose forces exceed the limits.
+    """
     all_stick = True
     for i in range(d.friction.stuck_count):
         if d.share.at_limit[i] != 0:

@@ -60,7 +60,7 @@ def end_if_left(d, c):
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
-    # −g/ġ ≤ LEAVING_TIME δ*/v₀
+    # the time to get out: −g/ġ ≤ LEAVING_TIME δ*/v₀
     if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEAVING_TIME * touch.depth_scale[c] * gap_rate:
         end_contact(d, c, False)
 
@@ -90,8 +90,8 @@ def apply_events(d):
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
-        # the forces, which decide whether elements stick, may belong to another time, at which outputs were
-        # computed
+        # The forces decide whether elements stick. They are computed again, because they may belong to
+        # another time, at which outputs were computed.
         located_rate(d, d.step.state_end, d.work.rate)
         count_evaluations(d, 1)
     forces = touch.compliant_count > 0
@@ -117,7 +117,7 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if forces:
-            control.resume_flight(d)  # the last proposed size belonged to an impact with a force
+            control.resume_flight(d)  # the last proposed size belongs to a contact with a force
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)

@@ -63,8 +63,9 @@ from chain_impact.kernel.rows.constraints import (
 )
 from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
 
-# Fraction of the smallest rebound speed. Points slower than this fraction do not separate: bounces that each
-# have a fraction of the speed of the bounce before would accumulate in a finite time (Zeno behaviour).
+# The least speed with which a point rebounds, relative to `contact.minimum_impact_speed`; a slower point does
+# not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often in a
+# finite time (Zeno behaviour).
 STICK = 1e-3
 TOUCHES = 1e-12  # the largest clearance of a point that takes part in an impact, relative to a link length
 # the largest error that counts as round-off: of an energy, relative to Σ p (|u⁻| + |u⁺|), or of a speed,
@@ -73,8 +74,8 @@ IMPACT_ROUND_OFF = 1e-9
 # The clearance given to a point that is released, relative to a link length. It is a hundred times round-off,
 # so that round-off does not make the point touch again.
 RELEASE_GAP = 1e-13
-# The largest distance that weight and dry friction move a point that comes to rest, relative to a link
-# length.
+# The arriving points come to rest if weight and dry friction can stop them within this distance, relative to
+# a link length.
 FALL = 10.0 * RELEASE_GAP
 
 
@@ -87,7 +88,7 @@ def handle_impact(d):
         The last candidate with a force law whose contact began, or −1.
     """
     touch, onset = d.touch, -1
-    # an interpolated state satisfies the constraints only up to the interpolant's error
+    # the state may be interpolated, with an error of the constraints, and so is projected first
     project_state(d, d.step.state_end)
     hit = False
     for c in range(d.candidates):
@@ -144,8 +145,8 @@ def follow_jump(d):
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         _, gap_rate = clearance(d, c)
-        # the force has jumped: the rate of the contact's own force, which is smaller, would hide that this is
-        # its peak
+        # The force may have jumped to its peak. The positive rate 1.0 of the force lets the next search find
+        # this peak; the true rate may be negative, and would hide the peak.
         set_rates(d, c, -gap_rate, 1.0)
         set_kink_side(d, c)
 
@@ -168,7 +169,7 @@ def apply_impulses(d):
     """Apply the impulses of an impact to the velocities, and count the lost energy as dissipated."""
     lost, moved = find_impulses(d, 1.0)
     if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
-        # only a NEIGHBOUR that moves away from its wall, or a wedged point, can cause a gain of energy
+        # a NEIGHBOUR that moves away from its wall, or a wedged point, causes a gain of energy: e is set to 0
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -183,7 +184,7 @@ def apply_impulses(d):
 
 
 def find_impulses(d, share):
-    """Find the impulses of an impact with a ``share`` of the restitution.
+    """Find the impulses of an impact, with the restitution of each contact multiplied by ``share``.
 
     Returns:
         The energy [J] that the impulses dissipate, and Σ p (|u⁻| + |u⁺|) [J].
@@ -219,7 +220,7 @@ def end_rebounding_contacts(d):
     """End the contacts whose points separate with a speed that is larger than round-off."""
     free_rate(d, d.step.state_end, d.work.rate)
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
-    # u²/(2 a), the height to which a point thrown with u rises
+    # a point with the speed u rises to the height u²/(2 a), which must exceed RISE link lengths
     slow = math.sqrt(2.0 * fall * RISE * d.model.size)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
@@ -310,7 +311,7 @@ def release_contacts(d):
             end_contact(d, d.touch.active_index[k], True)
             parting = True
     if parting:
-        # a joint that sticks at a stop must be free to move away from the stop
+        # nothing sticks during this motion, because a joint that sticks at a stop must move away from it
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)

@@ -39,9 +39,9 @@ def drop_changes(d):
 
 
 def mark_saturation(d, ends):
-    """Set the mark for the end of a drive's mode: 1 if one ends, else 0.
+    """Set the mark for drives: ``ends`` is 1 if the mode of any drive ends, else 0.
 
-    At an end the modes of all drives are chosen again.
+    If one mode ends, the modes of all drives are chosen again.
     """
     d.drive.event = ends
 

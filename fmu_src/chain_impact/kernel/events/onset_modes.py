@@ -13,7 +13,8 @@ from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal
 from chain_impact.kernel.status import count_other_work
 
-# [s] the time after an onset at which the forces show in which ratio the forces of several contacts grow
+# [s] The time after an onset at which the forces are compared. The forces of several contacts that begin at
+# the same moment grow in the ratio that they have then.
 SOON = 1e-6
 
 

@@ -1,10 +1,10 @@
 """The events that are found by sampling a step. At each event one of these functions falls below zero.
 
-    KINK             δ̇ or the uncut force, in the direction of the other side of the kink
+    KINK             δ̇ or the force without the cut at 0; times −1 for a step beyond the kink
     RELATCH          RELATCH_RATIO v₀ − δ̇ of a contact with a force
     RELEASE          least force with which a rigid wall holds a point
-    SLIDING_ENDS     s t·v
-    STICKING_ENDS    µ_s F_n − |F_t|
+    SLIDING_ENDS     s t·v, the speed in the direction of sliding
+    STICKING_ENDS    µ_s F_n − |F_t|, the limit of friction minus the friction force
     (drives)         least distance of a drive's torque from the end of the mode of the drive
 
 The stages of a step, and its ends, show which of these events to look for. An event that is found late causes
@@ -56,14 +56,14 @@ from chain_impact.kernel.status import count_evaluations
 # The number of samples of a step in which a stage has shown an event, including the step's end. The search
 # for RELATCH takes FEW_SAMPLES: if a short excess of δ̇ is missed, v₀ stays unchanged.
 SAMPLES, FEW_SAMPLES = 8, 4
-# SWEPT: the largest turn [rad] of inputs in a step in which the stages show all events, as stages are up to a
-# quarter of the step apart. DENSITY: the number of samples for each radian of a larger turn. SAMPLED: the
-# largest turn [rad] that has so many samples.
+# The turn [rad] of an input is its angular frequency times the length of a step. Up to the turn SWEPT the
+# stages of a step show all events, although they are up to a quarter of the step apart. A step with a larger
+# turn gets DENSITY samples for each radian, but not more than for the turn SAMPLED, which bounds the work.
 SWEPT, DENSITY, SAMPLED = 0.5, 8.0, 1e4
 # The largest pull of a rigid wall that counts as round-off, relative to the chain's mass times (gravity + one
 # link length per s²).
 PULL = 1e-11
-SHORT = 1e-9  # [s] the shortest step that is refused because of a release
+SHORT = 1e-9  # [s] the shortest step that is refused because a wall pulls too strongly in a stage
 AT_REST = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
 # The largest excess of static friction that counts as round-off, relative to the limit of friction plus a
 # link's weight plus the force that accelerates a link by one link length per second squared.
@@ -140,7 +140,7 @@ def search_by_inputs(still, swept):
 def mark_kinks(d, c, theta):
     """Mark the contacts that are at their kinks at θ, where the points are located."""
     mark(d, c, KINK)
-    # a symmetric chain crosses several kinks at the same time, up to round-off
+    # the contacts of a symmetric chain reach their kinks at the same time, up to round-off
     locate_at(d, min(1.0, theta + SIMULTANEOUS / d.step.size))
     for k in range(d.touch.compliant_count):
         if own_side(d, d.touch.active_index[k]) < 0.0:
@@ -218,9 +218,12 @@ def strongest(d):
 
 
 def least_force(d, _c, theta):
-    """Return the least force [N] of the held contacts at the fraction θ of the last step, plus round-off."""
+    """Return the least force [N] of the held contacts at the fraction θ of the last step.
+
+    The result includes the pull that counts as round-off, so it is negative only if a wall really pulls.
+    """
     interpolate(d.step, theta, d.work.y)
-    # with stiff joints, the constraint error of the interpolant would become a force
+    # without the projection, stiff joints would turn the interpolant's error into a force
     locate_points(d, d.work.y)
     project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
@@ -268,7 +271,7 @@ def mark_changes(d, element, theta):
 
 
 def resolution_of(d, e):
-    """Return the round-off [m/s or N] of the function of element e that is zero at the end of the mode."""
+    """Return the round-off: of the speed [m/s] of a sliding element e, of the force [N] of a sticking one."""
     return excess(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
@@ -278,12 +281,12 @@ def rest_speed(d):
 
 
 def excess(d, e):
-    """Return the excess [N] of the friction of element e over its limit that is round-off."""
+    """Return the largest excess [N] of the friction of element e over its limit that counts as round-off."""
     return FRICTION_EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
 
 
 def element_margin(d, e, theta):
-    """Return the margin [m/s or N] of element e before the mode ends, at the fraction θ of the last step."""
+    """Return how far [m/s or N] element e is from the end of its mode, at the fraction θ of the last step."""
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
         return d.element.mode[e] * tangential_rate(d, e) + resolution_of(d, e)
@@ -294,11 +297,11 @@ def element_margin(d, e, theta):
 
 
 def has_come_near(d):
-    """Return whether the margins of the modes that end in the repeated step have decreased enough.
+    """Return whether a mode that ends in the repeated step has really come near its end.
 
     The interpolant of a long implicit step has errors, and may show the end of a mode that a shorter step
-    does not have. The distance must be less than half, or steps with such false ends would follow each other
-    without end.
+    does not have. The margin of the mode must be halved in the repeated step. Otherwise steps with such false
+    ends could follow each other without end.
     """
     near = False
     for i in range(d.friction.count):

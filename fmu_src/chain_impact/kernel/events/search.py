@@ -44,16 +44,15 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_a
 # The largest depth of a point at its onset, relative to a link length. Onsets are located up to round-off,
 # about 1e-15. A deeper onset is an error of the step: at K = 1e12 N/m^1.5 it would add 1e-11 J.
 DEEP = 1e-9
-# The part of a step in which a crossing must agree with the Taylor polynomial at the start of the step, whose
-# relative remainder of third order is 1e-9 in this part. The interpolant of a stiff step can have larger
-# errors.
+# The first part of a step, in which a crossing must agree with the Taylor polynomial at the start of the
+# step. The polynomial of second order has a relative error of 1e-9 there; the interpolant of a stiff step can
+# have larger errors.
 EARLY = 1e-3
 # The largest distance from an onset to the end of a step that was repeated to end at the onset, relative to
-# the step's size.
+# the step's size. With a larger distance the step is refused.
 LANDED = 1e-2
 # The largest clearance at an onset that counts as round-off, relative to a link length and the coordinates of
-# the point. In a short step a slow point moves by little more, so this clearance may be a large part of the
-# step.
+# the point. A slow point may need a large part of a short step to move as far; this time then counts as 0.
 ROUND_OFF = 1e-15
 # The shortest step that is refused, relative to the time. It is ten times the resolution of time, because the
 # next try may be a tenth as long.
@@ -91,7 +90,7 @@ def find_event(d):
     # Without an event the clearances belong to the end of the step; an event breaks the sequence of steps and
     # makes the clearances invalid.
     remember_clearances(d, VALUES)
-    # the time in a regularized step is not under error control
+    # the error control does not check that time increases in a regularized step
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
         refuse(d, SPOILED)
     return theta
@@ -119,7 +118,7 @@ def find_sampled_event(d, theta):
 
 
 def credible(d, theta):
-    """Return whether the points of the crossings at θ really arrive or leave; φ and φ′ are set at θ.
+    """Return whether the points of the crossings at θ really arrive or leave; φ and φ′ must be set at θ.
 
     Positions and rates of the interpolant may be inconsistent within the tolerance. Three kinds of crossing
     are errors of a step that is too long: an onset deep inside a wall, an onset of a point that moves away,
@@ -141,8 +140,8 @@ def credible(d, theta):
 def starts_clear(d, lasted):
     """Return whether some candidate with an event has φ > 0 ``lasted`` [s] after the start of the step.
 
-    φ is extrapolated from the motion at the start. Near the start, the interpolant of a step over a stiff
-    motion may have an error as large as the tolerance.
+    φ is extrapolated from the motion at the start, because the interpolant of a step over a stiff motion may
+    have an error as large as the tolerance near the start.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.work.rate_start)
@@ -159,12 +158,12 @@ def starts_clear(d, lasted):
 
 
 def onset_fraction(d):
-    """Return θ of the onsets in the last step, which was repeated to end at its events; or −1.
+    """Return the fraction θ of the onsets in the last step, which was repeated to end at its events.
 
     θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
     θ; the result may lie a little beyond the end. The step is refused if points at θ are deep inside a wall
-    or far from an onset. The result −1 stands for the end of the step: without an onset, or in a step that is
-    not much longer than the resolution of time.
+    or far from an onset. The function returns −1, for the end of the step, if there is no onset, or if the
+    step is not much longer than the resolution of time.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
@@ -190,11 +189,12 @@ def onset_fraction(d):
 
 
 def onset_lateness(d, y):
-    """Return the time from the onsets to the state y of the last step, in step sizes; locate the points.
+    """Locate the points for a state y of the last step, and return how late y is after the onsets.
 
     Returns:
-        The time since the earliest onset over the step size: ∞ if a point does not arrive or is far from its
-        onset, −∞ without onsets. And the largest depth [m] of the arriving points inside their walls.
+        Two values. The first is the time from the earliest onset to y, over the step size: ∞ if a point does
+        not arrive or is far from its onset, −∞ if there are no onsets. The second is the largest depth [m] of
+        an arriving point inside its wall.
     """
     locate_points(d, y)
     latest, deepest = -math.inf, 0.0

@@ -31,7 +31,7 @@ VALUE_ROUND_OFF = 1e-9
 
 
 def limit_to_segment(d, h):
-    """Return a size ≤ h of the next step, in time: the step ends with a segment, or well before its end."""
+    """Return a size ≤ h of the next step, in time, which ends with a segment or leaves no tiny rest of it."""
     return h if d.step.regularized >= 0 else limit_to(d, first_end(d), h)
 
 
@@ -92,7 +92,7 @@ def begin_segments(d):
     The energy by which a jump loads springs counts as supplied.
 
     Returns:
-        NO_JUMP, BENDS or JUMPS: the largest value of all signals.
+        NO_JUMP, BENDS or JUMPS: the largest result of ``begin_segment`` for all signals.
     """
     last = -1
     for j in range(d.signals):
@@ -128,7 +128,7 @@ def begin_segment(d, j):
     supply(d, energy_balance(d, y) - energy)
     size = d.model.size
     if d.signal.input[j] != CHANNEL:
-        # the energy of the chain serves as the scale for torques, forces and angles alike
+        # the number of the chain's energy serves as the natural scale of torques, forces and angles
         return NO_JUMP if same(before, after, abs(rate) + abs(rate_after) + d.model.energy) else BENDS
     if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
         return JUMPS
