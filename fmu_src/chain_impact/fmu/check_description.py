@@ -86,7 +86,8 @@ def description_findings(path: Path) -> list[Finding]:
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
     """Return the faults that fmpy finds.
 
-    ``known``: whether another fault is known, which may be the reason why fmpy cannot read the description.
+    ``known``: whether another fault was found before. If fmpy then fails, that fault is probably the reason,
+    and the failure is not reported.
     """
     from fmpy.model_description import ValidationError, read_model_description  # this import takes a second
 
@@ -95,8 +96,8 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
     except ValidationError as error:
         problems = [str(problem) for problem in error.problems]
     except Exception as error:
-        # faults that fmpy itself finds are plain Exceptions; other exceptions follow from faults that the
-        # schema does not find
+        # For a fault that fmpy looks for, it raises Exception itself. An exception of another class, such as
+        # KeyError, is a failure of fmpy because of a fault that it does not look for.
         plain = type(error) is Exception
         if known and not plain:
             return []
@@ -159,7 +160,7 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
 def _of_unit(
     variable: Variable, units: Mapping[str, Container[str | None]], attribute: str
 ) -> Iterator[Finding]:
-    """Yield the fault of a type with an undefined unit or display unit; fmpy finds those of variables."""
+    """Yield a fault if a type has an undefined unit or display unit; fmpy checks the units of variables."""
     unit, display = (variable.attributes.get(key) for key in ("unit", "displayUnit"))
     if unit is not None and unit not in units:
         yield Finding(f"unit = {unit!r} must be in UnitDefinitions", attribute=f"{attribute}/unit")

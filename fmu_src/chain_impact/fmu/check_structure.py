@@ -128,7 +128,7 @@ class Structure:
             yield Finding(f"dependenciesKind = {kind!r} is not allowed at the start", attribute=path)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
-        """Yield all unknowns, with the words for the place of their dependencies."""
+        """Yield all unknowns of the model structure, each after the words for its place in a fault."""
         for name, nodes in self.lists.items():
             for node in nodes:
                 yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node

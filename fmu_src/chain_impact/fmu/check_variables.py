@@ -161,7 +161,7 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
-    """Yield attributes that this kind of variable, or this kind of FMU, must not have."""
+    """Yield (attribute, sentence) for each attribute that a variable of this kind, or FMU, must not have."""
     second, causality = root.get("fmiVersion") == "2.0", variable.causality
     if second and causality in ("input", "independent") and "initial" in variable.attributes:
         yield "initial", f"initial must not be given where causality = {causality!r}"

@@ -17,12 +17,14 @@ from chain_impact.recording.text import few
 
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
-"""The last call in the report of a complete test run."""
+"""A test run writes this word as its last call. Without it, the process ended before the test did."""
 LARGEST = 2**30
-"""[byte] the largest size of all unpacked files of an FMU. Python never unpacks more than the zip
-declares."""
+"""[byte] the largest size of all unpacked files of an FMU; a larger FMU is refused: it could fill the disk.
+
+The check uses the sizes that the zip declares. Python never unpacks more than this.
+"""
 NAMED = 5  # largest number of variables that one sentence names
-MANY = 10  # the largest number of findings that differ only in the variable and have a line each
+MANY = 10  # more findings than this that differ only in the variable share one line
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +52,7 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
     """Return one line for each finding; many that differ only in the variable have one line together."""
     alike: dict[Finding, list[Finding]] = {}
     for finding in findings:
-        # fmpy's sentences contain the name of the variable, and its line in the file
+        # equal faults have equal texts only without the name and the line of the variable, which fmpy writes
         text = re.sub(rf'"{re.escape(finding.variable)}" \(line \d+\)', "", finding.text)
         alike.setdefault(replace(finding, text=text, variable=""), []).append(finding)
     lines = []

@@ -85,7 +85,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
                 )
                 instance.freeInstance()
         except Exception as error:  # fmpy's exceptions have no common class
-            # the first message is the reason: an importer may continue after it, up to the next refused call
+            # the first message has the reason; later messages may be about calls that fmpy makes after it
             reason = [*reasons(), str(error)][0]
             raise RunError(f"{path}: {reason}") from None
     return rows

@@ -18,8 +18,8 @@ from chain_impact.scene.signal_values import is_motion, table_of, values_of
 from chain_impact.scene.signals import family
 from chain_impact.scene.table_file import TIME, read_table, samples_of
 
-# the largest difference of the values before and after a row that counts as round-off and no jump, relative
-# to the largest value of the input
+# the largest difference between the values just before and just after a row that is round-off, relative to
+# the largest value of the input; a larger difference is a jump
 JUMP = 1e-9
 
 
@@ -93,9 +93,10 @@ def driven_rows(
 
 
 def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return member k of a family of inputs as polynomials: their starts [s], and their coefficients.
+    """Return an input as polynomials in time: their starts [s], and their coefficients.
 
-    A member that is not in the table is a derivative of the nearest member in the table, else its integral.
+    ``members`` are an input, its integrals and its derivatives, from ``family``. The result is for member
+    ``k``. If it is not in the table, it is a derivative or an integral of a member in the table.
     """
     given = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given if j <= k), default=given[0])

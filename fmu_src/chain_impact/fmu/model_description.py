@@ -141,7 +141,8 @@ def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: 
 def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
     """Return the number of each output, and the numbers of the inputs that act on it directly.
 
-    At the start an output depends on all known values; FMI assumes this if there is no list.
+    These lists are for the time after the start. There is no list for the start: FMI then assumes that an
+    output depends on all known values, which is right.
     """
     inputs = " ".join(str(number) for number, variable in numbered if variable.causality == "input")
     return [
@@ -251,11 +252,11 @@ def rate_of(variable: Variable) -> DataPath | None:
 def nominal_values(scene: Scene) -> dict[str, float]:
     """Return the usual magnitudes of the outputs, by the names in the table of variables.
 
-    Magnitudes of the motion are the absolute scales of the solver (``model.size``, ``model.energy``): the
-    longest link L, L in a second, and M L²/s² for the whole mass M. Magnitudes of contacts follow from a
-    collision of the whole mass at v = L/s without damping: the penetration δ with K δⁿ⁺¹/(n+1) = M v²/2, and
-    the momentum M v. Magnitudes of stops follow in the same way from the whole mass at the end of the longest
-    link, at 1 rad/s.
+    Magnitudes of the motion are the absolute scales of the solver (``model.size``, ``model.energy``). With
+    the length L of the longest link, the whole mass M and the speed v = L / 1 s, they are L, v and M v².
+    Magnitudes of contacts follow from a collision of the whole mass at v without damping. The penetration δ
+    obeys K δⁿ⁺¹/(n+1) = M v²/2, with stiffness K and exponent n; the momentum is M v. Magnitudes of stops
+    follow in the same way from the whole mass at the end of the longest link, at 1 rad/s.
     """
     links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)

@@ -23,7 +23,7 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
         kernels: platform → library.
         fmi: the version of FMI, 2 or 3.
     """
-    # the package has no version yet while its wheel is built
+    # not at the top of the module: the package has no version yet while its wheel is built
     tool, further = f"chain-impact {version('chain-impact')}", list[tuple[list[Any], int]]()
     if fmi == 2:  # noqa: PLR2004
         description = model_description(prepared, tool, 2, canNotUseMemoryManagementFunctions="false")

@@ -21,9 +21,10 @@ from {slave} import ChainImpact
 # pythonfmu 0.7.0 gives these names back once for every instance without having taken them
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 """
-"""The script that pythonfmu's wrapper executes for every new instance; the wrapper keeps its code and names.
+"""The script that pythonfmu's wrapper executes for every new instance.
 
-So the script only imports the slave, which Python does once in a process.
+The wrapper never frees the code and the names of the script. So the script only imports the slave, which
+Python loads once in a process.
 """
 
 
@@ -62,7 +63,8 @@ def slave_source() -> bytes:
 
 def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
     """Return pythonfmu's modules, and pythonfmu's wrappers as the binaries of an FMU with a name."""
-    # the installed package, because the loaded module may belong to an FMU that this process has run
+    # The files come from the installed package. The module `pythonfmu` in memory is perhaps that of an FMU
+    # which this process has run.
     folder = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
     files = {f"resources/pythonfmu/{module.name}": module for module in folder.glob("*.py")}
     for platform in platforms:

@@ -30,21 +30,22 @@ from chain_impact.variables.prepared import PreparedScene
 FILE = "resources/chain_impact_reference.csv"
 EXACT = 1e-12  # solver tolerance of the reference run
 ROWS = 100  # approximate number of communication steps in the scene's time
-# divisor of the scene's time: a shorter time, which is tried if results over the longer time are not reliable
+# if the results over a time are not reliable, the reference is made for this time / SHORTER
 SHORTER = 10
-# A chain amplifies an error with each impact. So the table ends where a run at the scene's own tolerance
-# differs from the reference by more than max(LARGEST, tolerance). The allowed error of a user's result is
-# MARGIN times the difference of that run up to there, and at least LEAST. All are over the largest value of
-# each unit.
+# A chain amplifies an error with each impact. So the table ends where a second run, at the scene's own
+# tolerance, differs from the reference by more than max(LARGEST, tolerance). The allowed error of a user's
+# result is MARGIN times the largest difference of the second run before this end, and at least LEAST. LARGEST
+# and LEAST are relative to the largest value of all outputs with the same unit.
 LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
-# the least distance of a compared time from the onset or end of a contact, relative to the step
+# Outputs are not compared closer than this to the onset or end of a contact, where they change too fast. The
+# distance is relative to the communication step.
 CLOSE = 1e-4
-# the largest number of evaluations, times links, that a reference run may take; this is about 0.2 s
+# a reference run ends when evaluations × links reach this number, which takes about 0.2 s
 MOST_WORK = 2_000_000
-SWING = 0.1  # amplitude of the inputs over the magnitudes of the motion
-MOVED = 0.01  # amplitude of a moving base or wall over the magnitudes of the motion
+SWING = 0.1  # amplitude of torques and forces, relative to the magnitudes in `nominal_values`
+MOVED = 0.01  # amplitude of a moving base or wall, relative to the length of the longest link
 # FEWEST: the smallest number of rows, because the start alone is not a simulation. DIGITS: the number of
-# digits of a result.
+# digits of a value in the file.
 FEWEST, DIGITS = 2, 12
 
 
@@ -149,7 +150,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
 def _run(
     scene: Scene, times: np.ndarray, inputs: dict[str, np.ndarray], names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the outputs at the times that the chain reaches with limited work, and the impacts.
+    """Return the outputs up to the time at which work reaches MOST_WORK or a fault ends the run; the impacts.
 
     Raises:
         SimulationError: when the first step cannot be taken.
@@ -173,12 +174,13 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     """Return a sine with a different frequency for each input, so that exchanged inputs would be noticed.
 
     Velocity and acceleration of a moving base or wall are the derivatives of the position. The values are
-    rounded as in the file, because even a tiny difference counts as a new value.
+    rounded as in the file: the reference run must get exactly the values that an importer reads from it.
     """
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    torque = SWING * nominal["energy"] / prepared.sizes.links  # a share for each link of the energy M L²/s²
+    # torque = SWING · energy / number of links: with fewer links, each torque may be larger
+    torque = SWING * nominal["energy"] / prepared.sizes.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, variable in enumerate(prepared.inputs):

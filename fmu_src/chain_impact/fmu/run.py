@@ -81,7 +81,7 @@ def record_fmu(
     outputs = [
         name
         for name, variable in variables.items()
-        # the arrays of FMI 3.0 repeat the values of the scalars
+        # arrays of FMI 3.0 are left out, because they only repeat the values of scalar outputs
         if variable.causality == "output" and not variable.dimensions
     ]
     check_result_size(str(path), stop_time, step_size, len(outputs))

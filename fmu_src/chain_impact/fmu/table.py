@@ -93,7 +93,10 @@ def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
 
 
 def _words(prepared: PreparedScene) -> list[int]:
-    """Return the indices of the words of the record that the C interface itself uses; 0 for missing words."""
+    """Return the indices of the words of the record that the C interface itself reads or writes.
+
+    The index is 0 for a word of moving parts if nothing moves.
+    """
     paths: list[DataPath] = [
         ("step", "time"),
         ("given", "changed"),

@@ -76,7 +76,10 @@ class Trial:
         self.call("FreeInstance", "", self.fmu.freeInstance)
 
     def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
-        """Call the FMU; the error message names the quantity that the importer lacks ``without`` the call."""
+        """Call the FMU.
+
+        If the call fails, the error says "<name> gives <without>": "fmi2Instantiate gives no instance".
+        """
         name = name if " " in name else f"fmi{2 if self.second else 3}{name}"
         self.tell(call=name)
         before = len(self.reasons())

@@ -1,9 +1,9 @@
 """Data about all scenes for the page: the keys of a scene file, the variables, and their paths in the record.
 
 The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
-data therefore contain templates of variables, the rows of the table of variables. The page makes the
-variables from these templates, as ``variables/listing.py`` does. The index of a word in the record is a list
-of the numbers that compilation/affine.py gives.
+data therefore contain templates, such as ``link[{n}].angle``, from which the page makes the variables as
+``variables/listing.py`` does. The index of a word in the record depends on the same numbers. The data contain
+the coefficients from which the page computes the index (compilation/affine.py).
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable
 WITH_STOPS = SimpleNamespace(stops=True, links=())
 """A stand-in for a chain with stops, to evaluate defaults that depend on whether the chain has stops."""
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
-"""The words of an element in the texts of parameters and inputs, which the page fills in."""
+"""Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each element."""
 LONGEST = 1e9
-"""[s] the longest time of a run"""
+"""[s] the longest stop time, and the longest communication step, that a reader can set"""
 PATHS: dict[str, DataPath] = {
     **{name: (name,) for name in (*COUNTS, "skewed", "slides")},
     "site_link": ("site", "link", AT),
@@ -113,7 +113,10 @@ def _keys(table: Any) -> dict[str, Any]:
 
 
 def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rule for a key: of a table, of tables in a list or by name, of a list, or of a value."""
+    """Return the rule by which the page checks a key of a scene file.
+
+    The key stands for a table, a list of tables, tables by name, a list of values, or a value.
+    """
     inner = entry_type(kind := without_none(kind))
     if is_dataclass(inner):
         kinds = {tuple: "tables", Mapping: "named"}
@@ -135,7 +138,8 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         }
     default = rule["default"]
     if isinstance(default, Derived):
-        # such a value is a constant that only exists with stops, or a zero for each link
+        # a derived default is either a constant that exists only with stops, or 0 for each link; the page
+        # needs only the constant
         given = default.value({"chain": WITH_STOPS}) if default.constant else None
         return value | ({"ofStops": given} if isinstance(given, float) else {})
     return value | ({"needed": rule["description"]} if default is MISSING else {"default": default})
@@ -153,7 +157,7 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
-    """Return the kinds of variables of a block, for each kind of element of the block."""
+    """Return the templates of a block of variables, and the element for which the block is repeated."""
     return {"of": block.of, "rows": [row(kind) for kind in block.kinds]}
 
 
@@ -254,7 +258,7 @@ def _is_real(path: DataPath) -> bool:
 
 @cache
 def words(path: DataPath) -> list[int]:
-    """Return the index of a word for any record, as ``_affine`` describes."""
+    """Return the coefficients of the index of a word, and the step to this word of the next element."""
 
     def word(record: np.dtype, index: int) -> int:
         return word_index(record, filled(path, {"at": index}))
@@ -264,5 +268,8 @@ def words(path: DataPath) -> list[int]:
 
 
 def _affine(number: Callable[[np.dtype], int]) -> list[int]:
-    """Return the constant and the slope for each of ``COUNTS``, of a number that a record determines."""
+    """Return the coefficients c of a number that depends on the layout of a record.
+
+    The number is c₀ + Σ cᵢ · countᵢ, with the counts that ``COUNTS`` names, such as the number of links.
+    """
     return [*affine([number(layout_of(*sizes)) for sizes in SAMPLES])]

@@ -32,8 +32,8 @@ FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
-FINEST = 65535  # the largest number of 16 bits
-MOST_ROWS = 80_000  # the largest number of rows of a page; with more rows, some are left out
+FINEST = 65535  # the largest integer of 16 bits, to which the largest value is scaled
+MOST_ROWS = 80_000  # the largest number of rows of a page; of a longer recording some rows are left out
 
 
 def page(recording: Recording, speed: float, impact_time: float) -> str:

@@ -15,8 +15,8 @@ from matplotlib.ticker import EngFormatter
 
 LONGEST, LEAST = 0.26, 0.02  # the longest and the shortest arrow, relative to the smaller side of the scene
 DECADES = 6  # the largest number of powers of ten on the ruler
-# the least distance of a mark from the foot of the ruler, and of two numbers, relative to the length of the
-# ruler
+# FROM: the least distance of a mark from the left end of the ruler; APART: the least distance of two marks;
+# both relative to the length of the ruler
 FROM, APART = 0.1, 0.3
 BETWEEN = 0.5  # the least space between two numbers, relative to their height
 TICK = 3.0  # [points] half of the length of a mark
@@ -35,11 +35,11 @@ class ArrowScale:
         return self.side * max(LEAST, LONGEST * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
-        """Return whether the arrow of a force [N] is as long as on the scale."""
+        """Return whether a force [N] is large enough for the scale; small forces have the shortest arrow."""
         return self.length(force) > LEAST * self.side
 
     def marks(self) -> list[tuple[float, str]]:
-        """Return place [m] and text of the powers of ten on the ruler that have room, the largest first."""
+        """Return the place [m] and the text of each power of ten that has room, the largest first."""
         found: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST * self.side
         for force in 10.0 ** (highest - np.arange(DECADES)):
@@ -52,7 +52,7 @@ class ArrowScale:
         return found
 
     def draw(self, axes: Axes, corner: np.ndarray, colour: str) -> None:
-        """Draw the ruler to the right of a corner [m], with marks, and the word for its quantity."""
+        """Draw the ruler, with marks and the word "force", to the right of a corner of the scene [m]."""
         left, y = corner
         look: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 7}
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}

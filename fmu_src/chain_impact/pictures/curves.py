@@ -28,10 +28,11 @@ MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
 SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
 WIDEST = 28  # the largest number of characters of a name at the side of the panel
-# the units that get a prefix, if the largest value is outside of the interval from SMALL to LARGE
+# PREFIXED: the units that may get a prefix, such as kN; they get it if the largest value is less than SMALL
+# or at least LARGE
 PREFIXED, SMALL, LARGE = ("N", "N.m", "N.s", "N.m.s", "J", "W"), 1e-2, 1e4
-END = 0.5  # the fraction of the text colour in the line at an impact's end
-TOLD = 4  # the largest number of outputs that are always 0 and named at the foot
+END = 0.5  # the line at the end of an impact mixes this fraction of the text colour with the ground's colour
+TOLD = 4  # of the outputs that are always 0, at most this number are named at the foot of the picture
 SIDE = 8  # the largest number of curves whose names are at the side of the panel
 
 
@@ -149,7 +150,10 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
 
 
 def always_zero(curves: Curves) -> list[str]:
-    """Return the outputs that are not drawn: of panels with other curves, two or more that are always 0."""
+    """Return the outputs that are not drawn, because they are 0 at all times.
+
+    In a panel they are left out only if there are two or more of them, and another curve is drawn.
+    """
     return [name for names in curves.panels for name in names if name not in drawn_in(curves, names)]
 
 
@@ -167,7 +171,10 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
 
 
 def hides(curves: Sequence[np.ndarray]) -> list[int]:
-    """Return for each curve how many curves before it look the same as it: these would not be seen."""
+    """Return, for each curve, how many earlier curves it would hide because they look the same.
+
+    Such a curve is dashed, so that the earlier curves are seen through its gaps.
+    """
     every = [curve[np.isfinite(curve)] for curve in curves]
     whole = np.concatenate(every) if every else np.zeros(0)
     seen = SAME * float(np.ptp(whole)) if whole.size else 0.0
@@ -178,14 +185,14 @@ def hides(curves: Sequence[np.ndarray]) -> list[int]:
 
 
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
-    """Return the factor to the unit of an axis, and this unit: kN for forces from LARGE on."""
+    """Return the unit of an axis, after the factor from the given unit to it: kN for large forces."""
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
     is_usual = SMALL <= largest < LARGE or largest == 0.0 or unit not in PREFIXED
     return (1.0, unit) if is_usual else prefixed(largest, unit)
 
 
 def short_name(name: str, names: Sequence[str]) -> str:
-    """Return a name without the last part that several names share, and that the label of the axis has."""
+    """Return a name without a last part that all names of the panel share: the axis label has this part."""
     shared = axis_label(names, "") if len(names) > 1 else ""
     return name.removesuffix(f".{shared}")
 
@@ -193,7 +200,7 @@ def short_name(name: str, names: Sequence[str]) -> str:
 def axis_label(names: Sequence[str], unit: str) -> str:
     """Return the label of an axis: the unit, and the last part of the names if all names share it.
 
-    For a component of a vector, the label has the vector, too: "force.x".
+    The last part of a component of a vector has two words: "force.x".
     """
     last = {re.sub(r".*?((?:\w+\.)?[xy]|\w+)$", r"\1", name) for name in names}
     shared = last.pop() if len(last) == 1 else ""

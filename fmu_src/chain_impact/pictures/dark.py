@@ -20,13 +20,15 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation, Text
 
 DARK = 0.18  # the luminance of a ground below which white has more contrast to it than black
-LEAST = 0.3  # the least luminance of a colour on a dark ground: on black it has the contrast 7
+LEAST = 0.3  # the least luminance of a colour on a dark ground; on black this gives the contrast ratio 7
 GAMMA = 2.2  # the exponent of a screen
 COLOURED = 0.15  # the saturation above which a colour is not a grey
-# the exponent for greys: their distance from the ground grows, because near black less of it is seen
+# on a dark ground, the exponent for the distance of a grey from the ground, from 0 to 1: it makes the
+# distance larger, because greys near black are hard to see
 APART = 0.8
 OUTLINE = 3.0  # [points] the width of the outline of a text
-TIME = "time"  # the name of the colour map that lines use, too; other maps keep their colours
+# the name of the colour map for time; on a dark ground its colours change, because lines have them, too
+TIME = "time"
 Colour = tuple[float, float, float, float]
 
 
@@ -55,7 +57,7 @@ class Ground(NamedTuple):
     def suit(self, artists: Iterable[Artist]) -> None:
         """Give artists that were drawn for a white figure the colours for this ground.
 
-        An axis comes after its ticks, as in ``findobj``.
+        An axis must come after its ticks, as in ``findobj``; otherwise the ticks would be changed twice.
         """
         for artist in artists:
             if isinstance(artist, Line2D):
@@ -91,12 +93,15 @@ class Ground(NamedTuple):
             artist.set_edgecolor(self._suited_each(colours[1]))
 
     def _suited_each(self, colours: Any) -> Colour | list[Colour]:
-        """Return the colours for a collection; a single colour is no list, and suits many opacities."""
+        """Return the colours for a collection; a single colour is returned without a list.
+
+        With a list of one colour, matplotlib would refuse a list of several opacities.
+        """
         each = [self.suited(one) for one in np.asarray(colours)]
         return each[0] if len(each) == 1 else each
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:
-        """Return the colour map for an artist: for the time with other colours, else for missing values."""
+        """Return the colour map for an artist; except for TIME, only the colour of missing values changes."""
         own = artist.get_cmap()
         if own.name == TIME:
             return ListedColormap([self.suited(own(one)) for one in range(own.N)], TIME)

@@ -112,8 +112,8 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
 def needed_height(fill: Fill, width: float, usual: tuple[float, float]) -> float:
     """Return the height of a figure [inches] of a given width.
 
-    The height is the usual one for a narrow figure, and less for another figure that is narrower than usual;
-    it is larger if this is too low for the contents.
+    A figure narrower than WIDE has the usual height. A wider figure, narrower than usual, is also lower.
+    If this height is too low for the contents, the result is the least height with room.
 
     Raises:
         ValueError: when no height is enough.
@@ -125,7 +125,7 @@ def needed_height(fill: Fill, width: float, usual: tuple[float, float]) -> float
 
 
 def least_height(fill: Fill, width: float, height: float, mean: float = 0.0) -> float:
-    """Return the least height of a figure [inches], above a height that is too low, with room for all panels.
+    """Return the least height of a figure [inches] with room for all panels; ``height`` has no room.
 
     Raises:
         ValueError: when no height is enough.

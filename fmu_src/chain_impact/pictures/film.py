@@ -25,7 +25,8 @@ RATES = {".gif": 20, ".mp4": 30}
 FRAMES_OF_SINE = 8.0
 # the largest number of frames of a film that is slowed down for a sine; more take minutes to draw
 MOST_FRAMES = 1500
-# pixels per inch: the usual number, the least number with energies, and the number without energies
+# pixels per inch. DPI: the largest number for a film with energies; LEAST_DPI: the least number for it;
+# SMALL_DPI: the number for a film that is too small for energies
 DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
 
 

@@ -53,10 +53,11 @@ SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.06, 0.96, 0.72), (0.02, 0.84), (
 # half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
 # the scene
 BAR, CORNER = 0.035, 0.035
-STEEP = 0.5  # the horizontal part of the direction of an arrow from which on its number is beside its head
+STEEP = 0.5  # if |x| of an arrow's unit vector is larger, its number is beside the head, else above or below
 # TAIL: [s] the simulated time in which the trace of the tip fades; TAIL_PARTS: the number of its pieces
 TAIL, TAIL_PARTS = 0.3, 40
-# largest difference from 1 in real time, largest rate in slow motion, least factor without decimals
+# The rate is simulated seconds per second on the screen. REAL: a rate that differs less from 1 is called real
+# time; SLOW: a smaller rate has a dark text; TENS: a factor from this one on is written without decimals.
 REAL, SLOW, TENS = 0.02, 0.5, 9.95
 
 
@@ -129,7 +130,7 @@ class Film:
             figure.set_facecolor(self.ground.ground)
 
     def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
-        """Return vectors at the times of the frames, shape (F, 2)."""
+        """Return vectors at the frames, shape (F, 2), by interpolation between the rows, shape (T, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
     def _draw_key(self, figure: Figure, right: float) -> None:
@@ -144,8 +145,7 @@ class Film:
         pinned = self.recording.pinned
         view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
-        # x and y have the same scale: the axes show the view, and more space beside or above the view, as the
-        # figure allows
+        # x and y have the same scale, so the axes show more than the view: space beside it or above it
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
         seen = room * (size / room).max()
         low = view[0] - anchor * (seen - size)

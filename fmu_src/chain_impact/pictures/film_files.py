@@ -12,9 +12,9 @@ from matplotlib.colors import to_rgb
 from chain_impact.extras import require
 
 SHADES = 6  # number of shades of each colour in a gif, from the colour towards the ground
-NEAR = (
-    0.04  # the largest difference of red, green and blue from the ground in a shade that Pillow treats as it
-)
+# a shade whose red, green and blue differ from the ground by at most this number is left out, because Pillow
+# would take it for the ground
+NEAR = 0.04
 HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
 END = b";"  # the last byte of a gif
 QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
@@ -38,7 +38,7 @@ def write_gif(
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
     look: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}
-    # Pillow would keep all frames until the last one is there
+    # the frames are written one by one; Pillow's own `save` would keep all frames in memory
     with path.open("wb") as file:
         for part, corner, seconds in _changes(
             (Image.fromarray(one).quantize(**look) for one in pictures), rate
@@ -50,7 +50,10 @@ def write_gif(
 
 
 def _changes(frames: Iterator[Any], rate: int) -> Iterator[tuple[Any, tuple[int, int], float]]:
-    """Yield the part of each frame that differs from the last one, its upper left corner, its time [s]."""
+    """Yield the part of each frame that differs from the frame before, with its corner and its duration.
+
+    The corner is the upper left one [pixels]; the duration [s] is the time until the next change.
+    """
     from PIL.ImageChops import difference
 
     last = next(frames)

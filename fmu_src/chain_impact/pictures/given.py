@@ -14,7 +14,7 @@ from chain_impact.pictures.figures import break_labels
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
-TIMES = 3  # the number of times that axes are moved: with other axes their texts may get other sizes
+TIMES = 3  # the number of times that axes are moved: after a move the texts may need another space
 LEAST_SIDE = 0.2  # the least width or height of moved axes, relative to the width or height before
 SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 
@@ -41,7 +41,7 @@ def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
 def fit_into_figure(axes: Sequence[Axes]) -> None:
     """Make axes smaller whose legends and labels are cut off by the edge of the figure, or by other axes.
 
-    A figure that arranges its axes by itself does so when it is drawn.
+    A figure with a layout engine moves its axes itself when it is drawn; then only legends and labels change.
     """
     for figure in {figure for one in axes if (figure := one.get_figure(root=True)) is not None}:
         own = [one for one in axes if one.get_figure(root=True) is figure]

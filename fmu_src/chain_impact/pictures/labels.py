@@ -16,20 +16,20 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
-CLOSE = 4.0  # [points] distance from a place to its label
-# factors on this distance that are tried first; farther away, a line shows to which place a label belongs
+CLOSE = 4.0  # [points] the usual distance from a place to its label
+# The distances that are tried are CLOSE times these factors, in this order: first NEARBY, where a label needs
+# no line to its place. Then FAR, with a line, or UNLED if lines are not allowed.
 NEARBY = (1.0, 1.2)
-# factors on this distance that are tried beyond, if no label has a line
 UNLED = (1.3, 1.5, 1.8, 2.1)
-# factors on this distance that are tried if a line connects label and place
 FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
-# directions that are tried: parts of a turn away from the best direction of a label, a turn being PARTS
+# PARTS: the number of directions that are tried, equally spaced in a full turn; TURNS: their order, as steps
+# away from the best direction, to both sides
 PARTS = 16
 TURNS = (0, *(sign * part for part in range(1, PARTS // 2) for sign in (1, -1)), PARTS // 2)
-COVERED = 0.6  # the largest part of such a line that may cover other things
+COVERED = 0.6  # the largest part of a line between place and label that may cover other drawn things
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
-ABOVE = 6.0  # the layer of such a line and its label: above links and points
+ABOVE = 6.0  # matplotlib's zorder of labels and their lines: above links and points
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 
 
@@ -71,7 +71,10 @@ class Ink:
         self._counts.cumsum(axis=1, out=self._counts)
 
     def were_free(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """Return which boxes, given by corners in pixels, shape (B, 2), are free apart from labels."""
+        """Return which boxes were free before any label was written, shape (B,).
+
+        ``low`` and ``high`` are the lower left and upper right corners of the boxes in pixels, shape (B, 2).
+        """
         (x0, y0), (x1, y1) = np.floor(low).astype(int).T, np.ceil(high).astype(int).T
         counts = self._counts
         return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)

@@ -69,12 +69,15 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 
 
 def _put(axes: Axes, handles: list[Any], labels: list[str], columns: int) -> None:
-    """Put a legend above axes whose entries are read row by row."""
+    """Put a legend above axes; a reader finds its entries in their order row by row."""
     order = _by_column(len(labels), columns)
     own = [handles[k] for k in order], [labels[k] for k in order]
     axes.legend(*own, **ABOVE, ncols=columns).set_gid(MARK)
 
 
 def _by_column(count: int, columns: int) -> list[int]:
-    """Return the order in which matplotlib, which fills column by column, puts entries row by row."""
+    """Return the order in which matplotlib must get the entries, so that they are in order row by row.
+
+    Matplotlib itself fills a legend column by column.
+    """
     return [row for column in range(columns) for row in range(column, count, columns)]

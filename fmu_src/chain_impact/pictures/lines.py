@@ -12,7 +12,7 @@ from matplotlib.text import Text
 # a space at which a line may end: not beside the sign before a number, and not before a unit
 SPACE = re.compile(r"(?<![=≤]) (?![=≤]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
-HALVINGS = 8  # the number of times that the interval of the least sufficient width is halved
+HALVINGS = 8  # the number of steps of the bisection for the least width that needs no additional line
 
 
 def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> int:
@@ -25,7 +25,7 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
         text: the text, which is changed.
         room: the width [pixels].
         parts: the text between two parts.
-        more: the number of lines more than necessary that whole parts may need.
+        more: how many lines more than necessary are allowed, so that no line ends within a part.
 
     Returns:
         The number of lines.

@@ -41,9 +41,10 @@ def hit(recording: Recording, impact: np.void) -> str:
 
 
 def write_head(figure: Figure, recording: Recording, title: str, *first: str) -> None:
-    """Write a title, or the message if the title is "", and the conditions, which begin with other parts.
+    """Write a headline and, below it, the conditions of the recording.
 
-    If the message is short, the conditions give the lost energy.
+    The headline is the title, or the message if the title is "". ``first`` are texts that come before the
+    conditions. A narrow figure has a short message; then the conditions give the lost energy.
     """
     short = is_narrow(figure)
     told = [dissipated(recording)] if short and not title else []
@@ -51,7 +52,7 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str) ->
 
 
 def conditions(recording: Recording, *first: str) -> str:
-    """Return the known conditions of the recording, after some other parts."""
+    """Return the known conditions of the recording in one text; the texts ``first`` come before them."""
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
     for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
@@ -77,7 +78,10 @@ def conditions(recording: Recording, *first: str) -> str:
 
 
 def friction(name: str, value: Any) -> str:
-    """Return words for a coefficient of dry friction, of all walls or of one; "" for other parameters."""
+    """Return words for a parameter if it is a coefficient of dry friction: "0.3", "static 0.4 at y_min".
+
+    Return "" for other parameters, and for a coefficient of 0 that is not that of a single wall.
+    """
     at = re.fullmatch(r"(?:contact|wall\.(\w+))\.(static_)?friction", name)
     if not at or not (value or (at[1] and not at[2])):
         return ""

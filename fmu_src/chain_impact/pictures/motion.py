@@ -41,8 +41,8 @@ SQUARE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 NEAR_PLACE = 0.03
 # the length of the arrow of the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
-# LISTED: the largest number of impacts, or of ranges of impacts, that are listed at a ring; FASTEST: the
-# number that are listed at a ring with more
+# LISTED: a ring lists at most this number of impacts, or of ranges such as "1–81"; FASTEST: a ring with more
+# lists this number of impacts, the fastest ones, and says how many others there are
 LISTED, FASTEST = 3, 2
 
 

@@ -40,12 +40,13 @@ from chain_impact.recording.text import speed_unit
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VIOLET}
 ENERGY_COLOURS |= {"supplied": PURPLE}
 PARTS = {"friction": BROWN}
-"""Energies that are parts of other energies → colours."""
+"""Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
 BAR, NAME = 0.42, 0.5
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 TOLD = 5  # the largest number of points with individual colours, so that the legend has room
-POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)  # orange is the potential energy
+# points are not orange, because the potential energy is orange in the panel above
+POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)
 NUMBERED = 60  # the largest number of impacts that get numbers
 SHORT = 0.002  # the longest phase of dry friction that cannot be seen, relative to the duration of the run
 SEEN = 0.01  # the least duration of a contact that gets a band, relative to the shown time
@@ -84,7 +85,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
-    """Shade rests in all panels, and give the axes numbers."""
+    """Shade the times in which nothing moves, and set the numbers of the axes."""
     shade_rests(axes, shown_time(recording))
     give_ticks(axes)
 
@@ -134,7 +135,10 @@ def rubbing_places(recording: Recording) -> list[str]:
 
 
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
-    """Draw a line at each impact. The axis begins at ``start``, with the unit ``factor`` [1/s]."""
+    """Draw a line at each impact.
+
+    ``start`` is the time [s] at 0 of the axis; the axis shows ``factor`` times the seconds after it.
+    """
     onsets = factor * (recording.impacts["onset"] - start)
     axes.vlines(
         onsets, 0.0, 1.0, faint(axes, LINE), linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform()
@@ -142,7 +146,7 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
 
 
 def impact_lines(recording: Recording, start: float, end: float) -> str:
-    """Return words for the lines of ``mark_impacts`` between two times [s]; "" if there is none."""
+    """Return words that explain the lines of ``mark_impacts``; "" without an impact between two times [s]."""
     onsets = recording.impacts["onset"]
     return "grey: impacts" if ((onsets >= start) & (onsets <= end)).any() else ""
 
@@ -150,7 +154,7 @@ def impact_lines(recording: Recording, start: float, end: float) -> str:
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     """Draw the impact speed of each impact over time, with a colour for each point.
 
-    Most of many points are grey.
+    At most TOLD points have a colour of their own: those with the fastest impacts. The others are grey.
 
     A band behind the mark shows the duration of a contact that is long enough to be seen. If there are
     impacts at walls and at stops, the speeds at stops have their own axis on the right.
@@ -184,7 +188,10 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
 
 
 def shared_word(names: Sequence[str]) -> list[str]:
-    """Return names for a legend, without a word with which the name before begins: "point 0", "1"."""
+    """Return names for a legend; a name that begins with the same word as the name before loses this word.
+
+    For example, "point 0", "point 1" becomes "point 0", "1".
+    """
     kinds = ["", *(name.partition(" ")[0] for name in names)]
     pairs = zip(kinds, names, strict=False)
     return [name.removeprefix(f"{before} ") if before else name for before, name in pairs]

@@ -33,19 +33,21 @@ from chain_impact.pictures.style import FULL, WIDE, broken, is_narrow, styled, w
 from chain_impact.recording.recording import Recording
 
 SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion, relative to its height
-# the height of the panel of dry friction, and of each of its lines, relative to the height of the energies
+# RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
+# contact or joint; both relative to the height of the panel of energies
 RUBBING, RUBBING_ROW = 0.15, 0.3
 HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the figure
-# ABOVE_TIME: the largest height of the panel of motion above the other panels; CLOCK: the height of the axis
-# of colours; both over the height of the energies
+# ABOVE_TIME: the largest height of the panel of motion if it is above the other panels; CLOCK: the height of
+# the axis that shows the colours of time; both relative to the height of the panel of energies
 ABOVE_TIME, CLOCK = 1.1, 0.06
-# BESIDE: the ratio of width to height of a motion above which its panel has the whole width of the figure;
-# BROADEST: this ratio of a motion that needs the largest height above the other panels on a narrow figure
+# Both numbers are ratios of width to height of the motion. BESIDE: a broader motion has the whole width of
+# the figure, above the other panels. BROADEST: on a narrow figure, the panel of a broader motion is
+# lower than ABOVE_TIME.
 BESIDE, BROADEST = 2.2, 1.7
-# [inch] sizes on a figure whose height suits its contents. PANEL: the height of a panel over time with its
+# [inch] sizes that determine the default height of a figure. PANEL: the height of a panel over time with its
 # legend and numbers; LOWEST, HIGHEST: the least and the largest height of the panel of motion beside others;
-# ROUND: the width of the numbers and labels beside the motion; HEADS: the height of the headline, of the
-# legend above the motion, and of the labels below
+# ROUND: the width that numbers and labels take at the left and right of the motion; HEADS: the sum of the
+# heights of the headline, the legend above the motion, and the labels below
 PANEL, LOWEST, HIGHEST, ROUND, HEADS = 1.9, 2.7, 4.0, 0.9, 1.3
 LABELS = 0.6  # [inch] the height of the legend and the labels of a motion above other panels
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
@@ -60,7 +62,7 @@ NUMBERS = {"motion": number_rings, "impacts": number_impacts}
 
 The functions return the numbers without room.
 """
-FEET = 3  # the largest number of times that the panels are arranged above the text at the foot
+FEET = 3  # the text at the foot takes room, so the panels are arranged again, at most this number of times
 TOLD_AS = {"motion": "motion", "impacts": "speeds"}
 """Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
 
@@ -98,13 +100,14 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
 
 
 def number_and_tell(figure: Figure, found: dict[str, Axes], recording: Recording) -> None:
-    """Write the numbers of impacts into all panels, and at the foot which have no room.
+    """Write the numbers of impacts into all panels; a text at the foot lists the numbers without room.
 
-    The text at the foot takes room from the panels, in which then fewer numbers may have room.
+    This text takes room from the panels. Then fewer numbers may have room, so the text is written again.
     """
     engine, foot = figure.get_layout_engine(), None
     room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None
-    figure.set_layout_engine("none")  # artists that were drawn to find room for labels keep their positions
+    # without a layout engine all artists stay where they are, also the labels that are now put between them
+    figure.set_layout_engine("none")
     missing = number_all(figure, found, recording)
     for _ in range(FEET if missing else 0):
         figure.set_layout_engine(engine)
@@ -175,9 +178,9 @@ def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
 def usual_size(
     recording: Recording, panels: Sequence[str] = (), size: Size | None = None
 ) -> tuple[float, float]:
-    """Return the default size of a figure [inches] that is not narrow: it is low for a broad motion.
+    """Return the default size of a figure [inches]; it is low for a broad motion.
 
-    Only the width of the wanted ``size`` counts.
+    If the wanted ``size`` is narrow, the result is SIZE; ``size`` has no other effect.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -200,7 +203,7 @@ def broadness(recording: Recording) -> float:
 
 def motion_share(ratio: float) -> float:
     """Return the width of the panel of motion beside other panels, relative to the width of the figure."""
-    return HEIGHT * min(max(ratio, SLIM), BROAD)  # with this share the motion fills its panel
+    return HEIGHT * min(max(ratio, SLIM), BROAD)  # a panel of this width has the shape of the motion
 
 
 def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
@@ -229,7 +232,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
         if part == "motion":
             found[part] = figure.add_subplot(cell, label=part)
             continue
-        # the panels over time have their own margin
+        # a grid within the cell: the panels over time share a margin, which does not depend on the motion
         rows = cell.subgridspec(len(heights), 1, height_ratios=heights)
         found[part] = clock = figure.add_subplot(rows[-1], label=part)
         for k, name in enumerate(timed):

@@ -17,14 +17,15 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen
 from chain_impact.scene.half_planes import HalfPlane
 
-# MARGIN: the margin at the edges of the view; BAND: the margin outside of walls; both over the width of the
-# motion; √2 BAND < NEAR
+# MARGIN: the margin of the view around the motion; BAND: the visible width of the area outside of a wall;
+# both relative to the width of the motion. √2 BAND must be less than NEAR of recording/view.py: then a wall
+# that is left out because it is farther away than NEAR is also outside of the margins.
 MARGIN, BAND = 0.04, 0.14
-FARTHEST = 1.0  # the largest distance of a moving wall in view, relative to the width of the motion
+# a moving wall that is farther from the motion than this is not in view; relative to the motion's width
+FARTHEST = 1.0
 SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
 BROADEST = 1.6  # the largest ratio of width to height to which a view grows to fill its axes
-# the least component of a wall's normal along one axis with which the wall counts as parallel to the other
-# axis
+# a wall counts as parallel to the x axis or y axis if a component of its unit normal is larger than this
 STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
 # most this number
@@ -77,12 +78,12 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
     met = dict(near)
     for at, wall in everywhere.items():
         normal = np.array(wall.normal)
-        # the distance of the farthest corner beyond the wall
+        # the distance [m] by which the corner of the view that is farthest outside of the wall is beyond it
         beyond = -wall.clearance(*np.where(normal > 0.0, *view))
         if at not in near and beyond > 0.0:
             met[at] = wall
             along = int(np.abs(normal).argmax())
-            if abs(normal[along]) > STRAIGHT:  # the view grows at most to such a wall
+            if abs(normal[along]) > STRAIGHT:  # the view ends BAND beyond a wall that is parallel to its edge
                 view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * max(
                     0.0, beyond - BAND * width
                 )
@@ -90,7 +91,10 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
-    """Yield the walls twice: where each leaves the chain the most room in the recording, and the least."""
+    """Yield the walls of a recording at two extreme positions.
+
+    First each moving wall is where it leaves the chain the most room, then where it leaves the least.
+    """
     for extreme in (np.min, np.max):
         found = dict(recording.walls)
         for name, moved in recording.moved_walls.items():

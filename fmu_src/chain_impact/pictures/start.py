@@ -26,7 +26,7 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
 SIZE, ICON = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of the drawing, and of the icon
-# [inch] the free space at both sides together, of the drawing and of the icon
+# [inch] the width and height that stay free, for both sides together: in the drawing, and in the icon
 BORDER, MARGIN = 1.4, 0.3
 # [points] the length of an arrow, the radius of the arc of an angle, the length of the line from which an
 # angle is measured
@@ -152,7 +152,8 @@ def _draw_angle(axes: Axes, place: np.ndarray, text: str, angle: float, unit: fl
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
     axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
-    below = -9.0 if turned > 0.0 else 6.0  # the side on which the link is not
+    # [points] the link is above the line if the angle is positive; the text is on the other side
+    below = -9.0 if turned > 0.0 else 6.0
     _text(axes, text.replace("-", "−"), place, (0.7 * REFERENCE, below), ha="left")
 
 

@@ -39,7 +39,8 @@ OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground: beyond walls, and where the chain may be only at some times."""
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
 """The colours of areas on which labels may stand."""
-# SHADE: the fraction of the text colour in the shade of a rest; LINE: in the line of an impact
+# These colours mix a fraction of the text colour with the ground. SHADE: for a time in which nothing moves;
+# LINE: for the line at an impact.
 SHADE, LINE = 0.05, 0.1
 # the colour map viridis without its end, which is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
@@ -72,7 +73,10 @@ COLOURS: Any = {
         *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
     )
 }
-"""Settings with which everything is drawn: for a white figure, which ``suit_figure`` may then make dark."""
+"""Settings with which every picture is drawn: black on white, whatever the user's style is.
+
+If the user's style is dark, ``suit_figure`` then changes the colours.
+"""
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The kinds of settings that have an effect when a figure is drawn."""
 DPI = 160
@@ -81,7 +85,8 @@ LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the 
 GAP = 0.09  # [inch] space below the headline, and below the conditions
 MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the figure
 MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the height of the figure
-# the font sizes that are tried for a headline longer than a line, then than two, relative to its usual size
+# font sizes, relative to the usual one, that are tried for a headline until it fits into one line, else into
+# two lines
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
 STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten
@@ -109,7 +114,8 @@ class StyledFigure(Figure):
         with styled():
             super().__init__(**{"layout": "constrained"} | options)
             new_canvas: Any = FigureCanvasAgg  # matplotlib has no type information for the canvas
-            new_canvas(self)  # keeps its renderer; the usual canvas makes one each time a text is measured
+            # this canvas keeps its renderer; matplotlib's usual canvas makes one for each text, which is slow
+            new_canvas(self)
             self.settings = {
                 key: value for key, value in mpl.rcParams.items() if key.partition(".")[0] in DRAWING
             }
@@ -132,7 +138,7 @@ class StyledFigure(Figure):
 
 
 def suit_figure(figure: Figure) -> None:
-    """Give a figure, which is drawn for white paper, the colours of the style in use if this is dark."""
+    """Change the colours of a figure, drawn black on white, to those of the style in use if it is dark."""
     ground = Ground.of_style()
     if ground is None:
         return

@@ -27,7 +27,8 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     row = np.repeat(np.arange(len(steps)), parts)
     s = ((np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row])[:, None]
     h = steps[row, None]
-    # Hermite interpolation: p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁)
+    # Hermite interpolation of the position p between rows 0 and 1, a time h apart, at the fraction s of h:
+    # p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁), with the velocities v
     start, end = tip[row], tip[row + 1]
     before = (1.0 - s) ** 2 * ((1.0 + 2.0 * s) * start + s * h * speeds[row])
     after = s**2 * ((3.0 - 2.0 * s) * end - (1.0 - s) * h * speeds[row + 1])
@@ -49,7 +50,11 @@ def _speeds(recording: Recording) -> np.ndarray:
 
 
 def _broken(recording: Recording) -> np.ndarray:
-    """Return where the velocity may jump between rows, or follows from a curve across a jump, (T − 1,)."""
+    """Return between which rows the path has no smooth curve, shape (T − 1,).
+
+    The velocity jumps at an impact. If velocities are computed from positions, those of the rows beside the
+    impact are wrong, too.
+    """
     at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)
     knows = f"point[{recording.points.shape[1] - 1}].vx" in recording.columns
