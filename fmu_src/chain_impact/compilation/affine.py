@@ -20,7 +20,8 @@ SAMPLES = (
     *(tuple(number + (k == n) for k, number in enumerate(_FIRST)) for n in range(len(_FIRST))),
     (7, 10, 9, 8, 5, 6, 4, 9),
 )
-"""The counts of records from which all coefficients are computed; the last record is a check."""
+"""The counts of some example records. All constants of an affine number follow from its values for these
+records; the value for the last record is only a check."""
 
 
 class Affine(NamedTuple):

@@ -5,8 +5,8 @@ result and makes machine code. For a kernel of hundreds of functions these steps
 results are not used: zig's compiler optimises all functions in one pass over one module. numba has no public
 way to leave these steps out. So this module replaces private parts of numba: the libraries in which numba
 keeps the code of functions, and the way in which one function calls another. Where numba would raise an
-exception, a function only returns a number: an exception would be pickled into the code, with the path of a
-file.
+exception, a function only returns a number: numba would write the exception into the code, with the path of a
+file, and so the code would differ between machines.
 """
 
 from __future__ import annotations
@@ -145,7 +145,8 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
     if caller_settings:
         builder.call(_external(module, ir.VoidType(), PUT_BACK, WORD), [caller_settings])
-        # an inlined function could compute before the registers are set, or after they are restored
+        # these calls must not be inlined: inlined code could compute before the registers are set, or after
+        # they are restored
         for call in builder.block.instructions:
             if isinstance(call, ir.CallInstr):
                 call.attributes.add("noinline")

@@ -79,7 +79,7 @@ def explained(folder: Path) -> Iterator[None]:
         where, why = error.filename or folder, error.strerror or error
         raise BuildError(f"no kernel can be stored in {where} ({why}): {ADVICE}") from None
     except BuildError:
-        # the message of a compiler for a full disk differs
+        # a compiler can fail because the disk is full, but its message does not always say so
         if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE:
             raise BuildError(f"no kernel can be stored in {folder} (the disk is full): {ADVICE}") from None
         raise

@@ -103,11 +103,11 @@ register_model(Function)(models.OpaqueModel)
 @typeof_impl.register(FunctionType)
 def _type_of_function(function: FunctionType, _context: object) -> types.Type | None:
     if function in BUILT_IN or not f"{function.__module__}.".startswith(tuple(MODULES)):
-        return None  # numba itself knows how to compile some functions
+        return None  # numba itself knows how to compile this function
     return EXTERNAL[function] if function in EXTERNAL else Function(function)
 
 
 @lower_constant(Function)
 def _no_value(context: Any, _builder: object, _type: Function, _value: object) -> Any:
-    # numba would write the address of the function's object in this process into the code
+    # a dummy, because numba would write the address of the function's object in this process into the code
     return context.get_dummy_value()

@@ -25,7 +25,7 @@ from chain_impact.kernel.mathematics import angles, exponentials, logarithms, po
 
 MEMORY = "NRT required"  # the message of numba for a function that allocates memory
 MATHEMATICS = ModuleType(math.__name__)
-"""``math``, as a law has it."""
+"""The module ``math`` that a law uses: with the kernel's own functions in place of some of Python's."""
 vars(MATHEMATICS).update(
     {name: getattr(math, name) for name in MATH}
     | {name: getattr(exponentials, name) for name in ("exp", "expm1")}
@@ -64,7 +64,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
     space: dict[str, Any] = {"__name__": law.id, "__builtins__": names}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
-        MODULES.add(f"{law.id}.")  # a law may call other functions of the same file
+        MODULES.add(f"{law.id}.")  # so that the law can call other functions of its file
         inner = compiled(space[law.id])
         inner.compile((float64,) * len(law.arguments))
         returned = inner.nopython_signatures[0].return_type

@@ -23,7 +23,7 @@ from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.compilation.sources import fingerprint
 
-TRIPLE = "x86_64-unknown-linux-gnu"  # the target that the passes in this process assume
+TRIPLE = "x86_64-unknown-linux-gnu"  # the target that LLVM's passes in this process assume
 # [words] size of the frame of ``main``. Python keeps the frames of calls in blocks of 16 kB. Each time that
 # calls cross the end of a block, Python allocates or frees a block, which takes time. For a frame of this
 # size Python makes one block, of the next larger power of two, which has room for the frames of all calls in

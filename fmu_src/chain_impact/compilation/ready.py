@@ -32,8 +32,8 @@ the number of links from the instance. With the shared kernel, runs of up to ten
 longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
 
 SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
-"""The kernels of a wheel for release. Every installation has the kernels None and GENERAL, for any number of
-links."""
+"""The kernels of a wheel for release: None and GENERAL, for any number of links, and one kernel for each
+number of links from 1 to LARGEST_EXACT. Any other installation has only the kernels None and GENERAL."""
 PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
 """Kind of library → parts that are compiled and linked for this kind."""
 
@@ -69,7 +69,7 @@ def exact(wanted: Sizes, kind: str = KERNEL) -> Sizes:
 
 
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
-    """Return the numbers of links for which kernels of a kind exist."""
+    """Return the numbers of links for which kernels of a kind exist; None and GENERAL for any number."""
     # a kernel with derivatives for one number of links would be only 5 % faster
     return SIZES if release and kind == KERNEL else (None, GENERAL)
 

@@ -16,7 +16,7 @@ from chain_impact.variables.prepared import PreparedScene, of_series
 # WITHIN: the number of additional times within an impact; FOLLOWED: the largest number of impacts that get
 # them
 WITHIN, FOLLOWED = 50, 400
-CLOSE = 1000  # the number of times in a view of one impact
+CLOSE = 1000  # the number of times in a close view of one impact
 BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
 LONGEST = 0.02  # the duration shown for a contact that lasts to the end, relative to the run's duration
 LEAST = 1e-3  # the duration shown for an impulse, which has no duration, relative to the run's duration

@@ -18,9 +18,11 @@ LONGEST = 0.1
 SHORTEST = 1e-4  # [s] the assumed duration of a contact without a duration, such as an impulse
 FRAME_RATE = 60.0  # [1/s] frames per second on the screen
 FRAMES_OF_A_PERIOD = 16.0  # the least number of frames in a period of the fastest sine that drives an input
-FLIGHT_STEP = 1 / 240  # [s] the step, far from impacts, of the grid of times on which the ratio is computed
-NEAR = np.geomspace(1e-3, 1.0, 48)  # the times of this grid near an impact, relative to RAMP
-# the times of this grid within a contact, relative to the contact's duration
+FLIGHT_STEP = 1 / 240  # [s] far from impacts, the distance of the times at which the ratio is computed
+# before and after an impact, the distances from the impact at which the ratio is computed, relative to RAMP
+NEAR = np.geomspace(1e-3, 1.0, 48)
+# within a contact, the times after the onset at which the ratio is computed, relative to the contact's
+# duration
 WITHIN = np.linspace(0.0, 1.0, 25)
 # the least speed of an impact that is shown in slow motion, relative to the speed of the fastest impact
 SLOW_SPEED = 0.05

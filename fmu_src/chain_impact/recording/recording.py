@@ -285,7 +285,7 @@ class Recording:
     def pose_at(self, time: float) -> np.ndarray:
         """Return positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
 
-        An interpolated link would be too short.
+        The positions are not interpolated between rows, because the links would then be too short.
         """
         pose: np.ndarray = self.points[self.row_at(time)]
         return pose

@@ -54,5 +54,5 @@ def rest_lines(recording: Recording) -> Iterator[str]:
 
 
 def _metres(length: float) -> str:
-    """Return a length with micrometres, without zeros at the end."""
+    """Return a length as text, accurate to a micrometre, without zeros at the end."""
     return np.format_float_positional(round(length, 6) + 0.0, trim="-")

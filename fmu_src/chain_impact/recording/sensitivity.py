@@ -176,9 +176,9 @@ class Sensitivities:
         return changes
 
     def relative(self, quantity: str) -> np.ndarray:
-        """Return ``impact_changes`` over the value of the quantity, also for ``duration``.
+        """Return ``impact_changes`` divided by the value of the quantity; ``duration`` is a quantity, too.
 
-        NaN if it is unknown.
+        The result is NaN if the value is unknown.
         """
         rows = self.impacts
         if quantity == "duration":

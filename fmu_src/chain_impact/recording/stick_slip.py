@@ -118,7 +118,10 @@ class Touch:
 
 
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
-    """Return the phases of dry friction in rows, with times accurate to a row, see ``STICK_SLIP_DTYPE``."""
+    """Return the phases of dry friction in outputs over time, see ``STICK_SLIP_DTYPE``.
+
+    Start and end are accurate to the distance between two rows.
+    """
     changes: list[tuple[float, int, int, int]] = []
     for touch in touches:
         if touch.sticking is None or touch.friction is None or touch.wall not in ("", *walls):

@@ -98,8 +98,8 @@ class Result(Pictured):
     def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
         """Return an output over time by name, shape (T,), or a dict for a list of names and patterns.
 
-        A single pattern also gives a dict. Type checkers assume an array for a text, so use ``[pattern]``
-        with type checkers.
+        A single pattern also gives a dict. Type checkers assume that a text gives an array, so with type
+        checkers write the pattern in a list.
 
         Raises:
             UnknownNameError: a KeyError, when no output has the name.
@@ -152,7 +152,7 @@ class Result(Pictured):
 
     @cached_property
     def pinned(self) -> bool:
-        """Whether the base is a joint, at rest or moving."""
+        """Whether the base is pinned, at rest or moving, so that joint 1 connects it with link 1."""
         return self.scene.chain.base == "pinned"
 
     @cached_property
@@ -302,8 +302,8 @@ class Result(Pictured):
     def to_xarray(self) -> xarray.Dataset:
         """Return the outputs as a dataset of xarray over time, point, axis, link and contact, with units.
 
-        Outputs that ``simulate(output=…)`` left out are NaN; they are missing if the result has no output of
-        their kind.
+        Outputs that ``simulate(output=…)`` left out are NaN. If the result has no output of a kind, the
+        dataset does not have the kind.
 
         Raises:
             MissingExtraError: when xarray (the extra ``xarray``) is not installed.

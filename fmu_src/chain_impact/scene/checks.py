@@ -28,7 +28,7 @@ PACKAGE = __name__.partition(".")[0]
 # A link longer than LONG [m] with less mass per length than LIGHT [kg/m] is probably given in mm: only a long
 # rope is so light.
 LONG, LIGHT = 20.0, 0.2
-IN_MM = (9e3, 1.05e4)  # [m/s²] gravity on earth, if it is in mm/s²
+IN_MM = (9e3, 1.05e4)  # [m/s²] a gravity in this range is probably the earth's gravity in mm/s²
 
 
 def check(scene: Contents) -> None:
@@ -324,7 +324,7 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def start_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each coordinate in which a signal starts the base elsewhere than the scene."""
+    """Return a sentence for each coordinate of a base that a signal starts away from initial.position."""
     if scene.chain.base != "pinned":
         return []
     starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
@@ -332,7 +332,7 @@ def start_hints(scene: Contents) -> list[str]:
 
 
 def start_hint(axis: str, start: float, given: float) -> str:
-    """Return the sentence on a coordinate in which a signal starts the base elsewhere than the scene."""
+    """Return the sentence on one coordinate of a base that a signal starts away from initial.position."""
     return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
 
 
@@ -377,7 +377,7 @@ def law_hints(scene: Contents) -> list[str]:
 
 
 def warn(source: str, hints: list[str]) -> None:
-    """Warn of probable mistakes, with the line of the code outside of this package that called it."""
+    """Warn of probable mistakes; the warnings name the line of the user's code that called this package."""
     if not hints:
         return
     frame, level = inspect.currentframe(), 1

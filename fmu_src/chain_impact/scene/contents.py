@@ -197,7 +197,7 @@ class Contents:
     def _at_start(self, name: str, otherwise: float) -> float:
         """Return the value of an input at the start.
 
-        Without a signal that drives the input, ``otherwise``.
+        Returns ``otherwise`` if no signal drives the input.
         """
         for signal in self.signals.values():
             if name in signal.input:

@@ -20,9 +20,10 @@ _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)
 
 
 def line_of(text: str, path: DataPath) -> int | None:
-    """Return the number of a key's line, from 1, else of the line of the nearest table around the key.
+    """Return the number, from 1, of the line with a key.
 
-    Returns None if neither is found.
+    If the text does not have the key, return the number of the line with the nearest table around the key;
+    None if there is no such table.
 
     Args:
         text: a scene file.
@@ -65,7 +66,7 @@ def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
 
 
 def _steps(dotted: str) -> DataPath:
-    """Return the steps of a dotted key."""
+    """Return the parts of a dotted key, without quotes."""
     return tuple(step.strip("\"'") for step in re.findall(_NAME, dotted))
 
 

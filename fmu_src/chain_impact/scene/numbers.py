@@ -53,8 +53,8 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:
     """Return the scene with some numbers changed, as ``with_values`` makes it.
 
-    Returns None if ``with_values`` must read the whole scene: for other values, if a fault or a hint is
-    possible, and for a scene with a user's law file, which must be read again.
+    Returns None if ``with_values`` must read the whole scene: to change other values, to check for faults and
+    hints, or because a user's law file must be read again.
     """
     start, changed = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():

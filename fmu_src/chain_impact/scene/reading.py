@@ -275,8 +275,8 @@ class Reader:
     def _keys(self) -> dict[str, str]:
         """Return last part of a key → whole key.
 
-        Of several keys with the same last part, only the first one is returned. Keys of tables that users
-        name, such as walls, are left out.
+        Of several keys with the same last part, only the first one is returned. Keys of tables to which users
+        give names, such as signals, are left out.
         """
         return {
             key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root))) if ".<" not in key
@@ -285,7 +285,7 @@ class Reader:
 
 @functools.cache
 def _origin(kind: Any) -> Any:
-    """Return the origin of a type. The cache is needed because the function of typing is slow."""
+    """Return the origin of a type: tuple for ``tuple[int, ...]``; typing's function for this is slow."""
     return get_origin(kind)
 
 

@@ -19,8 +19,8 @@ from chain_impact.scene.text_file import check_separator, likely_time, text_of
 Source = str | Path | Mapping[str, Sequence[Any]]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
 TIME = "time"
-# the least ratio of a table's duration to the duration of the run at which the table's unit of time must be
-# wrong: the ratio is 1000 if the times are in milliseconds
+# a table that lasts longer than the run by this factor cannot be in seconds: with times in milliseconds the
+# factor is 1000
 TOO_LONG = 990.0
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 

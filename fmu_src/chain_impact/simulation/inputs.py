@@ -95,7 +95,7 @@ class Drive:
         course, motion = given["course"], record["motion"]
         motion["follows"], motion["jumps"] = 1, self.slips[at]
         for m, (part, name, *indices) in enumerate(self.paths):
-            index = indices[0] if indices else 0  # there is one slider
+            index = indices[0] if indices else 0  # the path of a slider's input has no index
             if name == COURSE:
                 motion["follows"] = 0
                 given_powers = motion[name][: len(powers), index]
@@ -108,8 +108,8 @@ class Drive:
             if part != MOTION:
                 course[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
-        # the exception: if motions follow values at communication points, all other inputs are constant, and
-        # the kernel itself computes the coefficients of motions
+        # the settings of polynomials are not written if motions follow values at communication points: all
+        # other inputs are then constant, and the kernel itself computes the polynomials of motions
         steady = motion["follows"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or course["order"]):
             changed = changed or any(course[name] != value for name, value in settings.items())
@@ -329,7 +329,7 @@ def _numbers(value: Any) -> np.ndarray | None:
     """Return a value as an array of real numbers; None if this is not possible."""
     try:
         array = np.asarray(value)
-    except ValueError:  # rows of different lengths
+    except ValueError:  # the value has rows of different lengths
         return None
     return array.astype(float) if array.dtype.kind in "iuf" else None
 

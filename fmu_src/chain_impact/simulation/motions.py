@@ -26,8 +26,8 @@ ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
 # relative to the largest value of a channel. The limits are large because the time of a kink, and so the
 # speed at the kink, is known only up to the square root of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
-# the largest difference between a given speed and the derivative of the position, relative to the largest
-# speed
+# a given speed contradicts the position if it differs by more than this from the position's derivative,
+# relative to the largest speed
 CONTRADICTS = 1e-3
 
 

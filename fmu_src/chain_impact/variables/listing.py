@@ -60,7 +60,7 @@ def inputs(scene: Scene) -> Iterator[Variable]:
 
 
 def inputs_asked(shape: Shape) -> Iterator[Variable]:
-    """Return the inputs that a scene of a shape asks for, including the inputs that signals drive."""
+    """Return the inputs that all scenes of a shape ask for, including the inputs that signals drive."""
     return (Variable.of(*arguments, variability="continuous") for arguments in _each(INPUTS, shape))
 
 
@@ -122,9 +122,9 @@ def value_at(scene: Any, path: DataPath) -> Any:
 
 
 def absent_hint(name: str) -> str | None:
-    """Return a hint: how to get a parameter that only some scenes have into the FMU.
+    """Return a hint how to get a parameter into the FMU, if only some scenes have this parameter.
 
-    None for another name.
+    Returns None for any other name.
     """
     kinds = (kind for block in PARAMETERS for kind in block.kinds if kind.hint)
     return next((kind.hint for kind in kinds if is_like(name, kind.name)), None)

@@ -201,7 +201,7 @@ PARAMETERS = (
         "material",
         *_of(
             *(Material, ("contact", "wall", "{name}", KEY), ("walls", KEY, AT)),
-            restitution={"if_missing": -1.0},  # below 0: as for all walls
+            restitution={"if_missing": -1.0},  # below 0, the restitution of all walls applies
             friction={"if_missing": -1.0, "hint": HAS_FRICTION},
             static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
         ),

@@ -318,7 +318,7 @@ def kernel_size(scene: Scene) -> int:
 
 
 def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
-    """Return a scene prepared; a prepared scene is returned unchanged."""
+    """Return the prepared form of a scene; a prepared scene is returned unchanged."""
     return source if isinstance(source, PreparedScene) else PreparedScene(source)
 
 

@@ -86,7 +86,7 @@ class Shape:
 
     @cached_property
     def of_signals(self) -> dict[str, tuple[int, int]]:
-        """The quantities that signals drive: input → row of the signal, and order of the derivative."""
+        """The quantities that signals drive: name → row of the signal, and index among its ``outputs``."""
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):
             positions |= {name: (row, order) for order, name in enumerate(signal.outputs) if name}
