@@ -13,7 +13,7 @@ def inlined(function):
 
 
 def dispatch(functions):
-    """Return a function of (number, …) that calls the function with this number, from 0, in ``functions``."""
+    """Return a function of (number, …) that calls entry ``number`` of ``functions``, counted from 0."""
     first, others = functions[0], functions[1:]
     if not others:
         return lambda _number, *arguments: first(*arguments)

@@ -27,8 +27,8 @@ def clear_impacts(d, time):
 
 def contact_force(d, c, gap, gap_rate):
     """Return the force [N] of an active candidate at a clearance [m] and a rate of the clearance [m/s]."""
-    # At the onset the clearance may be positive by round-off. It then counts as 0, where a force that jumps
-    # at the onset is already there.
+    # At the onset the clearance may be positive by round-off. It then counts as 0, because a force that jumps
+    # at the onset acts from the clearance 0 on.
     return force_on_side(d, c, max(0.0, -gap), -gap_rate)
 
 
@@ -165,9 +165,9 @@ def set_extremes(d, c, peak_force, max_penetration):
 
 
 def set_joint_top(d, c, top, joint):
-    """Set the largest |f|² [N²] in any joint during the contact of candidate c.
+    """Set the largest square of a force [N²] in any joint during the contact of candidate c.
 
-    ``joint``: 1…N, or 0 for none.
+    ``joint`` is the number of the joint, 1…N, or 0 for none.
     """
     d.touch.joint_top[c], d.touch.joint[c] = top, joint
 

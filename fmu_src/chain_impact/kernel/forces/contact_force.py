@@ -21,8 +21,8 @@ from chain_impact.kernel.rows.geometry import at_joint, lever
 # The relative increment of penetration and speed for the central differences of a user's law. It is about the
 # cube root of round-off: the errors of truncation and of round-off are then equal.
 INCREMENT = 1e-5
-# The largest rate |δ̇| at which a contact counts as turning from compression to restitution, over v₀
-# √tolerance. A rate of this size changes the impulse by a tenth of the tolerance.
+# The largest rate |δ̇| at which a contact counts as turning from compression to restitution, relative
+# to v₀ √tolerance. A rate of this size changes the impulse by a tenth of the tolerance.
 TURNED = 0.3
 
 
@@ -97,8 +97,9 @@ def set_damping(d, c):
 def unit_of_damping(d, c, mass_power):
     """Return the factor that turns the damping f K^(1−s) m^s of a wall into the damping of a stop.
 
-    A stop acts on an angle. With the lever arm r, K' = K rⁿ⁺¹, m' = m r² and d = d'/rᵖ⁺². The factor is 1 if
-    f has no unit.
+    f and s belong to the law (laws.py), and m is the effective mass. A stop acts on an angle; for the kernel
+    it is a wall at the lever arm r. For the angle, the stiffness is K' = K rⁿ⁺¹, and the mass m' = m r². The
+    law gives d' from K' and m', and d = d'/rᵖ⁺². The factor is 1 if f has no unit.
     """
     if not at_joint(d, c):
         return 1.0
@@ -110,8 +111,9 @@ def unit_of_damping(d, c, mass_power):
 def turning_margin(d, c):
     """Return the largest |δ̇| [m/s] for which the force of the wrong side has an error within the tolerance.
 
-    If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)² times the share of the
-    damping. For a point at rest the sign of δ̇ changes all the time, with speeds within the tolerance.
+    If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)² times the result of
+    ``damping_share``. For a point at rest the sign of δ̇ changes all the time because of errors, so the
+    result also includes a speed of the size of the tolerance.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
@@ -140,8 +142,8 @@ def continued_force(d, c, depth, rate):
 def force_on_side(d, c, depth, rate):
     """Return the force of candidate c for motion and loads: continued from one side of the kink, no pull.
 
-    For a point at rest δ̇ is 0 up to errors. Its sign is then no measure of the side, for a law that damps on
-    approach only.
+    For a law that damps on approach only, ``touch.beyond_kink`` tells the side of the kink. The sign of δ̇
+    would not do, because at rest δ̇ is 0 up to errors.
     """
     leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
     force, _ = uncut_force(d, c, depth, rate, leaves)

@@ -38,8 +38,8 @@ from chain_impact.kernel.status import (
     refuse_candidate,
 )
 
-# The largest depth in a wall at which a point still counts as apart, relative to a link length. Such a depth
-# leaves out a force K δⁿ of 1e-10 N at K = 1e8; round-off of positions is about 1e-15. Without this margin,
+# The largest depth in a wall at which a point still counts as apart, relative to a link length. At this depth
+# a force K δⁿ of 1e-10 N is left out for K = 1e8; round-off of positions is about 1e-15. Without this margin,
 # the solver would search every step of a point that slides along a wall at zero clearance for an onset.
 HARMLESS = 1e-12
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with such a law

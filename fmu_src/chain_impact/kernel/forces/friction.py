@@ -74,7 +74,7 @@ def set_anchor(d, e):
 def list_friction(d):
     """Pack the elements that have friction now, contacts first, and the sticking elements.
 
-    A free base has no joint, so its first element has no friction.
+    A free base has no joint, so the element of the first joint has no friction.
     """
     friction = d.friction
     friction.count = 0
@@ -110,7 +110,7 @@ def list_sticking(d):
 
 
 def suspend_sticking(d):
-    """Let no element stick during an impact on rigid walls: limits of friction are forces, not impulses."""
+    """Let no element stick in an impact on rigid walls: limits of friction do not limit impulses."""
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
 
@@ -198,7 +198,7 @@ def static_power(d):
 
 
 def work_of_holding(d):
-    """Return the work [J] of the sticking elements along their distances from their anchors."""
+    """Return the work [J] of the forces of sticking elements from the anchors to the present places."""
     work = 0.0
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
@@ -210,7 +210,7 @@ def keep_anchors(d):
     """Move the anchors of sticking elements to their located places if the projection has missed the anchors.
 
     The projection misses an anchor only where a motion can hardly be constrained (constraints.py). To correct
-    such a motion in each step would do work.
+    such a motion in each step would do work, and change the energy of a chain at rest.
     """
     friction = d.friction
     for i in range(friction.stuck_count):

@@ -45,11 +45,11 @@ from chain_impact.kernel.rows.geometry import (
 # The largest distance from a rigid wall that a projection may leave, relative to a link length. If a point
 # stays farther away, the walls leave no room for the chain.
 SQUEEZE = 1e-6
-# The least height to which a point rises when it leaves a wall, relative to a link length. A lower height
+# A point leaves a wall only if it rises at least to this height, relative to a link length. A lower height
 # could not be distinguished from round-off, and the next onset could not be located.
 RISE = 1e-14
 # The largest plausible correction of a coordinate in a projection, in rad or link lengths, relative to the
-# tolerance plus the error of a clearance in link lengths.
+# tolerance plus the error of a clearance in link lengths. A motion that needs more can hardly be constrained.
 MISPLACED = 10.0
 # The part of the largest residual that a projection onto the constraints of sticking elements may leave. A
 # projection that leaves more is in vain.
@@ -77,7 +77,10 @@ def start_from_state(d, derivative):
 
 
 def start_from_loads(d):
-    """Set ``start`` to the motions of all constraints by the loads at places; return the largest motion."""
+    """Set ``start`` to the motions along all constraints that the loads cause.
+
+    Returns the largest motion of any place.
+    """
     factorize_free(d)
     solve_space(d, d.work.link, d.work, FREE, d.work.change)
     for k in range(constraint_rows(d)):
@@ -234,10 +237,10 @@ def contact_resistance(d):
 def solve_positions(d):
     """Find the change of the coordinates that brings the active set to its targets, g = target.
 
-    If the change is larger than residuals and errors explain, only candidates with g < target are moved.
-    Sticking elements then stay, because their motions, which can hardly be constrained, would be large. They
-    also stay where the change hardly reduces the residual, as for two corners of a box; otherwise each step
-    would change the energy.
+    If the change is larger than residuals and errors explain, a motion can hardly be constrained. Then only
+    candidates with g < target are moved, and without a rigid wall nothing is moved. Nothing is moved either
+    where the change hardly reduces the residual of sticking elements, for example at two corners of a box.
+    Otherwise each step would change the energy.
     """
     rigid, size, asked, moved, left = d.rigid, d.model.size, 0.0, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
@@ -276,7 +279,7 @@ def least_impulse(d):
 def tolerated_momentum(d, speed):
     """Return the largest momentum [N·s] of the chain that counts as zero.
 
-    It belongs to the speed after a fall by RISE plus the tolerated error of ``speed`` [m/s].
+    It is the chain's mass times the speed after a fall by RISE plus the tolerated error of ``speed`` [m/s].
     """
     size = d.model.size
     mass = d.model.energy / (size * size)

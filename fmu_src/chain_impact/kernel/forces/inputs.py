@@ -42,12 +42,13 @@ AT_ONCE, CONTINUES = 1, 2
 # speeds times the time between two communication points. A larger difference counts as a jump of the
 # position.
 UNEXPLAINED = 0.05
-# the distance, relative to a link length, that counts as no jump of a position, whatever the speeds
+# the change of a position, relative to a link length, that does not count as a jump, whatever the speeds are
 TOUCH_OFF = 1e-9
 # The largest change of an acceleration that counts as round-off, relative to the largest position divided by
 # the squared step.
 ACCELERATION_ROUND_OFF = 1e-14
-# `change_rate` of a cubic motion, relative to 1/h; small, because the sixth derivative of a cubic is 0
+# `change_rate` of a cubic motion that lasts h, relative to 1/h; small, because a cubic has no sixth
+# derivative
 CUBIC_CHANGE = 0.5
 # the largest time from the end of a step to the end of the piece with which the step ends, relative to the
 # time
@@ -197,14 +198,14 @@ def inputs_continue(d):
 
 
 def limit_to_piece(d, h):
-    """Return a size ≤ h of the next step, in time: the step ends with the piece, or well before its end."""
+    """Return a size ≤ h of the next step, in time, that ends with the piece or leaves no tiny rest of it."""
     if d.inputs.course.order == 0 or d.step.regularized >= 0:
         return h
     return limit_to(d, d.inputs.course.until, h)
 
 
 def limit_to(d, time, h):
-    """Return a size ≤ h of the next step: the step ends at a ``time`` [s], or well before it."""
+    """Return a size ≤ h of the next step, which ends at a ``time`` [s] or leaves no tiny step before it."""
     remaining = time - d.step.end
     if remaining <= 0.0 or 2.0 * h <= remaining:
         return h
@@ -253,7 +254,7 @@ def follow_motion(d, time):
     if d.channels == 0 or not given.follows or not time > d.step.time:
         return OK
     if time == moved.until and d.given.changed != AT_ONCE:
-        return OK  # an interrupted communication step continues
+        return OK  # the same communication step continues after a pause
     now, h = d.step.time, time - d.step.time
     move(d, now)
     for j in range(d.channels):
@@ -290,7 +291,7 @@ def refuse_channel(d, j):
 def set_cubic(d, j, time, h):
     """Set the cubic of channel j from its present position until a ``time`` [s].
 
-    Returns whether the acceleration does not change, so that the motion does not bend.
+    Returns True if the acceleration continues without a jump.
     """
     given, moved = d.motion, d.moved
     s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]
@@ -318,7 +319,7 @@ def note_given(d, j, now):
 
     Returns False if the position of a wall jumps.
 
-    If no velocity of a base is given, its velocity is the mean velocity since the position before.
+    If no velocity of a base is given, the base gets the mean velocity since its previous given position.
     """
     given, moved = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]

@@ -73,9 +73,9 @@ ENERGY_GAIN = 0.1
 # The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that
 # round-off does not stop a run. When these additions reach ENERGY_GAIN again, the run ends.
 SLIP = 1e-8
-# The loss of energy by errors of all steps that is allowed in LASTING seconds, relative to the tolerance as
-# for OF_A_STEP. In 3360 random scenes this limit shortens steps in 3 % of the runs, most of them with stiff
-# springs.
+# LOSS: the loss of energy by errors that is allowed to all steps together; it doubles in LASTING seconds.
+# LOSS is relative to the tolerance times a scale, like OF_A_STEP. In 3360 random scenes this limit shortens
+# steps in 3 % of the runs, most of them with stiff springs.
 LOSS, LASTING = OF_A_STEP, 10.0
 NOTABLE = 0.1  # the least loss that affects the size of the next step, relative to the allowed loss of a step
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
@@ -164,7 +164,7 @@ def reinit_balance(d):
 def check_energy(d, theta):
     """Refuse the last step if it does not keep the energy balance up to θ (−1: up to its end).
 
-    If the step's loss over the allowed loss is notable, this ratio counts as an error of the step.
+    The ratio of the step's loss to the allowed loss counts as an error of the step if it exceeds NOTABLE.
 
     Returns:
         The energy balance and the available energy [J] at θ, for ``keep_energy``.

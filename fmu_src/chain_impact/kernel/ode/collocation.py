@@ -70,7 +70,7 @@ from chain_impact.kernel.status import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
 SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
-# distance from a step to which its polynomial is extrapolated with degree 5, 4 and 3, in lengths of the step
+# how far beyond a step its polynomial is used with degree 5, 4 and 3, in lengths of the step
 FORETOLD = (1.2, 2.0, 3.0)
 # The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution .7,
 # complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
@@ -79,7 +79,7 @@ FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 # The size of a step over the predicted time to the end of a contact. The prediction has an error of some
 # hundredths, so a smaller value would leave a tiny step before the end.
 PAST_END = 1.04
-FORCELESS = 1e-3  # the last part of a step in which a contact that ends has practically no force left
+FORCELESS = 1e-3  # a contact that ends within this part of a step has practically no force left
 # the length of the first step after an event at a tolerance of 1, in time constants of a fast motion
 DECAY_TIMES = 3.0
 WITH_START = (0.0, *NODES)
@@ -103,7 +103,7 @@ def _coefficients():
     return tuple(tuple(float(value) for value in row[RADAU_STAGES:]) for row in rows)
 
 
-# row m: the coefficients that give the amount of the m-th function from the increments of the stages
+# row m times the increments of the stages gives the coefficient of the m-th function of the dense output
 SHAPE = _coefficients()
 CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest second derivatives of these functions on [0, 1]
 
@@ -140,7 +140,7 @@ def can_extrapolate(d):
 
 
 def set_jacobian(d, z):
-    """Evaluate A where f was just evaluated, in the middle of the step, if the prediction is accurate.
+    """Evaluate A in the middle of the step, where f was just evaluated, if the prediction is accurate.
 
     Otherwise A of the start of the step is kept, which is accurate for a fast motion at the start.
     """
@@ -310,8 +310,8 @@ def estimate(d, h, size):
         return math.inf
     if any_constraint(d):
         # The projection onto rigid walls keeps a fast motion of stiff joints at the start of the step, which
-        # decays within the step. E would contain all of this motion, however long the step is, so the system
-        # is solved a second time.
+        # decays within the step. E would contain all of this motion, however long the step is. So the system
+        # is solved a second time, which removes it.
         solve_real(d, shift, implicit.parts[0])
         count_other_work(d, 1)
         for j in range(dissipated_at(d.links)):
@@ -322,7 +322,7 @@ def estimate(d, h, size):
 
 
 def lagrange(first, m, x):
-    """Return at x the m-th Lagrange polynomial through a step's start and the nodes from ``first`` on."""
+    """Return at x the m-th Lagrange polynomial on the points of WITH_START from index ``first`` on."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:
@@ -339,7 +339,7 @@ def coefficient(stages, m, j):
 
 
 def keep_stages(d, faded):
-    """Set the dense output; keep the stages for the next prediction, without parts that have ``faded``."""
+    """Set the dense output, and keep the stages for the next prediction; clear tiny numbers if ``faded``."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):

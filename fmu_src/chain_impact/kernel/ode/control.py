@@ -162,7 +162,7 @@ def at_onset(d, c, method):
 
 
 def at_onset_beside(d, c):
-    """Return the size for a contact that begins beside others, where an explicit step is a step in time."""
+    """Return the size [s] of the first explicit step for a contact that begins while other contacts last."""
     return BESIDE_SIZE * time_scale(d, c) * power(d.solver.tolerance, 1.0 / BESIDE_ORDER)
 
 
@@ -267,7 +267,7 @@ def scaled_errors(d):
 def moment_error(d, row):
     """Return the largest error of a joint's damper and spring moment over the moments that move the chain.
 
-    The constraint forces of rigid walls depend on these moments, and their signs decide on releases.
+    The forces of rigid walls depend on these moments, and the signs of the forces decide on releases.
     """
     error, first, worst = d.work.error[row], omega_at(d.links), 0.0
     turn, spin = 0.0, 0.0

@@ -203,11 +203,13 @@ def set_quadrature_stage_at_end(d, i):
 
 
 def settle_impulses(d):
-    """Correct impulses of walls that fall in the last step, because a wall never pulls; the end is final.
+    """Correct impulses of walls that decrease in the last step, because a wall never pulls.
+
+    The end of the step must be final, because the correction uses the impulses there.
 
     The quadrature of a step has weights of both signs, so the error can exceed a force that is close to 0. An
-    impulse that falls is set to its value at the start of the step. If points that a rigid wall holds nearly
-    coincide, only the sum of their forces is accurate, so the sum of their impulses does not change.
+    impulse that decreases is set to its value at the start of the step. If points that a rigid wall holds
+    nearly coincide, only the sum of their forces is accurate, so the sum of their impulses does not change.
     """
     quadrature = d.quadrature
     for k in range(min(quadrature.count, d.touch.active_count)):

@@ -189,7 +189,7 @@ _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 
 
 def toward_end(d, h):
-    """Return the size of the next step if the error control allows h.
+    """Return the size of the next step, given the size h that the error control allows.
 
     Near the end of a contact, the step passes this end or covers at most half of the time until then.
     """
@@ -209,9 +209,9 @@ def toward_end(d, h):
 
 
 def toward_ends(d, h):
-    """Return the size for steps in time if h is allowed.
+    """Return the size of the next step as ``toward_end`` does, for a step in time.
 
-    The step may pass the end of the contact with a force that ends first.
+    The end that counts is that of the contact with a force law that ends first.
     """
     accelerate_points(d, d.step.state_end, d.work.rate_start)
     left = math.inf
@@ -226,7 +226,10 @@ def toward_ends(d, h):
 
 
 def up_to(h, left):
-    """Return the size of the next step if the error control allows h; a contact ends after about ``left``."""
+    """Return the size of the next step if h is allowed and a contact ends after about ``left``.
+
+    Both are in the step's integration variable.
+    """
     if left < FORCELESS * h:
         return h
     if PAST_END * left < STRETCH * h:
@@ -263,10 +266,10 @@ def estimate(d, h):
 
 
 def is_smooth(d):
-    """Return whether the error of the step is of order 9, as in a regularized contact.
+    """Return whether the error of a step is estimated with order 9, as in a regularized contact.
 
-    The estimate of order 8 is kept as a margin in flight. It is also kept where a force rises as steeply as a
-    root of u, because the step then loses its order.
+    In flight the estimate of order 8 remains, as a margin. It also remains where a force rises as steeply as
+    a root of u, because the step then loses its order.
     """
     c = d.step.regularized
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5
@@ -282,7 +285,7 @@ def make(d, h):
 
 
 def change_by_rates(d, j):
-    """Return the change of component j of y in the tried step, not rounded by the sum in y."""
+    """Return the change of component j of y in the tried step, without the round-off of the sum with y."""
     return d.trial.size * _step_sum(d.work.stage, j)
 
 

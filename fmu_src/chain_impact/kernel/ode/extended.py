@@ -196,7 +196,7 @@ def solve_shift(d, s, space, row, x):
         add_along(constraint(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, row, change)
     if d.slides:
-        # in flight, no other function clears the loads on the points
+        # the force is removed, because no other function clears the loads on the points in flight
         space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
@@ -251,9 +251,10 @@ CLEARANCE_MISMATCH = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
-    """Move the coordinates in y to the clearances in ``normal``; for derivative 1, velocities to their rates.
+    """Move the coordinates in y so that the clearances agree with ``implicit.normal``.
 
-    The points must be located for y. ``change``, shape (N+2,), is a result.
+    For derivative 1, change the velocities so that the rates of the clearances agree with it. The points must
+    be located for y. ``change``, shape (N+2,), is a result: the change of the coordinates or velocities.
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.work.load)

@@ -36,7 +36,7 @@ def work_of_correction(d, h, i):
 
 
 def uncounted_work(d):
-    """Return the work [J] of dry friction along the part of the tried step that it has not counted yet.
+    """Return the work [J] of dry friction along the part of the tried step that is not counted yet.
 
     An implicit step has counted the work up to its last stage. The points must be located at the end.
     """
@@ -56,7 +56,7 @@ def uncounted_work(d):
 
 
 def change_by_rates(d, j):
-    """Return the change of component j of y in the tried step, not rounded by the sum in y."""
+    """Return the change of component j of y in the tried step, without the round-off of the sum with y."""
     if d.step.method == IMPLICIT:
         return d.implicit.stages[RADAU_STAGES - 1, j]
     return explicit.change_by_rates(d, j)
@@ -74,9 +74,10 @@ def work_along(d, change, sliding_only):
 
 
 def settle_holding(d, h):
-    """Count the work of sticking elements in the stages, whose motions from their anchors are errors.
+    """Count in every stage the work of the sticking elements since the start of the step.
 
-    Where the step ends, a projection moves the elements back to their anchors, with the opposite work.
+    Sticking elements should not move: their small motions away from the anchors are errors. At the end of the
+    step a projection moves them back to the anchors, and does the opposite work.
     """
     implicit = d.implicit
     before = holding_at(d, implicit.start, 0.0)
@@ -87,7 +88,7 @@ def settle_holding(d, h):
 
 
 def holding_at(d, z, elapsed):
-    """Return the work [J] of the sticking elements in state z, ``elapsed`` [s] after a step's start."""
+    """Return the result of ``work_of_holding`` [J] in state z, ``elapsed`` [s] after a step's start."""
     if d.channels > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)

@@ -94,10 +94,10 @@ def accept(d):
 def project_trial(d):
     """Project the end of the tried step onto the constraints.
 
-    The projection moves sticking elements back to their anchors, and others with them: dry friction does work
-    along this way. At rest this work, and the energy that the step dissipates, are below the last digit of
-    the dissipated energy. The part that is lost in the sum is added to the energy of the next step; otherwise
-    these parts would add up.
+    The projection moves sticking elements back to their anchors, and other elements with them: dry friction
+    does work in this motion. At rest this work, and the energy that the step dissipates, are smaller than the
+    last digit of the dissipated energy. The part that rounding of the sum loses is therefore kept, and added
+    in the next step; otherwise the lost parts would add up.
     """
     step, y, lost = d.step, d.trial.state, dissipated_at(d.links)
     if not any_sticking(d):
@@ -169,7 +169,7 @@ def truncate_to_output_time(d):
 
 
 def keep_state(d):
-    """Store the state at the communication point in ``trial.state``; no step is being tried then."""
+    """Store the state at the communication point in ``trial.state``, which no tried step uses then."""
     interpolate(d.step, fraction(d, d.step.time), d.trial.state)
 
 

@@ -47,9 +47,9 @@ LONGER, NOT_STIFF = 2.5, 5.0
 # The largest hρ of explicit steps in contact, and of the first explicit step in flight: two thirds of the
 # stable hρ. A longer step amplifies motions that are too small for the error control.
 STABLE = 4.0
-# The part of the explicit method's first step in an impact with which joints are compared. Explicit steps of
-# an impact cost much less than implicit steps, so that implicit steps are cheaper only if joints are far
-# stiffer than the contact.
+# An impact is computed with implicit steps only if this part of its first explicit step is too long for stiff
+# joints. Explicit steps of an impact cost much less than implicit steps, so implicit steps are cheaper only
+# if joints are far stiffer than the contact.
 IMPACT = 0.1
 # The number of steps in a row that must favour the other method before the method changes. With fewer steps
 # the method would change in the compression of an impact.
@@ -78,7 +78,8 @@ def choose_method(d):
                 step.method = EXPLICIT
                 keep_stable(d)
             else:
-                # a step that an event or an input has truncated does not show which size the errors allow
+                # if an event or an input has truncated the step, the size that the errors allow is not known:
+                # 0
                 step.explicit_size = step.end - step.start if step.kept == 1.0 else 0.0
                 step.method = IMPLICIT
         elif step.stiff_count > 0 and step.method == EXPLICIT:
@@ -102,7 +103,7 @@ def keep_stable(d):
     At rest the errors do not show that a step is too long: the state stays correct, but derivatives grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z of the next step is in proportion to the part of the last step that was kept
+    if z > 0.0:  # z belongs to the part of the last step that was kept
         limit(d, d.step.size * d.step.kept * STABLE / z)
 
 
@@ -170,7 +171,10 @@ def stiffness_number(d, h):
 
 
 def joints_over(d, h):
-    """Return hρ of a step of size h [s] for joints with dampers or springs, or a small bound on hρ."""
+    """Return hρ of a step of size h [s] for joints with dampers or springs.
+
+    If a bound on hρ is at most STIFF, the function returns this bound, which takes no computation.
+    """
     z = h * d.model.joint_bound
     if z > STIFF:
         z = h * joint_rate(d, d.step.state_end)

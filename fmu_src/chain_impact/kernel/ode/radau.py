@@ -32,7 +32,7 @@ PAIRS = 2  # number of pairs of complex eigenvalues
 # fmt: off
 NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
     1.0)
-# row i: ∫ of the j-th Lagrange polynomial from 0 to c_i
+# row i, column j: the integral of the j-th Lagrange polynomial from 0 to NODES[i]
 Q: tuple[tuple[float, ...], ...] = (
     (0.07299886431790333, -0.02673533110794557, 0.018676929763984353,
      -0.01287910609330644, 0.005042839233882015),
@@ -179,7 +179,8 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
                 return False
             theta = implicit.correction / before if before > 0.0 else 0.0
             before, implicit.contraction = implicit.correction, theta
-            # A first correction shows no θ. At rest it is small, and to stop there would leave its error.
+            # The first correction does not show θ. At rest it is small, but it may still have a large
+            # relative error.
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0

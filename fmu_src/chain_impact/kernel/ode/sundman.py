@@ -25,10 +25,11 @@ from chain_impact.kernel.ode.dense import time_rate
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
 NO_CONTACT = -1  # value of step.regularized if the integration variable of the step is time
-# The lower limit of u in a step. Where u < 0 time runs backwards: the step has passed the end of the contact.
+# A step to a smaller u is refused. Where u < 0 the step has passed the end of the contact, and time
+# decreases.
 BACK = -0.5
-# The largest u and δ̇/v₀ with which a point counts as resting on a wall, not hitting the wall. As p → 0, time
-# would stop in the variable s.
+# The largest sum u + |δ̇|/v₀ with which a point counts as resting on a wall, not as hitting it. The step then
+# runs in time: with s as the variable, time would hardly advance, because p is almost 0.
 RESTING = 0.1
 
 
