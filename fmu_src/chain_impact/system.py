@@ -146,13 +146,13 @@ def removal() -> Iterator[None]:
 
 # --- the console -------------------------------------------------------------------------------------------
 
-LISTEN = 0.2  # [s] time after which a program that waits notices Ctrl-C
+LISTEN = 0.2  # [s] a program that waits looks for Ctrl-C at these intervals
 
 
 def has_screen() -> bool:
     """Return whether the program can open a window.
 
-    On Linux, whether the environment names a display server.
+    On Linux it can if the environment names a display server; on other systems it always can.
     """
     return SYSTEM != "Linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
@@ -187,5 +187,5 @@ def written_whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         if error.filename and f".{path.name}-" not in str(error.filename):
             raise
-        # the error names the user's path, not the scratch folder; some libraries set no error number
+        # the new error names the user's path, not the scratch folder; EIO replaces a missing error number
         raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None

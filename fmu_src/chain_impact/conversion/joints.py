@@ -183,7 +183,10 @@ def _parallel(first: np.ndarray, second: np.ndarray) -> bool:
 
 
 def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], source: str) -> None:
-    """Refuse slides, except one, or two at right angles, in the plane and before the first hinge."""
+    """Refuse slides that a scene cannot have.
+
+    A scene can have one slide, or two at right angles, in the plane of the motion and before the first hinge.
+    """
     first = next(moved for moved in order if moved.joint.kind == "hinge")
     before = [moved for moved in order[: order.index(first)] if moved.body in above(robot, first.body)]
     along = [abs(float(np.dot(slide.axis, first.axis))) for slide in slides]

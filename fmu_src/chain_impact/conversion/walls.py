@@ -115,9 +115,10 @@ class Walls:
         return coefficients[-1]
 
     def _points(self, touching: set[int], bare: set[int], has_balls: bool) -> dict[str, Any]:
-        """Return the joints and ends that touch walls, at links without points.
+        """Return the key ``points`` for [contact]: the joints and ends that touch walls.
 
-        None if all joints and ends touch.
+        Only links in ``bare``, which touch walls and have no points of their own, touch with joints and ends.
+        The result is empty if all joints and ends touch or no link touches, which needs no key.
         """
         if not has_balls and len(touching) in (0, len(self.parts)):
             return {}
@@ -130,7 +131,7 @@ class Walls:
         return has_corners and (shape.walls if self.robot.planes else shape.touches)
 
     def _balls(self, i: int, touching: set[int]) -> list[Ball]:
-        """Return the balls of link ``i`` that can touch, without a ball around a fixed pivot."""
+        """Return the balls of link ``i`` that can touch, except a ball around the pivot of a pinned base."""
         if self.robot.planes and i not in touching:
             return []
         fixed = i == 0 and self.chosen.base == "pinned"
@@ -145,7 +146,8 @@ class Walls:
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
         """Return the tables of the points of each link.
 
-        Points that start inside a wall are changed or left out.
+        A point that starts partly inside a wall gets a smaller radius. A point whose centre is inside a wall
+        is left out.
         """
         at, points = np.array(self.start[0]), []
         for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):

@@ -36,7 +36,7 @@ class Structure:
             )
 
     def listed(self, name: str) -> list[str]:
-        """Return the references in a list of the model structure, by the list's name in FMI 2.0."""
+        """Return the references in a list of the model structure; ``name`` is its name in FMI 2.0."""
         nodes = self.lists.get(name if self.second else _THIRD[name], [])
         return [node.attrib[self.key] for node in nodes]
 

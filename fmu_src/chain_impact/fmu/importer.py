@@ -152,14 +152,15 @@ def instantiate(fmu: Any) -> None:
 
 
 _ALONE = threading.Lock()
-"""A lock, with which only one of several threads makes the callbacks."""
+"""A lock: two threads must not make the callbacks at the same time, because all FMUs share them."""
 
 
 @cache
 def _callbacks() -> Any:
     """Return the callbacks for FMUs of FMI 2.0.
 
-    All FMUs share them, because fmpy's library keeps the logger of the last FMU only.
+    All FMUs share one set of callbacks: fmpy's logger library keeps only the last logger that it gets, and
+    would send the messages of all FMUs there.
     """
     from fmpy import fmi2
 
@@ -180,7 +181,7 @@ def _in_place(kind: type) -> type:
     """Return a kind of fmpy's instances that loads its library without a change of the working folder.
 
     fmpy's constructor changes the working folder of the whole process, and does not restore it after an
-    error. Its module ``os`` is therefore replaced by an object whose ``chdir`` does nothing.
+    error. The returned class runs the same constructor with another ``os``, in which ``chdir`` does nothing.
     """
     base = kind.__mro__[-2]  # the common base class of all kinds of instances in fmpy
     fmpys: Any = base.__init__  # type: ignore[misc]

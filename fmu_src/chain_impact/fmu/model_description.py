@@ -71,7 +71,7 @@ def model_description(prepared: PreparedScene, tool: str, fmi: int, **capabiliti
 
 
 def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
-    """Add the types of real numbers and of choices; FMI 2.0 puts each into a SimpleType."""
+    """Add the types of real numbers and of enumerations; in FMI 2.0 each type is inside a SimpleType."""
     types, second = SubElement(root, "TypeDefinitions"), fmi == 2  # noqa: PLR2004
     for name, attributes in quantities(variables).items():
         if second:
@@ -288,7 +288,8 @@ class Array(NamedTuple):
 
     Attributes:
         variable: the array as a variable, with the path of the first element.
-        shape: one size for each dimension; successive elements in the record differ in the last index first.
+        shape: one size for each dimension; from one element in the record to the next, the last index changes
+            first.
     """
 
     variable: Variable

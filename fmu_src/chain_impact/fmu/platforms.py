@@ -27,7 +27,8 @@ def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple
     Args:
         identifier: the attribute ``modelIdentifier``.
         names: the files and folders in the FMU.
-        second: whether the FMU is of FMI 2.0, where the folders have other names than in FMI 3.0.
+        second: whether the FMU is of FMI 2.0. Its folders have other names than those of FMI 3.0, and are
+            looked for first.
     """
     platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
     platforms = platforms if second else platforms[::-1]

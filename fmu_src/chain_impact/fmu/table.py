@@ -25,7 +25,7 @@ ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 Rows = Sequence[tuple[list[Any], int]]
-"""Rows of variables, each with the variable's number of values."""
+"""A row of the table for each variable, with the number of values of the variable."""
 
 
 def described(

@@ -92,7 +92,7 @@ def packed(content: bytes) -> str:
 
 
 def _source(scene: SceneSource) -> str:
-    """Return the name of a scene on the command line."""
+    """Return the word for a scene in a command: its file, the name of an equal model, else UNNAMED."""
     if not isinstance(scene, Scene):
         return os.fspath(scene)
     return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)

@@ -50,5 +50,5 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
 
 
 def _packed(numbers: np.ndarray) -> str:
-    """Return numbers as text from which the page reads the same numbers."""
+    """Return numbers as text, with all their bits, so that the page computes with the same numbers."""
     return encoded(numbers.astype("<f8").tobytes())

@@ -32,8 +32,8 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
 from chain_impact.scene.unit_text import in_brackets
 
-NOTHING = 1e-12  # the largest change that counts as round-off, relative to the range of an output
-STEEP = 30.0  # the ratio of the largest change to a usual change above which the axis is not linear
+NOTHING = 1e-12  # a change of an output that is not larger than this, relative to its range, is round-off
+STEEP = 30.0  # the axis is logarithmic if the largest change exceeds the median change by this factor
 Looks = list[dict[str, Any]]
 
 
@@ -97,7 +97,7 @@ def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequen
 def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
     """Return the look of each parameter: colours for those with the largest effects, grey for others.
 
-    A parameter without effect has no colour.
+    A parameter without effect is always grey.
     """
     names = list(found.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
@@ -146,7 +146,7 @@ def draw_speeds(axes: Axes, recording: Recording, found: Sensitivities, looks: L
 
 
 def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
-    """Set the scale of the axis for some changes: logarithmic on both sides of 0 if some are very large.
+    """Set the scale of the axis: logarithmic on both sides of 0 if some changes are very large, else linear.
 
     Changes below ``least`` are round-off and do not count.
     """

@@ -180,7 +180,8 @@ def text_boxes(figure: Figure) -> Iterator[Bbox]:
 def settle(figure: Figure, scaled: Axes | None = None) -> None:
     """Arrange a figure: legends get the width of their axes, and labels longer than their axes are broken.
 
-    Axes with the same scale along x and y have room for their labels, even if they become narrow.
+    ``scaled`` are axes with the same scale along x and y. The layout is made without this condition; then the
+    condition can only make the axes narrower, so that their labels have room.
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)
@@ -204,7 +205,7 @@ def meet(one: Bbox, two: Bbox) -> bool:
 def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break labels that are longer than their axes, and give axes fewer numbers if these would overlap.
 
-    By default of all axes of the figure. Returns whether a label was broken.
+    ``wanted`` are the axes, by default all axes of the figure. Returns whether a label has changed.
     """
     before = labels_of(figure)
     for axes in figure.axes if wanted is None else wanted:

@@ -33,9 +33,9 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed, speed_unit
 
 SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
-PEAK = 0.95  # the force, relative to the largest force, from which on the peak counts as reached
+PEAK = 0.95  # the peak counts as reached when the force is this part of the largest force
 AFTER_PEAK = 4.0  # the least time for which an impact is shown, relative to the time until the peak force
-# the ratio of the durations of contact and impact above which only the time of the impact is shown
+# if a contact lasts longer than MUCH_LONGER times the duration of its impact, only the impact is shown
 MUCH_LONGER = 2.0
 EDGE = 0.03  # the shown time before the onset, relative to the whole shown time
 DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts

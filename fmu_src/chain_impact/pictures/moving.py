@@ -20,7 +20,7 @@ BESIDE = 0.04  # the distance of the trace from the end of a wall, relative to t
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
-    """Draw walls and a base that move, in the colours of time; strong at start, end and ``times``."""
+    """Draw walls and a base that move: in the colours of time at start, end and ``times``, else faint."""
     (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
@@ -72,7 +72,7 @@ def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> N
 
 
 def _moved(lines: Sequence[np.ndarray], ways: np.ndarray) -> list[np.ndarray]:
-    """Return lines that are moved by each of some displacements, shape (W, 2) [m]."""
+    """Return a copy of all lines for each displacement in ``ways``, shape (W, 2) [m], moved by it."""
     return [line + way for way in ways for line in lines]
 
 

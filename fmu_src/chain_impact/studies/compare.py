@@ -58,7 +58,7 @@ class Comparison(LawRuns):
 
     Attributes:
         scene: the scene.
-        reference: id of the law with whose impacts the impacts of the other laws are compared.
+        reference: id of the law to which the impacts of all other laws are compared.
         runs: one run for each law, in the order of the registry; a user's own law comes last.
         reached: the restitution that the first impact can reach, at the scene's stiffness and, if the impact
             is not free, at larger stiffnesses.
@@ -192,7 +192,7 @@ def compare(
 def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
     """Return the restitution that can be reached with the stiffness times ``factor``.
 
-    ``runs`` contains the runs that exist already.
+    A run that is already in ``runs`` is not repeated.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
     lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT))

@@ -106,9 +106,9 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most NAMED, and the reason for each.
 
-    The law that differs most is the one whose restitution in the first impact is farthest from the
-    reference's. If this law is the law without losses, which ignores the prescribed restitution, the next law
-    gets a colour as well.
+    The law that differs most has the restitution in the first impact that is farthest from the restitution
+    with the reference law. If this is the law without losses, which ignores the prescribed restitution, the
+    law that differs most among the others gets a colour as well.
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -196,7 +196,7 @@ def banded(comparison: LawRuns, looks: Looks) -> list[str]:
 
 
 def band_label(comparison: LawRuns, band: Sequence[str]) -> str:
-    """Return the label of the band: how many laws it has, and those with the extreme restitutions."""
+    """Return the label of the band: its number of laws, and the laws with the least and the largest e′."""
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
     extremes = " to ".join(f"{law} (e′ = {comparison[law].restitution:.2f})" for law in (order[0], order[-1]))

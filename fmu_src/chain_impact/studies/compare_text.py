@@ -76,7 +76,7 @@ def formatted(value: float, form: str) -> str:
 
 
 def legend(comparison: LawRuns) -> str:
-    """Return sentences on the meaning of the columns, and on the law of the stops if it stays."""
+    """Return sentences on the meaning of the columns, and on stops that keep their own law in all runs."""
     scene = comparison.scene
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (

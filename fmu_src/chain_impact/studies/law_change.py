@@ -18,7 +18,7 @@ from chain_impact.scene.tables import Contact
 EXACT = "zhang_sharf"
 """The law with which the other laws are compared, if it allows the scene's restitution."""
 LOSSLESS = "hertz"
-"""The law without losses: the first impact is free if it has the restitution 1 with this law."""
+"""The law without losses; with it a free impact (only contact forces act) has the restitution 1."""
 OVERLAPS = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 
@@ -81,7 +81,7 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
             if len(path) == 1:
                 changes[*path, "exponent"] = needed
             changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
-    # stops may use the exponent of the contact
+    # stops with their own law keep their exponent, also if the scene took it from the contact's exponent
     if scene.stops.model and ("contact", "exponent") in changes:
         changes["stops", "exponent"] = scene.stops.exponent
     return changes

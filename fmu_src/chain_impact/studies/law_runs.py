@@ -14,7 +14,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
-FREE = 0.05  # the largest difference from the expected restitution with which an impact counts as free
+FREE = 0.05  # an impact is free if its restitution differs by at most this number from that of a free impact
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class LawRuns:
 
     Attributes:
         scene: the scene.
-        reference: id of the law with whose impacts the impacts of the other laws are compared.
+        reference: id of the law to which the impacts of all other laws are compared.
         runs: one run for each law.
         reached: the restitution that the first impact can reach, at the scene's stiffness and, if the impact
             is not free, at larger stiffnesses.

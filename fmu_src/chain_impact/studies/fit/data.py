@@ -26,7 +26,8 @@ QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
 JOINT_FORCE = "joint_force"
 SIGMA = "sigma({})"
-LATE = 1.25  # latest time of an impact of the model that is compared, relative to the measured time
+# the model runs up to this time, relative to the last measurement, because its impacts may be later
+LATE = 1.25
 PERCENT = "%"
 
 
@@ -186,7 +187,8 @@ class _Book:
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []
         self._counts: dict[tuple[int | None, int | None], int] = {}
-        # name, value, sigma, time or row of an impact, whether the value belongs to an impact
+        # for each value: column, value, standard deviation, time [s] of the output or index of the impact,
+        # and whether the value belongs to an impact
         self._found: list[tuple[str, float, float, float, bool]] = []
 
     def read(self, table: Table, chosen: Set[str]) -> None:

@@ -23,14 +23,17 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.uncertainty import exceeded, information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-# the mean square of the residuals, in standard deviations, below which correlations between residuals do not
-# matter
+# correlations between residuals do not matter if the mean square of the residuals, in standard deviations, is
+# less than this number
 VISIBLE = 0.01
-EXACT = 1e-6  # the mean square of the residuals, in standard deviations, of data that a simulation computed
+# if the mean square of the residuals, in standard deviations, is less than this number, the data come from a
+# simulation: then a very small χ² needs no remark
+EXACT = 1e-6
 IMPROBABLE = 1e-3  # the probability of a χ² below which a remark says that σ and residuals do not agree
-LARGEST = 700.0  # largest number whose exponential is finite
+LARGEST = 700.0  # the exponential of a larger number is infinite, so an interval ends at infinity there
 FEW = 10  # the number of values of a column below which its estimated standard deviation is rough
-# the limit of the lag-1 correlation of n pairs of neighbours, times √n; chance exceeds it in 2 % of all cases
+# a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; random
+# residuals exceed it in 2 % of all cases
 ALIKE = 2.0
 # the duration of the data, relative to the scene's stop time, beyond which the time of the data may have
 # another unit
@@ -264,7 +267,7 @@ def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.nd
 def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
     """Return −2 log of the likelihood for normal errors, up to a constant.
 
-    A column of n values with given σ adds Σ (r/σ)², a column with estimated σ adds n log(Σ r²/n).
+    A column of n residuals r adds Σ (r/σ)² if σ is given, and n log(Σ r²/n) if σ is estimated.
     """
     total = 0.0
     for group, name in enumerate(problem.names):
@@ -309,7 +312,8 @@ def _unusual(result: Fit) -> Iterator[str]:
         given &= ~result.columns[name]
     total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
     least = most - len(result.parameters)
-    # how many parameters these columns determine is known only if no other column determines some
+    # If σ is given for all columns, χ² has `least` degrees of freedom. Otherwise other columns may determine
+    # some of the parameters; then the number is between `least` and `most`, and each test uses the safe one.
     most = most if result.estimated else least
     if least <= 0 or total < EXACT * least:
         return

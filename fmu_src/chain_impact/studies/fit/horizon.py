@@ -17,23 +17,24 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-# number of values in the first horizon for each parameter; at most a third of all values if these suffice
+# The first horizon contains ROWS values for each parameter, but not more than a ROWS-th of all values, and at
+# least one value for each parameter.
 ROWS = 3
-# the largest distance of the model from the data with which it follows them, relative to the size of a
-# column; for the first and for the second trial
+# the model follows the data as long as their difference, relative to the size of the column, is at most this
+# number; one number for the first trial, one for the second
 FAR = (0.01, 0.0025)
-# WORSE: the growth of the mean square that causes a second trial; EXACT: the mean square below which no
-# second trial is made
+# A second trial is made if the mean square of the residuals with all data is at least WORSE times that with
+# early data. A mean square less than EXACT counts as EXACT, so that round-off causes no second trial.
 WORSE, EXACT = 1.2, 1e-6
-MANY = 20  # number of values from which on a mean square is meaningful
+MANY = 20  # with fewer values, a mean square is too random to be compared
 GROWTH = 1.1  # the smallest growth factor of the horizon in a step
 ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that ends a rough search and a fine search
 ROUGH_STEPS, FINE_STEPS = 10, 100
 # the smallest standard deviation, relative to the size of a column; a smaller one is an error of the solver,
 # not noise
 LEAST_SIGMA = 1e-8
-# the number of degrees of freedom below which there are none, because of round-off; a small number suffices,
-# because a column with a larger σ has more degrees of freedom
+# Fewer degrees of freedom are round-off and count as none. A larger limit is not needed: a column with few
+# degrees of freedom gets more of them as its σ grows.
 NO_FREEDOM = 1e-9
 # SETTLED: the relative change of an estimated standard deviation that ends the rounds; ROUNDS: the largest
 # number of rounds
@@ -123,8 +124,8 @@ def _minimized(
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
     """Return the standard deviations, shape (M,); where none is given, estimate it from the residuals.
 
-    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. A column without degrees of freedom
-    has as many values as parameters that they determine; it keeps the present σ.
+    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. A column has no degrees of freedom if
+    it determines as many parameters as it has values. Its residuals then tell nothing; it keeps ``sigma``.
     """
     estimated, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)

@@ -58,7 +58,7 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     ranked = tuple(_noted(law_fit, most) for law_fit in ranking)
     best = ranked[0].fit
     assert best is not None
-    # the start values are those of the first fit, from which the other laws have started
+    # the report shows the start values of the user's scene; the other laws started from the result of `first`
     return replace(best, parameters=(first or best).parameters, ranking=ranked)
 
 

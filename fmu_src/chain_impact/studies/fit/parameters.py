@@ -49,7 +49,11 @@ class Parameter:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The ends of the search on its scale: the bounds, on a logarithm also not too far from the start."""
+        """The lowest and the highest coordinate of the search.
+
+        They belong to the bounds. On a logarithmic scale, start / WIDEST and start × WIDEST replace bounds
+        that are farther away.
+        """
         if not self.logarithmic:
             return self.low, self.high
         return (

@@ -17,12 +17,12 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.data import DURATION, LATE, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
-SMALLEST = 1e-300  # size of a column of zeros, so that it is not zero
-# the distance from a bound, in standard errors, at which a parameter counts as at the bound, if the parameter
-# has moved at least as far from its start
+SMALLEST = 1e-300  # a column of zeros gets this size, because other numbers are divided by the size
+# a parameter is at a bound if its distance from the bound is at most AT_BOUND times its standard error; the
+# distance from start to bound replaces the standard error if it is smaller
 AT_BOUND = 0.01
-# the distance from a bound, relative to the distance between both bounds, at which a parameter counts as at
-# the bound
+# a parameter is also at a bound if its distance from the bound, relative to the distance between both bounds,
+# is at most this number
 AT_BOUND_PART = 1e-9
 
 
@@ -134,7 +134,10 @@ class Problem:
 
     @property
     def followed(self) -> np.ndarray:
-        """Whether each value tells if the model follows the data: outputs, else times of impacts."""
+        """Whether each value is used to see how long the model follows the data, shape (M,).
+
+        These are the outputs or, if no outputs were measured, the times of impacts.
+        """
         outputs = np.concatenate([~data_set.of_impact for data_set in self.data])
         if outputs.any():
             return outputs
@@ -181,9 +184,9 @@ class Problem:
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
         """Return for each parameter the distance from a bound below which it is at the bound, shape (P,).
 
-        The distance is a part of the standard error, but at most the same part of the way from the start to
-        the bound: the standard error of an undetermined parameter is so large that every value would be near
-        the bound.
+        The distance is AT_BOUND times the standard error, or times the way from start to bound if that is
+        less. The standard error alone would not do: it is so large for an undetermined parameter that every
+        value would be near the bound.
         """
         way = np.abs(self.start - bounds)
         distance = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))

@@ -71,11 +71,11 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
 
 
 def _interval(parameter: Parameter, value: float, error: float, ends: tuple[float, float]) -> str:
-    """Return words for the interval of a parameter, or for the fact that no value is excluded."""
+    """Return the interval of a parameter as text; "not determined" if the interval excludes no value."""
     low, high = ends
     if (low, high) == (parameter.low, parameter.high) or (parameter.logarithmic and high > WIDEST * low):
         return "not determined"
-    # on a logarithmic scale, the error of an end is as large a part of the end as of the value
+    # on a logarithmic scale, relative errors are equal: error of end / end = error of value / value
     errors = [error * end / value for end in ends] if parameter.logarithmic else [error, error]
     return " … ".join(rounded(*end).replace("inf", "∞") for end in zip(ends, errors, strict=True))
 

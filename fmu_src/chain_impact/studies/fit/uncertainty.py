@@ -9,11 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 PROBABILITY = 0.95
-# with fewer than LEAST_FREEDOM degrees of freedom nothing is known; more than MANY_FREEDOM count as infinite
+# Student's t is computed for degrees of freedom between these two numbers. With fewer, the interval is
+# infinite anyway; with more, Student's t is the normal distribution.
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
-# the degrees of freedom up to which an interval is infinite; Student's t would give 44,000 standard errors
+# with at most this number of degrees of freedom an interval is infinite: Student's t would give at least
+# 44,000 standard errors
 TOO_FEW = 0.25
-# the smallest singular value, relative to the largest one, that is not round-off of the derivatives
+# smaller singular values, relative to the largest one, are round-off of the derivatives and count as 0
 SINGULAR = 1e-7
 
 
@@ -89,9 +91,10 @@ def small_sample(
 ) -> SmallSample:
     """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983) for variances by columns.
 
-    With A_c = J'J/σ² of a column with ν_c degrees of freedom, C the covariance and p_c = C A_c C over C, the
-    part of a variance that comes from the column, Satterthwaite's formula is 1/ν = Σ p_c²/ν_c, and the
-    variance grows by Σ 4/ν_c C (A_c − A_c C A_c) C.
+    C is the covariance of the parameters. A column c has ν_c degrees of freedom, and the information
+    A_c = J'J/σ² with the derivatives J of its values. It causes the part p_c of each variance: the diagonal
+    of C A_c C over the diagonal of C. The degrees of freedom ν of a standard error follow from
+    Satterthwaite's formula 1/ν = Σ p_c²/ν_c, and the variance grows by Σ 4/ν_c C (A_c − A_c C A_c) C.
 
     Args:
         slopes: derivatives of the values, shape (M, P).
@@ -119,8 +122,8 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
     """Return half the width of 95 % intervals in standard errors, by Student's t distribution, shape (P,).
 
     With infinite degrees of freedom this is the normal distribution. With almost no degrees of freedom the
-    width is infinite: a column with as many values as parameters that it determines gives no standard
-    deviation.
+    width is infinite: if a column determines as many parameters as it has values, nothing is left from which
+    a standard deviation could be estimated.
     """
     from scipy import special  # this import takes long
 

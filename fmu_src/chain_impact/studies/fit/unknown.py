@@ -11,13 +11,13 @@ from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.uncertainty import Information
 
 UNKNOWN = 0.3  # the standard error, relative to the value, beyond which the value counts as not determined
-# the standard error, relative to the range between two bounds, beyond which the value counts as not
-# determined: the 95 % interval is then half the range
+# a value also counts as not determined if its standard error, relative to the range between its two bounds,
+# is larger than this number: the 95 % interval then covers half the range
 UNKNOWN_PART = 0.125
-# A second parameter is mentioned if, with it fixed, the standard error is less than BETTER times the present
-# standard error.
+# the sentence names a second parameter if the standard error is less than BETTER times as large with the
+# second parameter fixed
 BETTER = 0.5
-HUGE = 10.0  # the standard error of a logarithm from which on the sentence gives it as a factor
+HUGE = 10.0  # a larger standard error of a logarithm is not given in percent, but as a factor
 
 
 def unknown(

@@ -88,7 +88,7 @@ class Dataset:
     def tidy(self) -> None:
         """Remove files that do not belong to the sweep or are incomplete.
 
-        Without a complete file, also the manifest.
+        If there is no complete file, remove the manifest, too.
         """
         if not self.files:
             (self.path / MANIFEST).unlink(missing_ok=True)
@@ -164,7 +164,7 @@ class Dataset:
 
 @contextmanager
 def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
-    """Give the folder of a sweep, locked against other sweeps; a complete folder is only read.
+    """In this context, lock the folder of a sweep against other sweeps; a complete folder is only read.
 
     Raises:
         SceneError: when the folder belongs to another sweep, or another sweep writes to it now.

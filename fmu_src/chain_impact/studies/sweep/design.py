@@ -87,7 +87,8 @@ class Design:
     def _sobol(self, first: int, end: int) -> np.ndarray:
         """Return a part of the Sobol' sequence.
 
-        Each thread skips points of its own sequence, which takes 5 ns for a run.
+        Each thread has its own generator of the sequence, which skips the points before ``first``. This takes
+        only 5 ns for a point.
         """
         key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
         if engine is None or _own.key != key or engine.num_generated > first:
@@ -110,7 +111,10 @@ def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
 
 @functools.lru_cache(maxsize=8)
 def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
-    """Return, for each axis, the part in which each sample of a Latin hypercube is, shape (varied, count)."""
+    """Return the cells of the samples of a Latin hypercube, shape (varied, count).
+
+    The range of each parameter has ``count`` cells, from 1 to ``count``; each cell has one sample.
+    """
     order = np.tile(np.arange(1, count + 1, dtype=np.int32), (varied, 1))
     generator = _generator(seed, cube, count * varied)
     for row in order:

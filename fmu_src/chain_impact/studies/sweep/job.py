@@ -56,7 +56,7 @@ class Job:
 
     @property
     def peaks(self) -> dict[str, DataPath]:
-        """The first columns: name → path in the instance record."""
+        """The columns with the largest force and penetration of a run: name → path in the instance record."""
         return PEAKS | (STOP_PEAKS if self.scene.chain.stops else {})
 
     @property
@@ -75,7 +75,7 @@ class Job:
 
     @property
     def loads(self) -> dict[str, Variable]:
-        """The outputs, by name, whose largest value is ``joint_force``, in a scene with loads."""
+        """The largest force of each joint: name → output. ``joint_force`` is the largest of them."""
         outputs = self.prepared.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
         return {name: outputs[name] for name in names if name in outputs}
@@ -209,7 +209,7 @@ class Runner:
                 continuing,
             )
             continuing = 1
-        # the last step before a fault may end after the stop time
+        # the kernel may give the end of its last step, which can be after the stop time if a fault follows
         rows["time"] = np.minimum(rows["time"], stops)
         return self._table_rows(rows)
 

@@ -24,10 +24,10 @@ from chain_impact.studies.sweep.variation import Variation
 
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 WIDE_RANGE = 1e3  # the ratio of values above which an axis is logarithmic
-# the ratio of values above which their colours are logarithmic: with linear colours, values below a twentieth
-# of the largest one look the same
+# the ratio of large to small values above which colours are logarithmic; with linear colours, all values less
+# than a twentieth of the largest one would look the same
 WIDE_COLOURS = 20.0
-MOST = 0.95  # the part of the values for which these ratios are computed; the rest are extremes
+MOST = 0.95  # quantile for the large value in these ratios, 1 − MOST for the small one; extremes do not count
 FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 MOST_COLOURS = 12  # the largest number of colours of counts; more counts share colours
 NEVER = "no run has a finite value"

@@ -12,9 +12,9 @@ from chain_impact.system import LISTEN
 
 FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # number of runs in the first and in the longest piece
 SHORTEST, LONGEST = 0.5, 60.0  # [s] shortest and longest time that a piece may take
-SHARE = 0.2  # time of a piece over the time so far; an interrupted sweep loses at most this share
-# largest size of a piece over the size of the piece before; at the end, the smallest piece takes 1/ALIKE of
-# the wanted time
+SHARE = 0.2  # time of a piece, relative to the time so far; an interruption loses at most this part of it
+# A piece has at most ALIKE times as many runs as the piece before. The last pieces are smaller, so that all
+# workers end together; but they take at least 1/ALIKE of the wanted time.
 ALIKE = 16
 AHEAD = 2  # number of pieces for each worker, so that no worker waits for the caller
 
@@ -32,7 +32,7 @@ class Pieces:
         self._size, self._least, self._elapsed = FIRST_PIECE, 1, 0.0
 
     def take(self) -> Span | None:
-        """Return the next piece; None if there is none. At the end, each worker gets a share of the rest."""
+        """Return the next piece, None if none is left; the last pieces are small, so no worker waits long."""
         if not self._spans:
             return None
         first, end = self._spans.pop()

@@ -57,7 +57,9 @@ CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linest
 NAMES, DOTS_WIDTH = 0.9, 2.0  # [inch] width of the names of choices, and smallest width of a panel with dots
 MOST_VARIED = 2  # largest number of parameters that vary
 MOST_DRAWN = 2**18  # largest number of runs in a picture
-DECADE = 10.0  # this ratio for an axis over a logarithmic axis, as a power law is then a straight line
+# over a logarithmic axis, the vertical axis is logarithmic if the largest value is at least this times the
+# smallest one: a power law is then a straight line
+DECADE = 10.0
 ALONE = 6.5  # [inch] the width of a figure with one panel
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
@@ -131,7 +133,7 @@ def kind_of(design: Design) -> str:
 
 
 def usual_size(runs: Runs, results: Results, width: float | None = None) -> tuple[float, float]:
-    """Return the default size of the figure [inches], if its width is given, the size for this width."""
+    """Return the default size of the figure [inches]; a given ``width`` determines how many panels fit."""
     count, kind = len(results.drawn), kind_of(runs.design)
     if kind == DOTS:
         width = width or NAMES + DOTS_WIDTH * min(count, 4) + 0.5
@@ -176,12 +178,12 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _across(count: int, kind: str) -> int:
-    """Return how many panels are in a row of a wide figure: two, or three curves beside each other."""
+    """Return how many panels are in a row of a wide figure: two, or three if there are three without maps."""
     return 3 if count == 3 and kind != MAPS else 2  # noqa: PLR2004 - three panels leave no gap
 
 
 def _dots_across(count: int, width: float) -> int:
-    """Return how many panels with dots are in a row, so that rows are full; the width in inches."""
+    """Return the number of panels with dots in a row, so that rows are equally full; ``width`` in inches."""
     most = max(1, int((width - NAMES) / DOTS_WIDTH))
     return math.ceil(count / math.ceil(count / most))
 

@@ -16,7 +16,8 @@ from chain_impact.studies.sweep.runs import Runs
 from chain_impact.variables.indices import PEAKS
 from chain_impact.variables.prepared import PreparedScene
 
-# the largest number of outputs that have a panel because they are in the table, and of panels that are named
+# MOST_ASKED: the largest number of additional outputs that get a panel without being named in ``panels``;
+# MOST_PANELS: the largest number of panels that a user may name
 MOST_ASKED, MOST_PANELS = 4, 8
 ROUND_OFF = 1e-9  # the largest difference of equal results, relative to their size
 
@@ -91,10 +92,10 @@ class Results:
 
 
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
-    """Return the quantities of a sweep; a scene without walls or stops has no quantities at these.
+    """Return the quantities of a sweep, without those that the scene cannot have, such as forces at walls.
 
-    The quantities that differ between the runs are drawn, or all if none differs; of samples, only the loads
-    ``LOADS``, if there are some. With ``panels``, the named columns are drawn.
+    The columns that ``panels`` names are drawn. Without names, the quantities that differ between the runs
+    are drawn, or all if none differs. For samples only the ``LOADS`` among these are drawn, if there are any.
 
     Raises:
         UnknownNameError: when there is no column for a panel.

@@ -24,7 +24,7 @@ STOP_TIME = Variable.of(EXPERIMENT[0], {}, {}, variability="fixed")
 LOG = "log"
 MOST_VALUES = 10**7  # largest number of values of a range
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")
-"""A range as some people write it: 0.1-0.9."""
+"""A range in a form that is not allowed, such as 0.1-0.9; its error names the allowed forms."""
 FORMS = (
     "a list (0.1,0.5,0.9), a range with a number of values (0.1:0.9:9, or 1e6:1e9:4:log), "
     "or for samples an interval (0.1:0.9, or 1e6:1e9:log)"
