@@ -34,7 +34,7 @@ LAST = 971  # the exponent of 2 in the last binary digit of the largest double
 
 
 def _pieces():
-    """Return the binary digits of 2/π behind the point, in pieces."""
+    """Return the binary digits of 2/π after the point, in pieces of PIECE digits."""
     count = LAST // PIECE + PIECES + 1
     places = PIECE * count + 32
     # π = 16 arctan(1/5) − 4 arctan(1/239) (Machin 1706)
@@ -88,7 +88,7 @@ def cosine_and_sine(angle):
 
 @inlined
 def of_parts(turns, r):
-    """Return the cosine and sine of quarter turns, from −2 to 2, and an angle |r| ≤ π/4 more."""
+    """Return the cosine and sine of the angle turns π/2 + r, with turns from −2 to 2 and |r| ≤ π/4."""
     t = r * r
     t2 = t * t
     s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
@@ -100,12 +100,12 @@ def of_parts(turns, r):
 
 
 def far_reduction(angle):
-    """Return the quarter turns, from −2 to 2, and the remainder of an angle from LARGEST_ANGLE on.
+    """Return ``turns`` and r of ``of_parts`` for an angle that is LARGEST_ANGLE or larger.
 
     Bits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """
     pattern = bits(abs(angle))
-    # |φ| = m 2^e, m = a 2²⁷ + b
+    # |φ| = m 2^e, m = a 2²⁷ + b, with integers m, e, a and b
     e = (pattern >> FRACTION) - 1075
     m = double((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
     a = float(math.floor(m * 2.0**-27))

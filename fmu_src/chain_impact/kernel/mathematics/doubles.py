@@ -1,4 +1,4 @@
-"""Doubles as patterns of bits, as sums, and from integers with a fixed point."""
+"""The bits of doubles, products as sums of two doubles, and doubles from integers with a fixed point."""
 
 import numpy as np
 
@@ -6,11 +6,13 @@ from chain_impact.kernel.functions import inlined
 
 ONE, INFINITY, LEAST_NORMAL = 0x3FF << 52, 0x7FF << 52, 1 << 52
 """The bits of 1, of infinity, and of the least number that is not subnormal."""
-FRACTION = 52  # number of bits behind the leading one of a double; the exponent is above them
-HALF, FRONT = 1 << 26, -(1 << 27)  # to round a number to 26 bits: the product of two of these is exact
-FIXED = 160  # bits behind the point of the integers that tables are made from
+FRACTION = 52  # number of bits of a double after the leading 1; the bits of the exponent stand before them
+# The sum of HALF and the bits of a number, cut by FRONT, is the number rounded to 26 bits. The product of two
+# numbers with 26 bits is exact.
+HALF, FRONT = 1 << 26, -(1 << 27)
+FIXED = 160  # number of bits after the point in the integers from which tables are computed
 ROUND = 1.5 * 2.0**52
-"""Adding and subtracting it rounds to an integer, as doubles of its size have no fraction."""
+"""A number plus ROUND minus ROUND is rounded to an integer, because doubles of this size have no fraction."""
 
 
 @inlined
@@ -33,7 +35,7 @@ def front(number):
 
 @inlined
 def product(y, high, low):
-    """Return y (high + low) as the sum of two numbers (T. J. Dekker 1971, Numer Math 18:224)."""
+    """Return y (high + low) as the sum of two doubles (T. J. Dekker 1971, Numer Math 18:224)."""
     of_y, of_high = front(y), front(high)
     return of_y * of_high, (y - of_y) * of_high + y * ((high - of_high) + low)
 

@@ -13,19 +13,19 @@ from chain_impact.kernel.mathematics.logarithms import LN_2, PLACES, TINY, parts
 
 SIZE_BITS = 7  # the table has 2⁷ powers
 SIZE = 1 << SIZE_BITS
-# best approximation on |r| < ln 2/256: e^r = 1 + r + r² P(r), by Remez's exchange
+# coefficients of the best approximation on |r| < ln 2/256, by Remez's exchange: e^r = 1 + r + r² P(r)
 P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.008333335946890487)
 STEP_HIGH, STEP_LOW = in_two(LN_2 // SIZE, PLACES)
 STEPS_PER_ONE = (SIZE << FIXED) / LN_2
 ROUND_BITS = bits(ROUND)
-COMMON = 650.0  # |x| up to which e^x has far more digits than a subnormal number, and is finite
-# Half of the range of exponents: e^x is computed as e^(x ∓ 512 ln 2) times 2^±512, with one rounding.
+COMMON = 650.0  # the largest |x| for ``common``: e^x is finite, and not so small that it would lose digits
+# Half of the range of exponents. For |x| > COMMON, e^x is e^(x ∓ 512 ln 2) times 2^±512, which rounds once.
 FAR = 512
 UP, DOWN = 2.0**FAR, 2.0**-FAR
 FAR_HIGH, FAR_LOW = in_two(FAR * LN_2, PLACES)
-OVERFLOW, UNDERFLOW = 710.0, -746.0  # beyond them e^x is infinite, or 0
-NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 has eleven digits of e^x − 1
-STEEP = 40.0  # x from which 1 is less than a hundredth of the last digit of e^x
+OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
+NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 gives eleven digits of e^x − 1
+STEEP = 40.0  # from this x on, the 1 in e^x − 1 is less than a hundredth of the last digit of e^x
 
 
 def _table():
@@ -47,7 +47,7 @@ POWER_BITS, REST = _table()
 
 @inlined
 def common(high, low):
-    """Return e^(high + low), for |high| < COMMON and a small second number."""
+    """Return e^(high + low), for |high| < COMMON and a number ``low`` that is far smaller."""
     shifted = high * STEPS_PER_ONE + ROUND
     steps = shifted - ROUND
     count = bits(shifted) - ROUND_BITS
@@ -59,7 +59,7 @@ def common(high, low):
 
 
 def of_sum(high, low):
-    """Return e^(high + low), for any number and a small second one."""
+    """Return e^(high + low), for any number ``high`` and a number ``low`` that is far smaller."""
     if abs(high) < COMMON:
         return common(high, low)
     if high > OVERFLOW:
@@ -83,6 +83,6 @@ def expm1(x):
     if not -1.0 < x < STEEP:
         return exp(x) - 1.0
     y = x + 0.5 * x * x if abs(x) < NEARLY_LINEAR else exp(x) - 1.0
-    # a step of Newton's method for ln(1 + y) = x
+    # one step of Newton's method for ln(1 + y) = x improves y
     high, low = parts_beside_one(y)
     return y + ((x - high) - low) * (1.0 + y)

@@ -26,10 +26,10 @@ SIZE, WIDTH_BITS = 256, 44  # number of intervals of m; an interval has 2⁴⁴ 
 # ln x is exact near x = 1.
 MIDDLE = 150
 FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
-PLACES = 42  # bits behind the point of ln 2 and ln c, with which k ln 2 − ln c is exact for |k| < 2¹¹
-# best approximation on |r| < 0.0035: ln(1 + r) = r − r²/2 + r³ P(r), by Remez's exchange
+PLACES = 42  # number of bits after the point in ln 2 and ln c; k ln 2 − ln c is then exact for |k| < 2¹¹
+# coefficients of the best approximation on |r| < 0.0035, by Remez's exchange: ln(1 + r) = r − r²/2 + r³ P(r)
 P = (0.33333333333333337, -0.24999999999045547, 0.1999999999789618, -0.1666689359914569, 0.14285993276740327)
-TINY = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are x
+TINY = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are equal to x in double precision
 
 
 def fixed_logarithm(a, b):
@@ -62,7 +62,7 @@ LN_2_HIGH, LN_2_LOW = in_two(LN_2, PLACES)
 
 @inlined
 def parts(pattern):
-    """Return the logarithm of a positive number that is not subnormal as the sum of two.
+    """Return the logarithm of a positive number that is not subnormal, as the sum of two doubles.
 
     Args:
         pattern: the bits of the number.
@@ -70,12 +70,12 @@ def parts(pattern):
     k = (pattern - FIRST) >> FRACTION
     i = ((pattern - FIRST) >> WIDTH_BITS) & (SIZE - 1)
     m, c = double(pattern - (k << FRACTION)), float(INVERSE[i])
-    # r = u + v is exact, and u², too
+    # u and v are exact, and so are r = u + v and u²
     m_front = front(m)
     u, v = m_front * c - 1.0, (m - m_front) * c
     r = u + v
     base = float(k) * LN_2_HIGH + float(LOG_HIGH[i])
-    # high + … = base + r − u²/2, where each number is larger than the next one
+    # high + rounded = base + r − u²/2: the terms are added from the largest to the smallest
     first, half_square = base + r, 0.5 * (u * u)
     high = first - half_square
     rounded = ((base - first) + r) + ((first - high) - half_square)
@@ -87,7 +87,7 @@ def parts(pattern):
 
 
 def any_parts(x):
-    """Return the logarithm of a positive finite number as the sum of two."""
+    """Return the logarithm of a positive finite number as the sum of two doubles."""
     pattern = bits(x)
     if pattern < LEAST_NORMAL:
         pattern = bits(x * 2.0**52) - (52 << FRACTION)
@@ -105,10 +105,10 @@ def log(x):
 
 
 def parts_beside_one(x):
-    """Return ln(1 + x), for −1 < x < ∞, as the sum of two."""
+    """Return ln(1 + x), for −1 < x < ∞, as the sum of two doubles."""
     whole = 1.0 + x
     lost = x - (whole - 1.0) if abs(x) < 1.0 else 1.0 - (whole - x)
-    # 1 + x = w + d: ln(1 + x) = ln w + d/w − …
+    # 1 + x = w + d, where w is the rounded sum and d the lost part: ln(1 + x) = ln w + d/w − …
     high, low = any_parts(whole)
     return high, low + (lost - 0.5 * lost * lost) / whole
 

@@ -6,7 +6,7 @@ from chain_impact.kernel.mathematics.doubles import INFINITY, LEAST_NORMAL, bits
 from chain_impact.kernel.mathematics.exponentials import COMMON, common, of_sum
 from chain_impact.kernel.mathematics.logarithms import any_parts, parts
 
-ALL_EVEN = 2.0**53  # from it on all doubles are even numbers
+ALL_EVEN = 2.0**53  # from this number on all doubles are even integers
 HUGE_EXPONENT = 2.0**64  # |y| from which x^y is 0, 1 or infinite
 
 
@@ -22,7 +22,7 @@ def power(x, y):
 
 
 def any_power(x, y):
-    """Return x^y of any numbers, as C and Python define it for special ones."""
+    """Return x^y of any numbers; 0, infinite numbers and NaN give what C and Python define."""
     if y == 0.0 or x == 1.0:
         return 1.0
     if math.isnan(x) or math.isnan(y):

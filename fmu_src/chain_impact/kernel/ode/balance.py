@@ -73,9 +73,9 @@ ENERGY_GAIN = 0.1
 # The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that
 # round-off does not stop a run. When these additions reach ENERGY_GAIN again, the run ends.
 SLIP = 1e-8
-# LOSS: the loss of energy by errors that is allowed to all steps together; it doubles in LASTING seconds.
-# LOSS is relative to the tolerance times a scale, like OF_A_STEP. In 3360 random scenes this limit shortens
-# steps in 3 % of the runs, most of them with stiff springs.
+# LOSS: the loss of energy by errors that is allowed to all steps together, relative to the tolerance times a
+# scale, like OF_A_STEP. As much again is allowed in every LASTING seconds. In 3360 random scenes this limit
+# shortens steps in 3 % of the runs, most of them with stiff springs.
 LOSS, LASTING = OF_A_STEP, 10.0
 NOTABLE = 0.1  # the least loss that affects the size of the next step, relative to the allowed loss of a step
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a

@@ -74,7 +74,7 @@ def drive_dtype(links: int) -> np.dtype:
         ("mode", INTEGER, (links,)),  # ±1: the torque is ± the limit; 0: the torque is below the limit
         ("chosen", INTEGER, (links,)),  # in a tangent instance: the mode that the primal instance has chosen
         ("event", INTEGER),  # 1: the last step ends where the mode of a drive ends
-        # N·m, the least distance of a torque from the end of its mode in the tried step, or 0
+        # N·m, the least result of `mode_margin` in the tried step; 0 if no mode has ended
         ("margin", REAL),
     )
 
@@ -94,10 +94,10 @@ def impact_dtype() -> np.dtype:
 
 @written_by("events/contact_log.py")
 def latest_dtype() -> np.dtype:
-    """Return the layout of the list of the latest impacts, newest first, when outputs were filled last."""
+    """Return the layout of the list of the latest impacts, newest first; it is valid with the outputs."""
     return record(
         ("kept", INTEGER),  # number of latest impacts that the scene requests
-        ("listed", INTEGER),  # number of contacts that had ended; −1: other contacts were active
+        ("listed", INTEGER),  # number of ended contacts when the list was made; −1: a contact was active then
         ("point", INTEGER, (LATEST,)),  # number of the point, 0…N; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
         ("time", REAL, (LATEST,)),  # s
@@ -126,14 +126,14 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     return record(
         # m, m/s or m/s², rad …: change of the coordinates by the impulses
         ("change", REAL, (coordinate_count(links),)),
-        # result of the constraints since a step or a try of a step began, see kernel/rows/constraints.py
+        # SOLVED, or why the search for forces has failed in this step, see kernel/rows/constraints.py
         ("unsolved", INTEGER),
         ("in_active_set", INTEGER, (rows,)),  # 1: the impulse may differ from 0
         ("violated", INTEGER, (rows,)),  # 1: the impulse or residual has the wrong sign
         ("start", REAL, (rows,)),  # m, m/s or m/s²: motion along the constraint without impulses
         ("reached", REAL, (rows,)),  # m, m/s or m/s²: motion along the constraint with impulses
         ("target", REAL, (rows,)),  # m, m/s or m/s²: the least required motion along the constraint
-        # m, m/s or m/s²: the missing part of the required motion; later times the impedance
+        # m, m/s or m/s²: the missing part of the required motion; later this part times the impedance
         ("residual", REAL, (rows,)),
         ("impulse", REAL, (rows,)),  # N·s or N: impulse or force of the constraint
         ("impedance", REAL, (rows,)),  # kg, impedance D of the constraint
@@ -148,7 +148,7 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 @written_by("rows/limits.py")
 def share_dtype(links: int, elements: int) -> np.dtype:
     """Return the layout of the search for forces within the limits of friction, for the rows of `rigid`."""
-    # number of rows: with friction at least as many as `rigid` has, because elements ≥ candidates; else 0
+    # number of rows: not less than in `rigid`, as every candidate is an element; 0 without friction
     rows = 2 * elements
     return record(
         ("change", REAL, (coordinate_count(links),)),  # change of the coordinates' rates, m/s² or rad/s²

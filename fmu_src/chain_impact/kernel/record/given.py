@@ -333,7 +333,7 @@ def shift_dtype(candidates: int) -> np.dtype:
         candidates,
         # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move
         ("channel", INTEGER),
-        ("rest", REAL),  # m, offset of the wall without motion
+        ("rest", REAL),  # m, offset of the wall if its motion has the position 0
         ("rate", REAL),  # m/s, speed of the wall along n
         ("push", REAL),  # m/s², acceleration of the wall along n
         ("travel", REAL),  # m, travel of the belt along t

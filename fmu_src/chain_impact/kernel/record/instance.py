@@ -123,7 +123,7 @@ def friction_output_dtype(elements: int) -> np.dtype:
         ("force", REAL, (elements,)),  # N, force of the wall on a candidate's point along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks
-        # N·m on the outer link of each joint, or N on a slider; there are fewer than elements
+        # N·m on the outer link of each joint, or N on a slider; by joint, so the last entries are not used
         ("joint_moment", REAL, (elements,)),
         ("joint_sticking", REAL, (elements,)),  # 1: the joint sticks
         ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `dissipated`
@@ -149,7 +149,7 @@ def load_output_dtype(loads: int) -> np.dtype:
 
 @written_by("loads.py")
 def transmitted_dtype(loads: int) -> np.dtype:
-    """Return the layout of the work data on the forces that joints transmit, in the rows of their outputs."""
+    """Return the layout of the work data on the forces in joints, with the rows of the outputs of loads."""
     return record(
         ("start_time", REAL),  # s, start of the run
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start

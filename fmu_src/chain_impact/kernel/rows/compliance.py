@@ -32,7 +32,8 @@ from chain_impact.kernel.rows.geometry import (
 # mass. In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass would be
 # infinite. A million times the chain's mass has the same effect.
 LEAST_MOBILITY = 1e-6
-# The number of iterations of constraints.py for sticking elements if no rigid wall holds a point.
+# The number of iterations of constraints.py for sticking elements if no rigid wall holds a point. It is
+# fixed, because a varying number would let the forces jump.
 SWEEPS = 5
 # The impedance D of a held point, relative to the mean mass of a link. An iteration in constraints.py leaves
 # 1/(D W) of the residual, so two or three iterations suffice. A larger D would lose digits of the chain's
@@ -51,10 +52,11 @@ def holding_impedance(d):
 
 
 def held_mobility(d, mobility):
-    """Return W′ [1/kg]: for a single constraint, n = SWEEPS iterations find the impulse m/W′.
+    """Return W′ [1/kg] for a single constraint: SWEEPS iterations find the impulse m/W′ for a residual m.
 
-    The iterations leave the residual m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for
-    a motion that can hardly be constrained: in a toggle position, where W = 0, W′ is 1/(n D).
+    With n = SWEEPS, the iterations leave the residual m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′
+    equals W, except for a motion that can hardly be constrained: in a toggle position, where W = 0, W′ is
+    1/(n D).
     """
     compliance = 1.0 / holding_impedance(d)
     left = compliance / (compliance + max(0.0, mobility))

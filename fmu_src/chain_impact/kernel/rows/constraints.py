@@ -70,8 +70,8 @@ UNDERFLOWS = 1e-100
 # motion. Impulses against a smaller motion, which can hardly be constrained, would end the sticking again and
 # again.
 NEGLIGIBLE = 0.1
-# the largest value of wrong sign that does not change the active set, relative to the largest value of that
-# kind
+# the largest impulse or motion of wrong sign that does not change the active set, relative to the largest
+# impulse or motion
 SIGN_TOLERANCE = 1e-12
 # The number of pivots that may fail to reduce the number of violated candidates while all of these change at
 # once. After them only one candidate changes at a time, which always terminates but takes more pivots.
@@ -86,7 +86,7 @@ ROUNDS = 30
 
 
 def set_impedance(d, amount):
-    """Set the impedance of each constraint: ``amount`` [kg] in the active set, its resistance elsewhere."""
+    """Set the impedance of each constraint: ``amount`` [kg] in the active set, else `rigid.resistance`."""
     rigid = d.rigid
     for k in range(constraint_rows(d)):
         rigid.impedance[k] = amount if rigid.in_active_set[k] else rigid.resistance[k]
@@ -168,7 +168,7 @@ def iterate(d, scale, impedance):
 
 
 def leave_free(d, share, noise):
-    """Remove a share of the impulses against motions that are left free.
+    """Remove a ``share`` of the impulses against motions that the iteration leaves free.
 
     If D W ≪ 1, each of the SWEEPS iterations adds D m to such an impulse. A residual m below the ``noise``
     may be the round-off of a constrained motion, and its impulse stays.

@@ -245,7 +245,7 @@ def largest_acceleration(d):
 
 
 def speed_bound(d, vectors):
-    """Return a bound on the length of each vector of all places."""
+    """Return a number that no vector of any place exceeds in length."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
@@ -268,7 +268,10 @@ def coordinates_size(d, c, y):
 
 
 def link_of(d, c):
-    """Return the link on which the wall of candidate c acts: it ends at the point, or carries the site."""
+    """Return the index of the link on which the wall of candidate c acts.
+
+    This link ends at the candidate's point, or carries the candidate's site; for the base it is link 1.
+    """
     point = d.candidate.point[c]
     return max(point, 1) - 1 if point <= d.links else d.site.link[point - d.links - 1]
 
@@ -279,7 +282,10 @@ def lever(d, c):
 
 
 def faces_base(d, c):
-    """Return whether candidate c is the first one of a wall that can meet a pinned base."""
+    """Return whether candidate c is the first one of its wall, and the wall can meet the pinned base.
+
+    They can meet if one of the two moves.
+    """
     first = d.candidate.stop[c] == 0 and d.candidate.point[c] == d.candidate.point[0]
     return first and (d.model.base_moves or d.shift.channel[c] >= 0)
 

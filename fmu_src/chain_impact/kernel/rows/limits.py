@@ -121,7 +121,10 @@ def minimize(d, scale):
 
 
 def first_at_limit(d):
-    """Return the first row to reach a limit on the way to the wanted forces, or −1, and the part so far."""
+    """Return the row whose force is the first to reach a limit on the way to the wanted forces, or −1.
+
+    The second value is the part of the way at which the force reaches the limit.
+    """
     share, first, part = d.share, -1, 1.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         limit = clipped(d, k, share.wanted[k])
@@ -163,7 +166,7 @@ def solve_inside(d):
 
 
 def find_left(d):
-    """Find the motion that remains with the present forces, at which the next iteration begins."""
+    """Find the residuals that the present forces leave; the next iteration begins with both."""
     share = d.share
     solve_contacts(d, FREE, share.impulse, share.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):

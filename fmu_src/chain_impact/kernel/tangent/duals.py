@@ -34,10 +34,10 @@ TRUST = np.dtype(
     [
         ("reason", np.int64),  # 0: the derivatives are trusted up to now; else the reason why not
         ("time", np.float64),  # s, the time after which the derivatives cannot be trusted
-        # number of the point or joint of the impact or dry friction that is the reason; −1 without one
+        # number of the point or joint that has the impact or the dry friction that is the reason; −1: none
         ("point", np.int64),
         ("wall", np.int64),  # number of the wall that is the reason; −1: a joint
-        # the possible change by friction that was left open, relative to the largest derivative (friction.py)
+        # sum of the changes that friction has left open, relative to the largest derivative (friction.py)
         ("share", np.float64),
         (
             "split",

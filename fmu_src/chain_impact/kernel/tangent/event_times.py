@@ -53,7 +53,7 @@ def along_motion(function):
 
 
 def delay_along_motion(after):
-    """Return a function of (t, c, rate) that returns the delay of a zero of φ, for the rate φ̇ at the zero.
+    """Return a function of (t, c, rate) for the delay [s] of a zero of φ; ``rate`` is φ̇ at the zero.
 
     Afterwards points and forces are again those at the end of the last step.
     """
@@ -84,7 +84,7 @@ _delay_of_margin = delay_along_motion(_margin_after)
 
 
 def delay_of_crossing(t, c, kind):
-    """Return the delay [s] of an onset, an end or a new latch of candidate c, as a dual number of value 0."""
+    """Return the delay [s] of an onset, an end or a new v₀ of candidate c, as a dual number of value 0."""
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
         # φ = −ġ − 2 v₀

@@ -41,18 +41,20 @@ from chain_impact.kernel.tangent.trust import (
 )
 
 # The largest distance of a force from the limit of friction that errors of a run explain, relative to the
-# limit times the tolerance.
+# limit times the tolerance. At a smaller distance the choice between sticking and sliding is open.
 OPEN = 100.0
 # The largest difference between the derivatives of two event times that count as one time, relative to the
 # largest derivative.
 SAME_TIME_SLOPE = 1e-5
-# If an element sticks from the onset of its contact, and its limit of friction is at most NEARLY_SLIPS times
-# the excess of |F_t| over the limit at which the end of sticking is located, the derivatives end there.
+# The end of sticking is located where |F_t| exceeds the limit of friction by a small excess. The derivatives
+# end there if the element has stuck since the onset of its contact, and its limit is at most NEARLY_SLIPS
+# times the excess.
 NEARLY_SLIPS = 1000.0
 # The largest change of a position that a run may leave open, relative to the largest derivative: a fit to a
 # position at rest needs an accuracy of some percent.
 LEFT_OPEN = 1e-2
-# value of ``element.undecided``: the element sticks from its onset on, although its speed has derivatives
+# value of ``element.undecided``: the element sticks since its onset, where its speed is zero but has
+# derivatives, which sticking stops
 STOPPED = 2
 
 
@@ -83,16 +85,19 @@ def delay_of_rest(t, e):
 
 
 def stops_slowly(t, e):
-    """Return whether, within the tolerance, element e, which has no speed, may either stop or slide on."""
+    """Return whether errors decide if element e, which has no speed now, stops or slides on."""
     return abs(value(tangential_acceleration(t, e))) <= value(slow_acceleration(t, e))
 
 
 def slow_acceleration(t, e):
-    """Return the size of acceleration [m/s²] of element e that may be an error, without friction."""
+    """Return the largest acceleration [m/s²] of element e that counts as an error.
+
+    It is √tolerance times the acceleration that the friction of the element could cause.
+    """
     return math.sqrt(value(t.solver.tolerance)) * t.element.limit[e] / mean_mass(t)
 
 
-# the margin φ = µ_s F_n − |F_t| for ``delay_of_sliding``, and its rate
+# the margin φ = µ_s F_n − |F_t| as a function of time, and the rate of φ, for ``delay_of_sliding``
 margin_after, margin_rate = along_motion(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
 delay_of_margin = delay_along_motion(margin_after)
 
@@ -106,7 +111,7 @@ def delay_of_sliding(t, e):
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
         if force_drops(t, e) and lasted(t) > 0.0:
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
-            # the change of speed because friction drops too late or too early must be negligible
+            # if friction drops earlier or later by the delay, the change of speed must be negligible
             if not (rate < 0.0 and negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))):
                 end_at(t, SLOW_CHANGE, e)
         rate = -math.inf
@@ -165,8 +170,8 @@ def check_changes(t, time):
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not rests(t, after, time) and not negligible(t, after):
                 end_at(t, SLOW_CHANGE if stops_slowly(t, e) else TOGETHER, e)
-    # an example is a rod that lies on a floor: the times at which the two ends stop determine the friction of
-    # each end
+    # For example, the times at which the two ends of a rod on a floor stop determine the friction of each
+    # end. So the derivatives of the impulses of friction are not known.
     if stopped > 1 or slowly:
         mark_split(t)
     if pending_changes(t) > 1:
@@ -197,7 +202,10 @@ def any_halts(t):
 
 
 def rests(t, after, time):
-    """Return whether an element at rest is at rest a ``time`` [s] later, too, when its speed is ``after``."""
+    """Return whether an element at rest is still at rest a ``time`` [s] later, for nearby parameters.
+
+    ``after`` is its speed at that time; all derivatives of this speed must be small.
+    """
     most = value(largest(t, t.work.acceleration))
     for k in range(DIRECTIONS):
         scale = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
@@ -250,8 +258,8 @@ def any_stops(t):
 def stop_speeds(t):
     """Set the derivatives of the speeds of sticking elements to zero, without resistance of contacts.
 
-    The primal run left these speeds open. The projection of the state, which contacts resist, would keep a
-    part of the derivatives, for example for a rod that lies almost flat, as long as the rod sticks.
+    Sticking stops the speeds. The projection of the state, which contacts resist, would keep a part of the
+    derivatives as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
     start_from_state(t, 1)
@@ -265,8 +273,8 @@ def stop_speeds(t):
 def check_onsets_at_rest(t):
     """Check the onsets of friction at rest where a change of the parameters would give the element a speed.
 
-    Sticking stops such a speed. Sliding keeps a speed in one direction and stops a speed in the other
-    direction.
+    Sticking stops such a speed, and the element is marked STOPPED. Sliding would keep the speed in one
+    direction and stop it in the other direction, so the derivatives end.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -280,9 +288,9 @@ def check_onsets_at_rest(t):
 
 
 def contact_resistance(t):
-    """Return the contacts' resistance [kg] to a projection: 0 where sticking stops a speed with derivatives.
+    """Return the contacts' resistance [kg] to a projection: 0 at an onset where an element is STOPPED.
 
-    Friction stops the speed while the forces of the contacts are still small.
+    Friction stops the speed there while the forces of the contacts are still small.
     """
     for i in range(t.friction.stuck_count):
         e = t.element.stuck[i]
@@ -292,7 +300,10 @@ def contact_resistance(t):
 
 
 def check_coefficients(t):
-    """End the derivatives if the friction of an active contact or of a joint is 0 but has derivatives."""
+    """End the derivatives if the friction of an active contact or of a joint is 0 but has derivatives.
+
+    Friction cannot be less than 0, so the motion has a derivative on one side only.
+    """
     if t.elements == 0:
         return
     for c in range(t.candidates):

@@ -153,16 +153,16 @@ def copy_modes(d, t):
             t.drive.chosen[i] = d.drive.mode[i]
 
 
-# the largest last correction of the derivatives at which the iteration ends, relative to the derivatives and
-# over the tolerance
+# The iteration ends when the last correction of the derivatives, relative to the derivatives, is at most
+# CONVERGED_SLOPES times the tolerance.
 CONVERGED_SLOPES = 0.01
 # The rule to detect an iteration of derivatives that does not converge. The least correction must fall by the
 # factor FALLS within STALLED iterations; it may rise in between, as the direction of the correction changes.
 # A correction that does not fall is round-off up to the relative value SLOPE_ROUND_OFF, else a failure.
 FALLS, STALLED, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
 MOST = 400  # largest number of iterations: with θ = 0.95 the error falls to about 1e-9
-# The largest derivative of the state that counts as round-off, with respect to parameters that only change
-# limits of static friction, relative to the derivative of the speed that these limits could give in the step.
+# The least size to which a correction is relative, as a part of the speed's derivative that limits of static
+# friction could give in the step. Smaller derivatives with respect to such limits may be round-off.
 LEAST_SLOPE = 1e-3
 UNLIMITED_CORRECTION = 1e300  # stands for the relative correction if the derivatives are zero
 
@@ -357,7 +357,7 @@ def move_end(t):
         check_changes(t, time)
         move_along(t, time)
         return
-    # if the step has no length, a jump at its start has caused the event, which has no time of its own
+    # the event of a step without length follows from a jump at its start, and so has no delay of its own
     if not lasted(t) > 0.0:
         return
     for c in range(t.candidates):
@@ -373,7 +373,7 @@ def move_end(t):
 def is_crossing(t, c):
     """Return whether candidate c has an event at the end of the last step whose time changes the motion."""
     kind = t.touch.event[c]
-    # at the end of a regularized contact dt/ds = 0, so a change of s does not change the state
+    # at the end of a regularized contact dt/ds = 0, so a delay in s changes neither time nor state
     if kind == END:
         return c != t.step.regularized
     return kind == ONSET or (kind == RELATCH and lasted(t) > 0.0)

@@ -19,8 +19,8 @@ TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
 NO_IMPACT = -1  # the value of ``c`` in ``mark_untrusted`` if the reason is no impact and no element
 JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint
-# the rates ±NEAR_REST v₀ at which two forces of a law are compared, and the relative difference that counts
-# as a jump
+# A law's force jumps at rest if its values at the rates ±NEAR_REST v₀ have a relative difference of more than
+# RELATIVE_JUMP.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
 
