@@ -13,7 +13,7 @@ from chain_impact.cli.source import Source
 from chain_impact.scene.scene import load_scene
 from chain_impact.system import HOST, PLATFORMS
 
-OLDEST = 2  # the older version of FMI
+OLDEST = 2  # FMI 2.0, the older of the two versions
 KINDS = {
     ("pythonfmu", 2): (
         "runs in Python programs, such as FMPy and PyFMI",

@@ -43,7 +43,7 @@ def complete(
         source = getattr(parsed_args, "source", None) or DEFAULT_SCENE
         try:
             names, choices = offers(source)
-        except (ValueError, OSError):  # the command does not name a scene yet
+        except (ValueError, OSError):  # the command does not name a readable scene yet
             return []
         name, equals, value = prefix.partition("=")
         if valued and equals:

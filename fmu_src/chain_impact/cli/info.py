@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
 
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, PreparedScene(scene).variables
-        shown = {"name", "description"}  # attributes that the headline shows
+        shown = {"name", "description"}  # the headline already shows these attributes, so the list does not
         derived = scene.derived
         facts += [
             (name, f"{_rounded(value)}  # derived: {derived[name]}" if name in derived else _as_set(value))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
-    Verbs = object  # the class has type parameters for type checkers only
+    Verbs = object  # at run time: argparse's class accepts type parameters only in type checkers
 
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""

@@ -25,7 +25,7 @@ from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
 CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")  # the text before each number in the description of a status
-PHASES = 20  # the largest number of phases of dry friction in the table
+PHASES = 20  # the table shows the first phases of dry friction, at most this number
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",

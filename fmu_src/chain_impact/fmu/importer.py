@@ -27,7 +27,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS
 
-WARNING = 1  # the value of fmi2Warning; statuses above are worse
+WARNING = 1  # the status fmi2Warning; only messages with a larger status are kept, because they report faults
 SLAVES = "chain_impact.fmu"
 """The name of the logger of slaves in Python; see slave.py."""
 _here = threading.local()  # the messages and logs of the FMU that the present thread runs
@@ -169,7 +169,7 @@ def _callbacks() -> Any:
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
-    with suppress(Exception):  # fmpy has no logger library for ARM; messages then lack their values
+    with suppress(Exception):  # on ARM fmpy cannot write values into messages, so they lack them
         from fmpy.logging import addLoggerProxy
 
         addLoggerProxy(ctypes.byref(callbacks))

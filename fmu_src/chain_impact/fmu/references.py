@@ -37,8 +37,8 @@ SHORTER = 10
 # result is MARGIN times the largest difference of the second run before this end, and at least LEAST. LARGEST
 # and LEAST are relative to the largest value of all outputs with the same unit.
 LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
-# Outputs are not compared closer than this to the onset or end of a contact, where they change too fast. The
-# distance is relative to the communication step.
+# Outputs are not compared at times closer than this to the onset or end of a contact, because they change too
+# fast there. The limit is relative to the communication step.
 CLOSE = 1e-4
 # a reference run ends when evaluations × links reach this number, which takes about 0.2 s
 MOST_WORK = 2_000_000
@@ -179,7 +179,7 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    # torque = SWING · energy / number of links: with fewer links, each torque may be larger
+    # each joint gets an equal part, so that the torques move chains of few and of many links about equally
     torque = SWING * nominal["energy"] / prepared.sizes.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}

@@ -112,7 +112,7 @@ def record_fmu(
         )
         return replace(recorded, stick_slip=phases_from(recorded.time, recorded.touches, names))
 
-    recorders: list[Any] = []  # the recorder of fmpy, which exists after the first step
+    recorders: list[Any] = []  # fmpy gives its recorder to the callback after the first step
 
     def step_finished(time: float, recorder: Any) -> bool:
         recorders[:] = [recorder]

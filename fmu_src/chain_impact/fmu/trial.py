@@ -29,7 +29,7 @@ T = TypeVar("T")
 # the largest relative difference of values that count as equal: a start value may be written with six digits
 CLOSE = 1e-6
 TINY = 1e-12
-SAID = 300  # the largest number of characters that are shown of an FMU's message
+SAID = 300  # a message of the FMU is cut after this number of characters
 SILENT = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
 
 

@@ -78,7 +78,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=stream,
-                # files that a crash leaves behind stay in the temporary folder, which is removed
+                # the temporary folder is removed at the end, with all files that a crash leaves in it
                 env={**os.environ, "TMPDIR": folder, "TEMP": folder},
             )
             try:

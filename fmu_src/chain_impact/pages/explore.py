@@ -80,7 +80,7 @@ def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
     """Return the data from which the page makes a scene: the contents of its file, and tables of numbers."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():
-        if "file" in signal:  # the name of the file without folders of this machine
+        if "file" in signal:  # without its folders, because a page must not show folders of this machine
             signal["file"] = Path(signal["file"]).name
     return {"file": file, "kit": kit(scene), "command": list(command)}
 

@@ -63,7 +63,7 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
     parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
     parts |= {"libraries": scripts, "program": modules}
     parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
-    # one pass, because a text that is filled in may contain ``{{ name }}``
+    # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which must stay
     return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
 
 

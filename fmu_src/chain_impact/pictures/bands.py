@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from chain_impact.pictures.style import GREY
 
-MOST_GREY = 2  # the largest number of grey curves; more curves become a band
+MOST_GREY = 2  # up to this number of grey curves are drawn as curves; more are drawn as a band
 SOFT = 0.45  # the opacity of a band, from 0 to 1
 
 

@@ -27,13 +27,13 @@ DASHES = ("-", "--", ":")
 MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
 SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
-WIDEST = 28  # the largest number of characters of a name at the side of the panel
+WIDEST = 28  # the legend is beside the panel if no name has more characters, else above the panel
 # PREFIXED: the units that may get a prefix, such as kN; they get it if the largest value is less than SMALL
 # or at least LARGE
 PREFIXED, SMALL, LARGE = ("N", "N.m", "N.s", "N.m.s", "J", "W"), 1e-2, 1e4
 END = 0.5  # the line at the end of an impact mixes this fraction of the text colour with the ground's colour
 TOLD = 4  # of the outputs that are always 0, at most this number are named at the foot of the picture
-SIDE = 8  # the largest number of curves whose names are at the side of the panel
+SIDE = 8  # the legend is beside the panel for at most this number of curves, else above the panel
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:

@@ -19,10 +19,10 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation, Text
 
-DARK = 0.18  # the luminance of a ground below which white has more contrast to it than black
+DARK = 0.18  # a ground with less luminance is dark: white text has more contrast on it than black text
 LEAST = 0.3  # the least luminance of a colour on a dark ground; on black this gives the contrast ratio 7
-GAMMA = 2.2  # the exponent of a screen
-COLOURED = 0.15  # the saturation above which a colour is not a grey
+GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
+COLOURED = 0.15  # a colour with less saturation counts as a grey
 # on a dark ground, the exponent for the distance of a grey from the ground, from 0 to 1: it makes the
 # distance larger, because greys near black are hard to see
 APART = 0.8
@@ -73,11 +73,11 @@ class Ground(NamedTuple):
                 artist.set_edgecolor(self.suited(colours[1]))
             elif isinstance(artist, Text):
                 artist.set_color(self.suited(artist.get_color()))
-                if artist.get_path_effects():  # an outline in the colour of the ground
+                if artist.get_path_effects():  # the outline must have the colour of the ground
                     artist.set_path_effects([withStroke(linewidth=OUTLINE, foreground=self.ground)])
                 if isinstance(artist, Annotation) and artist.arrow_patch is not None:
                     self.suit([artist.arrow_patch])
-            elif isinstance(artist, Axis):  # also for ticks that are made later
+            elif isinstance(artist, Axis):  # ticks that matplotlib makes later get these colours, too
                 artist.set_tick_params(which="both", color=self.text, labelcolor=self.text)
 
     def _suited_or_none(self, colour: Any) -> Any:

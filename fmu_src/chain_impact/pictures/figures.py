@@ -26,14 +26,13 @@ from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, StyledFigu
 
 SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
 LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
-USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label on a figure without a given height
+USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label, if the user gives no height
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the figure, or overlap
 ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
-# the largest number of quarters of an inch by which the height of a figure is increased, to find a sufficient
-# height
+# if a figure is too low, heights up to this number of quarter inches larger are tried
 HIGHER = 40
 APART = 0.35  # the least space between two numbers of an axis, relative to their height
-# the length of a label, relative to the length of its axis, above which it is broken into two lines
+# a label is broken into two lines if its length, relative to the length of its axis, exceeds this
 LONGER = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""

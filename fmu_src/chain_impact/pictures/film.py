@@ -21,9 +21,10 @@ from chain_impact.scene.checks import warn
 
 # [1/s] frames per second, by suffix; a gif stores the time of a frame in hundredths of a second
 RATES = {".gif": 20, ".mp4": 30}
-# least number of frames in a period of the fastest sine that drives an input; fewer may seem a slow motion
+# the least number of frames in a period of the fastest sine that drives an input; with fewer frames the
+# motion may look slower than it is
 FRAMES_OF_SINE = 8.0
-# the largest number of frames of a film that is slowed down for a sine; more take minutes to draw
+# a film is slowed down for a fast sine only up to this number of frames, because more take minutes to draw
 MOST_FRAMES = 1500
 # pixels per inch. DPI: the largest number for a film with energies; LEAST_DPI: the least number for it;
 # SMALL_DPI: the number for a film that is too small for energies

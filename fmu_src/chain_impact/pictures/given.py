@@ -15,7 +15,7 @@ from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
 TIMES = 3  # the number of times that axes are moved: after a move the texts may need another space
-LEAST_SIDE = 0.2  # the least width or height of moved axes, relative to the width or height before
+LEAST_SIDE = 0.2  # axes are not made smaller than this part of their width or height; then texts stay cut off
 SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 
 

@@ -34,7 +34,7 @@ from chain_impact.recording.text import prefixed, speed_unit
 
 SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
 PEAK = 0.95  # the peak counts as reached when the force is this part of the largest force
-AFTER_PEAK = 4.0  # the least time for which an impact is shown, relative to the time until the peak force
+AFTER_PEAK = 4.0  # a long contact is shown at least for this number of times the time until the peak force
 # if a contact lasts longer than MUCH_LONGER times the duration of its impact, only the impact is shown
 MUCH_LONGER = 2.0
 EDGE = 0.03  # the shown time before the onset, relative to the whole shown time

@@ -65,7 +65,7 @@ class Ink:
         for ground in {*map(_pixel, grounds)}:
             self._drawn &= colours != ground
         self._labels = np.zeros_like(self._drawn)
-        # the number of drawn pixels below and to the left of each corner of a pixel
+        # the number of drawn pixels below and to the left of each corner; four of them count a whole box
         self._counts = np.zeros(np.add(colours.shape, 1), np.int32)
         self._drawn.cumsum(axis=0, dtype=np.int32, out=self._counts[1:, 1:])
         self._counts.cumsum(axis=1, out=self._counts)

@@ -62,7 +62,7 @@ def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], p
     """Return lines, each with as many pieces as fit."""
     space = width("n n") - width("nn")
     lines: list[str] = []
-    filled = math.inf  # the width of the last line, with a space at its end
+    filled = math.inf  # the width [pixels] of the last line with a space at its end; no line exists yet
     for piece in pieces:
         if filled + width(piece.rstrip(parts)) <= room:
             lines[-1] += f" {piece}"

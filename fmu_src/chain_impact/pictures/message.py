@@ -15,7 +15,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
 from chain_impact.scene.unit_text import of_power
 
-ROUND_OFF = 1e-12  # dissipated energy, relative to the largest energy, below which it is round-off
+ROUND_OFF = 1e-12  # a smaller dissipated energy, relative to the largest energy, is round-off, not a loss
 
 
 def message(recording: Recording, *, short: bool = False) -> str:

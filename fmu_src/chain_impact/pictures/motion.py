@@ -31,7 +31,7 @@ from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import TICK
 
-STRONG = 6  # the largest number of strong poses at impacts; these are the fastest impacts
+STRONG = 6  # strong poses show the fastest impacts, at most this number of them
 FAINT = 80  # the number of faint poses, at equal distances in time
 MARKED = 12  # the largest number of points that get marks
 FEW = 6  # the largest number of points with clear paths; with more points the paths are fainter

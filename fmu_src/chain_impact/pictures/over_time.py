@@ -48,7 +48,7 @@ TOLD = 5  # the largest number of points with individual colours, so that the le
 # points are not orange, because the potential energy is orange in the panel above
 POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)
 NUMBERED = 60  # the largest number of impacts that get numbers
-SHORT = 0.002  # the longest phase of dry friction that cannot be seen, relative to the duration of the run
+SHORT = 0.002  # phases of dry friction up to this part of the run's duration are too short to be drawn
 SEEN = 0.01  # the least duration of a contact that gets a band, relative to the shown time
 HEADROOM = 1.3  # the height of the panel of impact speeds over the largest speed, so that numbers have room
 DOT = 4.0  # [points] the size of the mark of an impact

@@ -10,8 +10,8 @@ from chain_impact.pictures.style import SHADE, faint
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
-MUCH = 0.7  # rests at the start and the end are left out if they take at least this part of the time
-BEFORE, AFTER = 0.1, 0.25  # the shown rest before and after the motion, relative to the time with motion
+MUCH = 0.7  # rests at the start and the end are cut if they take at least this part of the whole time
+BEFORE, AFTER = 0.1, 0.25  # a cut rest before and after the motion, relative to the time with motion
 
 
 class Shown(NamedTuple):

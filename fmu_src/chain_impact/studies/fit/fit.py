@@ -31,12 +31,12 @@ VISIBLE = 0.01
 EXACT = 1e-6
 IMPROBABLE = 1e-3  # the probability of a χ² below which a remark says that σ and residuals do not agree
 LARGEST = 700.0  # the exponential of a larger number is infinite, so an interval ends at infinity there
-FEW = 10  # the number of values of a column below which its estimated standard deviation is rough
+FEW = 10  # the estimated standard deviation of a column with fewer values is rough; a remark says so
 # a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; random
 # residuals exceed it in 2 % of all cases
 ALIKE = 2.0
-# the duration of the data, relative to the scene's stop time, beyond which the time of the data may have
-# another unit
+# if the data last longer than this number of times the scene's stop time, their times are probably not in
+# seconds
 LONG = 100.0
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact.studies.fit.problem import Evaluation
 
-EXACT = 1e-14  # relative change below which there is only round-off
+EXACT = 1e-14  # a smaller relative step, or a smaller gradient, is round-off and ends the search
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ from chain_impact.studies.fit.report import heading, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.prepared import PreparedScene
 
-MOST_PANELS = 8  # number of columns that are shown
+MOST_PANELS = 8  # the largest number of measured columns that get a panel
 MOST_ESTIMATES = 10  # largest number of parameters in the lines below the headline
 POINTS = 1500  # number of points of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # [inch] size of a panel

@@ -128,7 +128,7 @@ class Problem:
         return np.array([parameter.coordinate(parameter.start) for parameter in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """Return an evaluation of the whole time without the values beyond a horizon [s]."""
+        """Return an evaluation without its values after a time ``horizon`` [s]."""
         beyond = self.order > horizon
         return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
 

@@ -14,9 +14,9 @@ from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
-HIGH = 0.9  # the correlation of two parameters from which on the report mentions it
+HIGH = 0.9  # the report names two parameters if the absolute value of their correlation is larger than this
 MANY = 8  # the largest number of horizons that the report lists
-EQUAL = 2.0  # the difference of Akaike's criterion below which it has no meaning
+EQUAL = 2.0  # a smaller difference between two values of Akaike's criterion has no meaning
 
 
 def report(fit: Estimates) -> Iterator[str | Table]:

@@ -10,7 +10,7 @@ from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.uncertainty import Information
 
-UNKNOWN = 0.3  # the standard error, relative to the value, beyond which the value counts as not determined
+UNKNOWN = 0.3  # a value with a larger standard error, relative to the value, counts as not determined
 # a value also counts as not determined if its standard error, relative to the range between its two bounds,
 # is larger than this number: the 95 % interval then covers half the range
 UNKNOWN_PART = 0.125

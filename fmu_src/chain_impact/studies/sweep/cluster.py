@@ -17,7 +17,7 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.pieces import hand_out
 from chain_impact.studies.sweep.work import Made, Span, Work
 
-# [s] time limits for an answer of the scheduler, and for waiting while there is no worker
+# [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time limit without any worker
 CONNECT, PATIENCE = 10.0, 30.0
 
 

@@ -20,11 +20,11 @@ from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")
-MOST_NUMBERS = 10**8  # largest number of numbers in a table, 800 MB
+MOST_NUMBERS = 10**8  # a larger table, in numbers of 8 bytes, would not fit into memory (800 MB)
 MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence
 MOST_SEEDS = 2**32
-FEWEST_RESULTS = 16  # smallest number of columns with results in a table
+FEWEST_RESULTS = 16  # a table has at least this number of columns with results; used to estimate its size
 CUBE = 2**16  # number of runs in each Latin hypercube, if a hypercube of all runs would not fit into memory
 _own = threading.local()
 

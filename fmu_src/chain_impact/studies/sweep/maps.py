@@ -23,7 +23,7 @@ from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
-WIDE_RANGE = 1e3  # the ratio of values above which an axis is logarithmic
+WIDE_RANGE = 1e3  # an axis is logarithmic if the ratio of its large to its small values is at least this
 # the ratio of large to small values above which colours are logarithmic; with linear colours, all values less
 # than a twentieth of the largest one would look the same
 WIDE_COLOURS = 20.0

@@ -22,7 +22,7 @@ from chain_impact.variables.variable import Variable
 Values = str | float | Sequence[float | str] | np.ndarray
 STOP_TIME = Variable.of(EXPERIMENT[0], {}, {}, variability="fixed")
 LOG = "log"
-MOST_VALUES = 10**7  # largest number of values of a range
+MOST_VALUES = 10**7  # the largest number of values in a range such as 0.1:0.9:9
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")
 """A range in a form that is not allowed, such as 0.1-0.9; its error names the allowed forms."""
 FORMS = (
@@ -126,7 +126,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
         numbers = [int(part) for part in count]
-    except ValueError:  # also raised if the second part is missing
+    except ValueError:  # a part is no number, or the second part is missing
         raise wrong from None
     if len(numbers) > 1:
         raise wrong
