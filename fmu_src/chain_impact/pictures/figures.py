@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
@@ -118,48 +117,64 @@ def needed_height(fill: Fill, width: float, usual: tuple[float, float]) -> float
         ValueError: when no height is enough.
     """
     height = max(LEAST, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
-    figure = StyledFigure(figsize=(width, height), dpi=DPI)
-    is_enough = has_room(fill, figure, USUAL_SIDE)
-    return height if is_enough else least_height(fill, width, height, USUAL_SIDE)
+    lacks = lacking_height(fill, StyledFigure(figsize=(width, height), dpi=DPI), USUAL_SIDE)
+    return height if lacks <= 0.0 else least_height(fill, width, height, USUAL_SIDE, lacks)
 
 
-def least_height(fill: Fill, width: float, height: float, mean: float = 0.0) -> float:
+def least_height(
+    fill: Fill, width: float, height: float, mean: float = 0.0, lacks: float = math.inf
+) -> float:
     """Return the least height of a figure [inches] with room for all panels; ``height`` has no room.
+
+    ``mean`` and ``lacks`` are the argument and the result of ``lacking_height`` at the given height.
 
     Raises:
         ValueError: when no height is enough.
     """
     heights = math.ceil(4.0 * height) / 4.0 + 0.25 * np.arange(1, HIGHER)
-
-    def fits(higher: float) -> bool:
-        """Return whether a figure of this height has room for all panels."""
-        return has_room(fill, StyledFigure(figsize=(width, higher), dpi=DPI), mean)
-
-    least = bisect_left(heights, True, key=fits)
-    if least == len(heights):
+    # every height up to ``low`` is too low, and every height from ``high`` on is enough
+    low, high = -1, len(heights)
+    guess = math.ceil(4.0 * lacks) - 1 if math.isfinite(lacks) else (low + high) // 2
+    while high - low > 1:
+        k = min(max(guess, low + 1), high - 1)
+        lacks = lacking_height(fill, StyledFigure(figsize=(width, heights[k]), dpi=DPI), mean)
+        low, high = (low, k) if lacks <= 0.0 else (k, high)
+        # the measured lack is a good guess; without it, the interval is halved
+        guess = k + math.ceil(4.0 * lacks) if math.isfinite(lacks) else (low + high) // 2
+    if high == len(heights):
         raise NoRoomError(width, height, "wider for the panels")
-    return float(heights[least])
+    return float(heights[high])
 
 
-@styled()
 def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
     """Draw on a figure; return whether axes have some height and texts are complete and do not overlap.
 
     ``mean`` is the least mean height of axes with a label [inches].
+    """
+    return lacking_height(fill, figure, mean) <= 0.0
+
+
+@styled()
+def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
+    """Draw on a figure; return the height that its axes lack [inches], inf if this is unknown.
+
+    The result is at most 0 if the figure has room; ``mean`` is as in ``has_room``.
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
         fill(figure)
         if not isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
             figure.draw_without_rendering()
-        sides = [axes.bbox.height / figure.dpi for axes in figure.axes if axes.get_ylabel()]
-        if sides and (min(sides) < LEAST_SIDE or np.mean(sides) < mean):
-            return False
+        sides = np.array([axes.bbox.height / figure.dpi for axes in figure.axes if axes.get_ylabel()])
+        lacks = len(sides) * max(LEAST_SIDE - sides.min(), mean - sides.mean()) if len(sides) else 0.0
+        if lacks > 0.0:
+            return float(lacks)
         boxes = list(text_boxes(figure))
         whole = Bbox.union([figure.bbox, *boxes])
-        is_within = bool((np.abs(whole.get_points() - figure.bbox.get_points()) <= NEARLY).all())
-        return is_within and not any(one.padded(-NEARLY).overlaps(two) for one, two in combinations(boxes, 2))
-    return False
+        is_within = (np.abs(whole.get_points() - figure.bbox.get_points()) <= NEARLY).all()
+        if is_within and not any(one.padded(-NEARLY).overlaps(two) for one, two in combinations(boxes, 2)):
+            return float(lacks)
+    return math.inf
 
 
 def text_boxes(figure: Figure) -> Iterator[Bbox]:
