@@ -63,9 +63,21 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
             _put(axes, handles, labels, columns)
             legend = axes.get_legend()
             if legend.get_window_extent().width <= width:
+                _balance(axes, handles, labels, columns, width)
                 break
+        legend = axes.get_legend()
         is_changed |= not np.allclose(legend.get_window_extent().size, before)
     return is_changed
+
+
+def _balance(axes: Axes, handles: list[Any], labels: list[str], columns: int, width: float) -> None:
+    """Give the rows of a legend a similar number of entries, if the legend is then not too wide."""
+    rows = -(-len(labels) // columns)
+    if (fewer := -(-len(labels) // rows)) < columns:
+        _put(axes, handles, labels, fewer)
+        legend: Any = axes.get_legend()
+        if legend.get_window_extent().width > width:
+            _put(axes, handles, labels, columns)
 
 
 def _put(axes: Axes, handles: list[Any], labels: list[str], columns: int) -> None:
