@@ -337,3 +337,9 @@ def test_panels_are_chosen():
 def test_a_page_that_cannot_be_is_refused(options, expected):
     with pytest.raises(ValueError, match=expected):
         recorded("rod_drop").plot(**options)
+
+
+def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
+    page = recorded("stick_slip_belt").plot(size=(4.7, 9.0))
+    page.draw_without_rendering()
+    assert np.ptp([axes.bbox.x0 for axes in page.axes]) < 1.0

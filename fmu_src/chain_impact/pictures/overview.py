@@ -39,7 +39,7 @@ RUBBING, RUBBING_ROW = 0.15, 0.3
 HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the figure
 # ABOVE_TIME: the largest height of the panel of motion if it is above the other panels; CLOCK: the height of
 # the axis that shows the colours of time; both relative to the height of the panel of energies
-ABOVE_TIME, CLOCK = 1.1, 0.06
+ABOVE_TIME, CLOCK = 1.8, 0.06
 # Both numbers are ratios of width to height of the motion. BESIDE: a broader motion has the whole width of
 # the figure, above the other panels. BROADEST: on a narrow figure, the panel of a broader motion is
 # lower than ABOVE_TIME.
@@ -222,19 +222,23 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
     across = len(parts) > 1 and not narrow and ratio <= BESIDE
     above = ABOVE_TIME * min(1.0, BROADEST / ratio) if narrow else ((FULL - ROUND) / ratio + LABELS) / PANEL
     sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": above, "time": sum(heights)}
-    ratios = [sizes[part] for part in parts]
     if across:
-        grid = figure.add_gridspec(1, len(parts), width_ratios=ratios)
+        grid = figure.add_gridspec(1, len(parts), width_ratios=[sizes[part] for part in parts])
+    elif narrow:  # all panels share a grid, so that their left edges are aligned
+        rows = [*([above] if "motion" in parts else []), *heights]
+        grid = figure.add_gridspec(len(rows), 1, height_ratios=rows)
     else:
-        grid = figure.add_gridspec(len(parts), 1, height_ratios=ratios)
+        grid = figure.add_gridspec(len(parts), 1, height_ratios=[sizes[part] for part in parts])
     found = {}
-    for part, cell in zip(parts, [grid[k] for k in range(len(parts))], strict=True):
-        if part == "motion":
-            found[part] = figure.add_subplot(cell, label=part)
-            continue
-        # a grid within the cell: the panels over time share a margin, which does not depend on the motion
-        rows = cell.subgridspec(len(heights), 1, height_ratios=heights)
-        found[part] = clock = figure.add_subplot(rows[-1], label=part)
-        for k, name in enumerate(timed):
-            found[name] = figure.add_subplot(rows[k], sharex=clock, label=name)
+    if "motion" in parts:
+        found["motion"] = motion = figure.add_subplot(grid[0], label="motion")
+        motion.set_anchor("W" if narrow else "C")
+    if timed:
+        # a grid within the cell of a wide figure: the panels over time share a margin, which does not
+        # depend on the motion
+        last = grid if narrow else grid[len(parts) - 1].subgridspec(len(heights), 1, height_ratios=heights)
+        cells = [last[k, 0] for k in range(-len(heights), 0)]
+        found["time"] = clock = figure.add_subplot(cells[-1], label="time")
+        for cell, name in zip(cells, timed, strict=False):
+            found[name] = figure.add_subplot(cell, sharex=clock, label=name)
     return found
