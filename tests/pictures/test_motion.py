@@ -7,7 +7,7 @@ from matplotlib.quiver import Quiver
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
-from chain_impact.pictures.motion import STRONG, by_speed, strongest
+from chain_impact.pictures.motion import STRONG, by_speed, part_in_view, strongest
 from tests.pictures.pictures import boxes, crowd, drawn, hit, recorded, swing, texts
 
 
@@ -118,6 +118,12 @@ def test_the_largest_force_in_each_joint_is_an_arrow_where_the_joint_was_then():
     np.testing.assert_array_equal(arrows.XY[1], recording.points[row, 1])
     assert arrows.V[1] / arrows.U[1] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
     assert motion.get_legend().get_texts()[-1].get_text() == "joint forces\n≤ 670 N"
+
+
+def test_arrows_of_joint_forces_are_shorter_if_one_would_leave_the_view():
+    corners, ways = np.array([[0.0, -1.0], [2.0, 1.0]]), np.array([[0.5, 0.0], [0.0, -1.0]])
+    assert part_in_view(np.array([[1.0, 0.0], [1.0, 0.5]]), ways, corners) == 1.0
+    assert part_in_view(np.array([[1.0, 0.0], [1.0, -0.4]]), ways, corners) == pytest.approx(0.6)
 
 
 def test_the_hardest_impact_is_numbered():

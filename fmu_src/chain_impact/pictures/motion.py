@@ -16,7 +16,7 @@ from chain_impact.pictures.body import draw_bodies, draw_rail
 from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.moving import draw_moving
-from chain_impact.pictures.room import draw_walls, view_of
+from chain_impact.pictures.room import View, draw_walls, view_of
 from chain_impact.pictures.style import (
     INK,
     LOAD,
@@ -33,6 +33,7 @@ from chain_impact.scene.bodies import TICK
 
 STRONG = 6  # strong poses show the fastest impacts, at most this number of them
 FAINT = 80  # the number of faint poses, at equal distances in time
+PATH = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
 MARKED = 12  # the largest number of points that get marks
 FEW = 6  # the largest number of points with clear paths; with more points the paths are fainter
 RING = 6.5  # [points] the size of the mark of an impact
@@ -41,6 +42,9 @@ SQUARE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 NEAR_PLACE = 0.03
 # the length of the arrow of the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
+# SHORTEST_LOAD: the least length of this arrow when an arrow would leave the view, relative to LONGEST_LOAD;
+# a force that points out of the view from its edge has such an arrow, which crosses the edge
+SHORTEST_LOAD = 0.4
 # LISTED: a ring lists at most this number of impacts, or of ranges such as "1–81"; FASTEST: a ring with more
 # lists this number of impacts, the fastest ones, and says how many others there are
 LISTED, FASTEST = 3, 2
@@ -74,7 +78,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) ->
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
     draw_rings(axes, recording)
     draw_sticking(axes, recording)
-    draw_loads(axes, recording)
+    draw_loads(axes, recording, view)
     axes.set_aspect("equal")
     give_ticks(axes)
     axes.set(xlabel="x [m]", ylabel="y [m]")
@@ -133,6 +137,7 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     middles = 0.5 * (recording.time[1:] + recording.time[:-1])
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
     path = LineCollection(list(pieces), colors=shade(middles), linewidths=1.5, capstyle="round", label="tip")
+    path.set_zorder(PATH)
     axes.add_collection(path)
 
 
@@ -159,11 +164,11 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
         axes.plot(*np.transpose(places), **look, zorder=5.5, label="sticks")
 
 
-def draw_loads(axes: Axes, recording: Recording) -> None:
+def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
     """Draw the largest force in each joint as an arrow, at the position of the joint at that time.
 
     The length shows the peak force, also between rows if the recording has peaks. Direction and position come
-    from the row with the largest force.
+    from the row with the largest force. All arrows are shorter if otherwise an arrow would leave the view.
     """
     arrows = []
     for joint, force in recording.loads.items():
@@ -175,17 +180,28 @@ def draw_loads(axes: Axes, recording: Recording) -> None:
     if arrows:
         x, y, along, up = np.transpose(arrows)
         most = np.hypot(along, up).max()
-        view = min(np.ptp(view_of(recording).corners, axis=0))
+        longest = LONGEST_LOAD * min(np.ptp(view_of(recording).corners, axis=0))
+        ways = longest / most * np.stack([along, up], axis=-1)
+        longest *= max(SHORTEST_LOAD, part_in_view(np.stack([x, y], axis=-1), ways, view.corners))
         axes.quiver(
             *(x, y, along, up),
             angles="xy",
             scale_units="xy",
-            scale=most / (LONGEST_LOAD * view),
+            scale=most / longest,
             color=LOAD,
             zorder=6,
+            clip_on=False,
+            in_layout=False,
         )
         told: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
         axes.plot([], [], **told, label=f"joint forces\n≤ {force_text(most, 'N')}")
+
+
+def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
+    """Return the largest part, at most 1, of all ways from places that stays in a view; all shape (A, 2)."""
+    room = np.where(ways > 0.0, corners[1], corners[0]) - places
+    parts = np.divide(room, ways, out=np.ones_like(ways), where=ways != 0.0)
+    return float(parts.min(initial=1.0))
 
 
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
