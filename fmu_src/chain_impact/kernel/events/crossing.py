@@ -99,7 +99,7 @@ QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
 def find_crossing(d):
-    """Return θ of the first onset or end of a contact of a suspect in the last step, or −1.
+    """Return θ of the first onset or end of a contact of a suspect in the last step, or −1 if there is none.
 
     The function marks the candidates with this event. φ and φ′ at the start of the step must be set, and no
     candidate may be marked.

@@ -70,9 +70,9 @@ def excludes_events(d):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
-    # The remainder is h⁶ φ⁽⁶⁾/46080. Its estimate is ten times the remainder for the tip of a stretched chain
-    # in uniform rotation, plus the remainder for a motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| =
-    # ρ⁴ |φ̈|.
+    # The remainder of the interpolant is h⁶ φ⁽⁶⁾/46080, with the step size h. Its estimate is ten times the
+    # remainder for the tip of a stretched chain in uniform rotation, plus the remainder for a motion that
+    # decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|.
     fade = (d.step.end - d.step.start) * d.model.joint_bound
     way = way_per_radian(d)
     if d.channels > 0:

@@ -153,7 +153,7 @@ def choose_size(d, onset, goes_on):
 
     Args:
         d: the instance.
-        onset: the candidate of the last onset among the events, or −1.
+        onset: the candidate of the last onset among the events, or −1 if there is no onset.
         goes_on: whether the proposed size remains valid if there is no onset.
     """
     if d.touch.active_count == 0:

@@ -85,7 +85,7 @@ def handle_impact(d):
     Onsets of contacts with a force law that are still in ``touch.event`` are applied between these two steps.
 
     Returns:
-        The last candidate with a force law whose contact began, or −1.
+        The last candidate with a force law whose contact began, or −1 if none began.
     """
     touch, onset = d.touch, -1
     # the state may be interpolated, with an error of the constraints, and so is projected first
@@ -127,7 +127,7 @@ def begin_late_contacts(d):
     """Begin the contacts with a force law whose onset is now, if their points move inward after the impulses.
 
     Returns:
-        The last of these candidates, or −1.
+        The last of these candidates, or −1 if there is none.
     """
     onset, round_off = -1, SIGN_TOLERANCE * fastest_of_all(d)
     for c in range(d.candidates):

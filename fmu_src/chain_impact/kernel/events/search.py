@@ -63,8 +63,9 @@ def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
-        The fraction θ ∈ [0, 1] of the step at which it happens, or −1. ``touch.event`` then holds the kind of
-        event of each candidate. A step that is too inaccurate to locate the event is refused.
+        The fraction θ ∈ [0, 1] of the step at which it happens, or −1 if there is none. ``touch.event`` then
+        holds the kind of event of each candidate. A step that is too inaccurate to locate the event is
+        refused.
     """
     if d.candidates == 0:
         return find_event_without_crossing(d)
@@ -97,7 +98,7 @@ def find_event(d):
 
 
 def find_event_without_crossing(d):
-    """Return θ of the earliest event in a step without crossings, or −1."""
+    """Return θ of the earliest event in a step without crossings, or −1 if there is none."""
     if any_point_held(d):
         ensure_dense(d, SOLVER)  # `update_held_extremes` needs the dense output as well
         return find_sampled_event(d, -1.0)

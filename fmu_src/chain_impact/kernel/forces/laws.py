@@ -131,13 +131,13 @@ def hertz(e):
 
 @contact_law("Hunt & Crossley", "1975, J Appl Mech 42:440", "3(1−e)/2", (0.785, 1.0), "A")
 def hunt_crossley(e):
-    """For e near 1: energy lost along the elastic path."""
+    """For e near 1: the energy loss assumes elastic motion."""
     return 1.5 * (1.0 - e)
 
 
 @contact_law("Herbert & McWhannell", "1977, J Eng Ind 99:513", "6(1−e)/[(2e−1)²+3]", (0.66, 1.0), "B")
 def herbert_mcwhannell(e):
-    """Impact of a gear pair, integrated over the contact."""
+    """From the motion in an impact of gears."""
     return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) * (2.0 * e - 1.0) + 3.0)
 
 
@@ -149,7 +149,7 @@ def lee_wang(e):
 
 @contact_law("Lankarani & Nikravesh", "1990, J Mech Des 112:369", "3(1−e²)/4", (0.82, 1.0), "B, recomputed")
 def lankarani_nikravesh(e):
-    """For e near 1: energy lost, from momentum balance, along the elastic path."""
+    """For e near 1: energy loss by momentum balance; elastic motion assumed."""
     return 0.75 * (1.0 - e * e)
 
 
@@ -232,7 +232,7 @@ def gharib_hurmuzlu(e):
     "Hu & Guo", "2015, Multibody Syst Dyn 35:131", "3(1−e)/(2e)", (0.405, 1.0), "C", allows_zero=False
 )
 def hu_guo(e):
-    """Energy lost along the damped path."""
+    """The energy loss assumes damped motion."""
     return 1.5 * (1.0 - e) / e
 
 
@@ -283,7 +283,7 @@ def tsuji(e):
 
 
 def _logarithmic_damping(scale, e):
-    """Return a multiple of the damping ratio ζ of a linear oscillator whose half-cycles shrink to e."""
+    """Return ``scale`` times ζ, the damping ratio of an oscillator that keeps the part e in a half-cycle."""
     decrement = log(e)
     return -scale * decrement / math.sqrt(math.pi * math.pi + decrement * decrement)
 

@@ -1,1 +1,1 @@
-"""Functions of real numbers, with the same bits on every machine: they call nothing of its C library."""
+"""Functions of real numbers, with the same bits on every machine: they do not call the C library."""

@@ -17,7 +17,7 @@ from chain_impact.kernel.rows.geometry import along, any_sticking, tangent
 
 
 def settle_friction(d, h):
-    """Correct the dissipated energy in the stages of a step of size h [s], whose iteration has converged."""
+    """Correct the dissipated energy in the stages of a step of size h [s] after the last iteration."""
     for i in range(RADAU_STAGES):
         d.implicit.stages[i, dissipated_at(d.links)] -= work_of_correction(d, h, i)
     if any_sticking(d):

@@ -2,8 +2,8 @@
 
 Collocation at the zeros c_i of P_4 − P_5, Legendre's polynomials shifted to [0, 1]: order 9, stage order 5,
 L-stable and stiffly accurate. Source: E. Hairer and G. Wanner 1996, *Solving Ordinary Differential Equations
-II*, 2nd ed., Springer, section IV.5; the same 1999, J Comput Appl Math 111:93 for 5 stages. The coefficients
-are verified in tests/kernel/ode/test_radau.py.
+II*, 2nd ed., Springer, section IV.5; for 5 stages, the same authors 1999, J Comput Appl Math 111:93. The
+coefficients are verified in tests/kernel/ode/test_radau.py.
 
 The matrix Q has one real eigenvalue and two pairs of complex ones. The rows of LEFT are the left
 eigenvectors, with the real and imaginary parts of a pair in successive rows; the columns of RIGHT are the

@@ -7,7 +7,7 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 
-# number of changes of the mode of an element that the log can store until they are collected
+# number of changes between sticking and sliding that the log can store until they are collected
 CHANGES_OF_EACH = 4
 # number of finished contacts that the log can store until they are collected, in addition to one for each
 # candidate

@@ -56,7 +56,7 @@ def knot_dtype(knots: int) -> np.dtype:
     The knots of a table are given.
     """
     return record(
-        ("given_time", REAL, (knots,)),  # s, times of the values of a signal of steps
+        ("given_time", REAL, (knots,)),  # s, given times at which a signal of steps changes its value
         # values of a signal of steps, in the unit of the input
         ("given_value", REAL, (knots,)),
         ("time", REAL, (knots,)),  # s, time of the knot

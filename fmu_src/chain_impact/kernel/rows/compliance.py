@@ -108,7 +108,7 @@ def solve_contacts(d, row, impulse, change):
 
 
 def geared_accelerations(d, y, rate):
-    """Solve for the accelerations of a chain with armatures, whose M also contains the inertia of the rotors.
+    """Solve for the accelerations of a chain with armatures: M also contains the inertia of the rotors.
 
     The force m (g − a_C) of each link, with a_C at constant angular velocities, is divided between the two
     ends of the link according to the position of the centre of mass. The loads at the points are unchanged

@@ -136,7 +136,7 @@ def first_at_limit(d):
 
 
 def most_inside(d, scale):
-    """Return the row at a limit whose force tends inward most, by more than round-off; or −1."""
+    """Return the row at a limit whose force tends inward most, or −1 if none exceeds round-off."""
     share, row, largest, most_of_all = d.share, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         largest = max(largest, abs(share.impulse[k]))

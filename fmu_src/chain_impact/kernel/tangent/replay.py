@@ -175,7 +175,7 @@ def make_implicit(d, t, h):
     take_stages(d, t, size)
     take_slopes(d, t)
     factorize_real(t, h * REAL_EIGENVALUE)
-    # derivatives whose trust has ended are not needed
+    # derivatives that cannot be trusted any more are not needed
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
