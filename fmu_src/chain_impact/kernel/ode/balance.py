@@ -300,7 +300,7 @@ def scales(d, y):
 
 
 def check_balance(d):
-    """Return ENERGY_NOT_KEPT if a window's or all steps changed the energy balance too much, else OK."""
+    """Return ENERGY_NOT_KEPT if steps of a window, or all steps, changed the balance too much, else OK."""
     balance, most = d.balance, ENERGY_GAIN * d.balance.available
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):

@@ -72,7 +72,7 @@ LAST = RADAU_STAGES - 1
 SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
 # how far beyond a step its polynomial is used with degree 5, 4 and 3, in lengths of the step
 FORETOLD = (1.2, 2.0, 3.0)
-# The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution .7,
+# The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution 0.7,
 # complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
 # solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
@@ -377,7 +377,7 @@ def keep_clearances(d):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
     for j in range(dissipated_at(d.links)):
         at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
-        # conditions: 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ equal the changes at one and two thirds
+        # 8/729 F₅ + 8/2187 F₆ is the change at one third, and 8/729 F₅ + 16/2187 F₆ the change at two thirds
         dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)
         dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
 

@@ -258,7 +258,7 @@ def correct_impulses(d):
 
 
 def move_by_impulses(d):
-    """Find the change of the coordinates, and of all constraints, by the impulses."""
+    """Find the change of the coordinates, and the motions along all constraints, that the impulses cause."""
     rigid = d.rigid
     solve_contacts(d, FREE, rigid.impulse, rigid.change)
     for k in range(constraint_rows(d)):
