@@ -138,7 +138,7 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
-    """Yield a table for each parameter: how the impacts change with it, to first order; then remarks."""
+    """Yield a table of the changes of all impacts, to first order, for each parameter; then remarks."""
     found = recording.sensitivities
     if not found:
         return

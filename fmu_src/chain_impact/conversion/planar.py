@@ -205,7 +205,7 @@ class _Conversion:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, differs=differs))
 
     def _tip(self) -> np.ndarray:
-        """Return the last link's end, relative to its joint [m]: a frame, or twice the centre of mass."""
+        """Return the last link's end, relative to its joint [m]: a frame, else 2 · centre of mass."""
         part, hinge = self.parts[-1], self.hinges[-1]
         ends: dict[str, np.ndarray] = {}
         for b in part:

@@ -63,8 +63,8 @@ def slave_source() -> bytes:
 
 def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
     """Return pythonfmu's modules, and pythonfmu's wrappers as the binaries of an FMU with a name."""
-    # The files come from the installed package. The module `pythonfmu` in memory is perhaps that of an FMU
-    # which this process has run.
+    # The files come from the installed package. The module `pythonfmu` that this process has loaded may be a
+    # copy inside an FMU.
     folder = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
     files = {f"resources/pythonfmu/{module.name}": module for module in folder.glob("*.py")}
     for platform in platforms:

@@ -96,8 +96,8 @@ def modules(*names: str) -> list[str]:
 def thinned(recording: Recording, impact_time: float) -> Recording:
     """Return a recording without most of its rows, if it has more than MOST_ROWS rows.
 
-    These rows stay: every k-th row, the rows next to a frame that the page shows at real time, and the rows
-    next to the onset or the end of an impact.
+    These rows stay: MOST_ROWS rows at equal distances, the rows next to a frame that the page shows at real
+    time, and the rows next to the onset or the end of an impact.
     """
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_ROWS:

@@ -33,7 +33,7 @@ from chain_impact.recording.text import plural, speed_unit
 from chain_impact.scene.unit_text import in_brackets
 
 NOTHING = 1e-12  # a change of an output that is not larger than this, relative to its range, is round-off
-STEEP = 30.0  # the axis is logarithmic if the largest change exceeds the median change by this factor
+STEEP = 30.0  # the axis is logarithmic if the largest change is more than this number times the median change
 Looks = list[dict[str, Any]]
 
 

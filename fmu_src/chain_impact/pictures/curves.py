@@ -62,7 +62,7 @@ def check_curves(curves: Curves) -> None:
 def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
     """Draw the curves on an empty figure.
 
-    The title "" stands for the impact in view or the summary of the run, None for no title.
+    If the title is "", the headline names the impact in view, or summarizes the run. None means no headline.
 
     Raises:
         ValueError: when there are no curves, or too many.

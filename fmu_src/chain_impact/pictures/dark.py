@@ -57,7 +57,7 @@ class Ground(NamedTuple):
     def suit(self, artists: Iterable[Artist]) -> None:
         """Give artists that were drawn for a white figure the colours for this ground.
 
-        An axis must come after its ticks, as in ``findobj``; otherwise the ticks would be changed twice.
+        An axis must come after its ticks, as in ``findobj``: otherwise the colours of ticks change twice.
         """
         for artist in artists:
             if isinstance(artist, Line2D):
@@ -93,9 +93,9 @@ class Ground(NamedTuple):
             artist.set_edgecolor(self._suited_each(colours[1]))
 
     def _suited_each(self, colours: Any) -> Colour | list[Colour]:
-        """Return the colours for a collection; a single colour is returned without a list.
+        """Return the colours for a collection.
 
-        With a list of one colour, matplotlib would refuse a list of several opacities.
+        A single colour is returned without a list, so that it goes with any number of opacities.
         """
         each = [self.suited(one) for one in np.asarray(colours)]
         return each[0] if len(each) == 1 else each

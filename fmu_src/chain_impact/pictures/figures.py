@@ -45,7 +45,7 @@ class NoRoomError(ValueError):
     """
 
     def __init__(self, width: float, height: float, told: str, least: float | None = None) -> None:
-        """Store the sufficient height; the message has the size [inches] and what it must be."""
+        """Store the sufficient height; the message has the refused size [inches] and the required size."""
         super().__init__(f"size = ({width:g}, {height:g}) must be {told}")
         self.least = least
 

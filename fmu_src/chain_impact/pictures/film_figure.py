@@ -130,7 +130,7 @@ class Film:
             figure.set_facecolor(self.ground.ground)
 
     def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
-        """Return vectors at the frames, shape (F, 2), by interpolation between the rows, shape (T, 2)."""
+        """Return vectors at the times of the frames, shape (F, 2), from vectors at the rows, shape (T, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
     def _draw_key(self, figure: Figure, right: float) -> None:

@@ -80,7 +80,7 @@ def conditions(recording: Recording, *first: str) -> str:
 def friction(name: str, value: Any) -> str:
     """Return words for a parameter if it is a coefficient of dry friction: "0.3", "static 0.4 at y_min".
 
-    Return "" for other parameters, and for a coefficient of 0 that is not that of a single wall.
+    Return "" for other parameters, and for a coefficient of 0 unless it is the sliding friction of one wall.
     """
     at = re.fullmatch(r"(?:contact|wall\.(\w+))\.(static_)?friction", name)
     if not at or not (value or (at[1] and not at[2])):

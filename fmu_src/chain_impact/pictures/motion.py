@@ -198,7 +198,10 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
 
 
 def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
-    """Return the largest part, at most 1, of all ways from places that stays in a view; all shape (A, 2)."""
+    """Return the largest factor, at most 1, with which all ``places + factor · ways`` are in a view.
+
+    ``places`` and ``ways`` have the shape (A, 2); ``corners`` are the lower left and upper right of the view.
+    """
     room = np.where(ways > 0.0, corners[1], corners[0]) - places
     parts = np.divide(room, ways, out=np.ones_like(ways), where=ways != 0.0)
     return float(parts.min(initial=1.0))

@@ -78,7 +78,7 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
     met = dict(near)
     for at, wall in everywhere.items():
         normal = np.array(wall.normal)
-        # the distance [m] by which the corner of the view that is farthest outside of the wall is beyond it
+        # how far the view reaches beyond the wall [m]
         beyond = -wall.clearance(*np.where(normal > 0.0, *view))
         if at not in near and beyond > 0.0:
             met[at] = wall
@@ -170,7 +170,7 @@ def draw_room(
 
 
 def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
-    """Return the ends of the visible line of a wall at the room between some walls, shape (C, 2) [m]."""
+    """Return the ends of a wall's visible line along the room between ``walls``, shape (C, 2) [m]."""
     corners = _corners(walls, view)
     gaps = corners @ np.array(wall.normal) - wall.offset
     return np.asarray(corners[abs(gaps) < ROUND_OFF * np.ptp(view)])

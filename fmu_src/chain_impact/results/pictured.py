@@ -80,7 +80,7 @@ class Pictured(Recording):
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook; ``figure.axes`` have the names of panels as labels.
             kind: the name of a single panel, in place of ``panels``.
-            size: width and height [inches]; a height of None is what the contents need.
+            size: width and height [inches]; with the height None, the contents determine the height.
                 On a page narrower than 6 inches the motion is above the rest.
             panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all panels for
                 which the result has data.

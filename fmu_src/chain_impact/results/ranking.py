@@ -160,7 +160,7 @@ class Ranking:
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned.
-            size: width and height [inches]; a height of None is what the contents need.
+            size: width and height [inches]; with the height None, the contents determine the height.
 
         Raises:
             ValueError: when the size is not possible, or has no room for the bars.

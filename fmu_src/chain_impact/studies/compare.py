@@ -93,7 +93,7 @@ class Comparison(LawRuns):
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
-            size: width and height [inches]; a height of None is what the contents need.
+            size: width and height [inches]; with the height None, the contents determine the height.
                 On a page narrower than 6 inches the loops are above the energy.
             ax: axes of matplotlib for the loops; these axes are returned.
 

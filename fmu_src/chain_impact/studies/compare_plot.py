@@ -88,7 +88,7 @@ def message(comparison: LawRuns) -> str:
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
-    """Return the first impact, the scene's contact, and the meaning of grey lines."""
+    """Return a text on the first impact, on the scene's contact, and on the meaning of grey lines."""
     contact, impact = comparison.contact, comparison.first_impact
     mass, speed, per = ("kg·m²", "rad/s", "N·m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
@@ -196,7 +196,7 @@ def banded(comparison: LawRuns, looks: Looks) -> list[str]:
 
 
 def band_label(comparison: LawRuns, band: Sequence[str]) -> str:
-    """Return the label of the band: its number of laws, and the laws with the least and the largest e′."""
+    """Return the label of the band: how many laws it has, and which have the extreme restitutions e′."""
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
     extremes = " to ".join(f"{law} (e′ = {comparison[law].restitution:.2f})" for law in (order[0], order[-1]))

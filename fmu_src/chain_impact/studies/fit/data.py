@@ -26,7 +26,8 @@ QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
 JOINT_FORCE = "joint_force"
 SIGMA = "sigma({})"
-# the model runs up to this time, relative to the last measurement, because its impacts may be later
+# if impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
+# later than the measured ones
 LATE = 1.25
 PERCENT = "%"
 
@@ -379,5 +380,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns of values: all columns except time, place of an impact and standard deviations."""
+    """Return the columns with measured values: all except time, WHICH, and standard deviations."""
     return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

@@ -243,7 +243,10 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
 
 
 def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[float, float]:
-    """Return the ends of an interval, given on the scale of the search, as values within the bounds."""
+    """Return the ends of an interval as values within the bounds.
+
+    On the scale of the search, the interval goes from ``coordinate − half`` to ``coordinate + half``.
+    """
     ends = np.array([coordinate - half, coordinate + half])
     if parameter.logarithmic:
         ends[np.abs(ends) > LARGEST] *= math.inf

@@ -76,7 +76,7 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
     """Return the result of a search with growing horizons.
 
-    The horizon ends where the distance of the model from the data exceeds ``far``.
+    Each horizon ends where the model differs from the data by more than ``far`` times the size of a column.
     """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
@@ -109,7 +109,7 @@ def _squares(at: Evaluation, sigma: np.ndarray) -> float:
 def _minimized(
     problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
-    """Return the search with the data up to a horizon, and the standard deviations of its residuals."""
+    """Return the result of a search with data up to a horizon, and new standard deviations, shape (M,)."""
     minimum = minimize(
         lambda coordinates: problem.evaluate(coordinates, horizon),
         problem.until(whole, horizon),
@@ -140,8 +140,8 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
 def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
     """Return the degrees of freedom ν of each column with an estimated σ: number of the column → ν.
 
-    A column of n values has ν = n − h, where h is the sum of the leverages: the number of parameters that the
-    column determines.
+    A column of n values has ν = n − h. Here h is the number of parameters that the column determines: the sum
+    of the leverages of its values.
     """
     rows = np.flatnonzero(at.usable)
     left, singular, _ = np.linalg.svd(at.slopes[rows] / sigma[rows, None], full_matrices=False)
@@ -199,8 +199,8 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
     """Return the time [s] up to which the model follows the data roughly, later than ``horizon``.
 
-    The result is infinity for all data. The model follows the data as long as outputs over time, or times of
-    impacts if no outputs were measured, are close to the data.
+    The result is infinity if the model follows all data. It follows the data as long as its outputs are close
+    to the data or, if no outputs were measured, its times of impacts.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order

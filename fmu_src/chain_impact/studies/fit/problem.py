@@ -234,11 +234,10 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 
 
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
-    """Return a quantity of an impact of the model, and the derivatives, shape (P,).
+    """Return a quantity of an impact of the model, and its derivatives, shape (P,).
 
-    NaN while the contact lasts.
-
-    The peak force of an impulse is NaN as well, because an impulse has no peak force.
+    The quantity is NaN for the peak force of an impulse, which has none. While the contact lasts, it is NaN
+    unless the onset already determines it.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

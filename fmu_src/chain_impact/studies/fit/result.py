@@ -102,7 +102,7 @@ class Fit(Estimates):
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
-            size: width and height [inches]; a height of None is what the contents need.
+            size: width and height [inches]; with the height None, the contents determine the height.
                 On a page narrower than 6 inches all panels are in one column.
 
         Raises:

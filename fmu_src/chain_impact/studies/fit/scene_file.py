@@ -71,7 +71,7 @@ def _copied(law: Path, folder: Path) -> str:
 
 
 def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
-    """Return the text with the path of a file at a key, adapted to another folder."""
+    """Return the text of a scene file with another path of a file at a key."""
     document: Any = tomlkit.parse(text)
     table = document
     for step in key[:-1]:

@@ -41,7 +41,7 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
     lost = RunError(f"scheduler {address}: the connection was lost")
 
     def check() -> None:
-        """Return if the cluster still has workers; else raise an error after a time."""
+        """Raise an error if the cluster has no workers, or the connection is lost."""
         try:
             threads = client.nthreads()
         except OSError:
@@ -76,8 +76,8 @@ def _sees(folder: Path) -> bool:
 def _connected(kind: Any, address: str) -> Any:
     """Return a client of the scheduler.
 
-    The function closes a client that cannot connect. Otherwise the garbage collector could close the client
-    while this thread starts another client and holds the lock that closing needs, a deadlock.
+    The function closes a client that cannot connect. Otherwise the garbage collector could close it
+    later, while this thread starts another client and holds the lock that closing needs: a deadlock.
     """
     client = kind.__new__(kind)
     try:

@@ -69,8 +69,7 @@ class Design:
     def _cubes(self, first: int, end: int) -> np.ndarray:
         """Return a part of a Latin hypercube of all runs, or of consecutive hypercubes of ``CUBE`` runs.
 
-        The values have the same bits as SciPy's LatinHypercube with a generator that is spawned for each
-        hypercube.
+        Hypercube number k has the same bits as SciPy's LatinHypercube with child k of the seed's generator.
         """
         count, varied, parts = self.runs, len(self.variations), []
         size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
@@ -104,7 +103,7 @@ class Design:
 
 
 def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
-    """Return the generator of a Latin hypercube after ``drawn`` numbers."""
+    """Return the random generator of hypercube number ``cube``, as if it had drawn ``drawn`` numbers."""
     bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
     return np.random.Generator(bits.advance(drawn))
 
