@@ -75,7 +75,7 @@ def test_an_impulse_has_no_loop():
 
 @pytest.mark.parametrize("number", [0, 15, -1])
 def test_an_impact_that_is_not_there_is_refused(number):
-    with pytest.raises(ValueError, match=rf"FourLinkBox: the number of an impact = {number} must be 1 to 14"):
+    with pytest.raises(ValueError, match=rf"FourLinkBox: number = {number} must be from 1 to 14"):
         recorded("four_link_box").plot_impact(number)
 
 
