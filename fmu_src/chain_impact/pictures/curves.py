@@ -31,6 +31,8 @@ WIDEST = 28  # the legend is beside the panel if no name has more characters, el
 # PREFIXED: the units that may get a prefix, such as kN; they get it if the largest value is less than SMALL
 # or at least LARGE
 PREFIXED, SMALL, LARGE = ("N", "N.m", "N.s", "N.m.s", "J", "W"), 1e-2, 1e4
+# units that only one quantity has → this quantity
+QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
 END = 0.5  # the line at the end of an impact mixes this fraction of the text colour with the ground's colour
 TOLD = 4  # of the outputs that are always 0, at most this number are named at the foot of the picture
 SIDE = 8  # the legend is beside the panel for at most this number of curves, else above the panel
@@ -135,7 +137,8 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
             look = DASHES[min(k // len(PALETTE) + hidden[k], len(DASHES) - 1)]
             told = name if wide else short_name(name, names)
             axes.plot(time, scale * drawn[k], look, color=PALETTE[k % len(PALETTE)], label=told)
-        axes.set_ylabel(axis_label(names, unit))
+        quantity = shared_part(names) or QUANTITIES.get(curves.units[names[0]], "")
+        axes.set_ylabel(f"{quantity}{in_brackets(unit)}".lstrip())
         if curves.onset is None:
             shade_rests(axes, shown)
         axes.set_xlim(*ends)
@@ -193,15 +196,14 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
 
 def short_name(name: str, names: Sequence[str]) -> str:
     """Return a name without a last part that all names of the panel share: the axis label has this part."""
-    shared = axis_label(names, "") if len(names) > 1 else ""
+    shared = shared_part(names) if len(names) > 1 else ""
     return name.removesuffix(f".{shared}")
 
 
-def axis_label(names: Sequence[str], unit: str) -> str:
-    """Return the label of an axis: the unit, and the last part of the names if all names share it.
+def shared_part(names: Sequence[str]) -> str:
+    """Return the last part of some names if all names share it; "" otherwise.
 
-    The last part of a component of a vector has two words: "force.x".
+    For a component of a vector, the last part has the vector, too: "force.x".
     """
     last = {re.sub(r".*?((?:\w+\.)?[xy]|\w+)$", r"\1", name) for name in names}
-    shared = last.pop() if len(last) == 1 else ""
-    return f"{shared}{in_brackets(unit)}".lstrip()
+    return last.pop() if len(last) == 1 else ""
