@@ -77,6 +77,9 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     draw_loop(loop, impact, course, at_stop=stop)
     give_ticks(*timed, loop)
     figure.align_ylabels(timed)
+    legend = loop.get_legend()
+    if legend is not None and len(legend.get_texts()) == 1:  # the text below the title says the same
+        legend.remove()
     settle(figure)
     figure.set_layout_engine("none")
 
