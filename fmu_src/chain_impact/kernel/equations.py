@@ -148,7 +148,7 @@ def free_rate(d, y, rate):
 
 
 def loaded_rate(d, y, dissipated, rate):
-    """Set rate = f(y) for the present loads; ``dissipated`` is the power [W] that the contacts dissipate."""
+    """Set rate = f(y) for the loads that are set; the argument ``dissipated`` is the contacts' power [W]."""
     n = d.links
     supplied = 0.0
     if d.model.resisting or d.model.driven or d.model.jointed:

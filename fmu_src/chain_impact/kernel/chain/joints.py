@@ -146,7 +146,10 @@ def over(resistance, inertia):
 
 
 def joint_rate(d, y):
-    """Return the largest of all ρ_i and ω_i [1/s] in state y; store the link vectors in ``work.link``."""
+    """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
+
+    The docstring of this module defines ρ_i and ω_i. The function stores the link vectors in ``work.link``.
+    """
     link_vectors(d, y)
     work, fastest = d.work, 0.0
     no_impedance(d, work.impedance)

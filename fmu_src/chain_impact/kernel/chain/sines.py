@@ -85,7 +85,11 @@ def integral(d, i, m, s, rise):
 
 
 def by_fraction(m, rates, s, rise):
-    """Return real and imaginary part of Σ_k c_k K_{m+k}/(iω)^{m+k} for the ``rates`` ω and g."""
+    """Return real and imaginary part of a signal's integral of order m, from continued fractions.
+
+    The integral is Σ_k c_k K_{m+k}/(iω)^{m+k}. ``rates`` are ω, the angular frequency, and g, the rate at
+    which ω changes. The docstring of this module defines the functions K and the coefficients c.
+    """
     omega, g = rates
     y = g / (omega * omega)
     last = m + 1 + (RISING if rise > 0.0 else 0)

@@ -90,7 +90,7 @@ def stops_slowly(t, e):
 
 
 def slow_acceleration(t, e):
-    """Return the largest acceleration [m/s²] of element e that counts as an error.
+    """Return the acceleration [m/s²] of element e up to which the acceleration may be an error of the solver.
 
     It is √tolerance times the acceleration that the friction of the element could cause.
     """
