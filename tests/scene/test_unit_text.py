@@ -48,6 +48,9 @@ def test_a_quantity_with_a_unit_is_told_as_a_number(text, unit, number):
     assert number_hint(text, [unit]).split(",")[0] == f"; write {number}"
 
 
-@pytest.mark.parametrize(("text", "unit"), [("hard", "m"), ("3 feet", "m"), ("450 mm", "s"), ("1e3", "m")])
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [("hard", "m"), ("3 feet", "m"), ("450 mm", "s"), ("1e3", "m"), ("50 %", "m"), ("2 m", "")],
+)
 def test_other_texts_have_no_hint(text, unit):
     assert number_hint(text, [unit]) == ""

@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
 
     If a fault ends the run, the animation shows the time before the fault.
     """
-    check_outputs(options.output, inputs=filter(None, (options.source, options.scene)))
+    check_outputs(options.output, inputs=filter(None, (options.source, options.scene, options.inputs)))
     fault = None
     try:
         recording = record(options)

@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.compare import compare
 
     check_look(options)
-    check_outputs(options.csv, options.plot, inputs=[options.source])
+    check_outputs(options.csv, options.plot, inputs=filter(None, (options.source, options.inputs)))
     scene = scene_of_options(options)
     with progress("comparing") as advance:
         comparison = compare(scene, advance, laws=names_in(*options.laws) or None)

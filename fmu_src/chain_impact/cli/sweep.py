@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
 
     table = Path(options.table)
     check_look(options)
-    check_outputs(table, options.plot, inputs=[options.source])
+    check_outputs(table, options.plot, inputs=filter(None, (options.source, options.inputs)))
     scene = scene_of_options(options)
     vary = variations(options.vary, settings_of(options.set))
     panels, wanted = names_in(*options.panels), list(options.columns)
@@ -104,7 +104,7 @@ def run(options: argparse.Namespace) -> int:
         from chain_impact.studies.sweep.quantities import outputs_for
 
         varied = variations_of(prepared := PreparedScene(scene), vary)
-        runs = math.prod(len(one.values) for one in varied)
+        runs = options.samples or math.prod(len(one.values) for one in varied)
         check_picture(len(vary), options.samples, runs, scene.name)
         wanted += outputs_for(job_of(prepared, varied, wanted), panels)
     try:

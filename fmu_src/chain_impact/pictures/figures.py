@@ -140,7 +140,8 @@ def least_height(
         lacks = lacking_height(fill, StyledFigure(figsize=(width, heights[k]), dpi=DPI), mean)
         low, high = (low, k) if lacks <= 0.0 else (k, high)
         # the measured lack is a good guess; without it, the interval is halved
-        guess = k + math.ceil(4.0 * lacks) if math.isfinite(lacks) else (low + high) // 2
+        step = math.ceil(4.0 * lacks) if math.isfinite(lacks) else 0
+        guess = k + step if step else (low + high) // 2
     if high == len(heights):
         raise NoRoomError(width, height, "wider for the panels")
     return float(heights[high])

@@ -69,9 +69,12 @@ class Effect(NamedTuple):
         return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
 
 
+WHOLE_PERCENTS = 0.995  # the share from which on two digits would be written as 1e+02
+
+
 def percents(share: float) -> str:
-    """Return a share in percent, with its sign and two digits or, from 100 % on, a whole number."""
-    return f"{100.0 * share:+.2g}" if abs(share) < 1.0 else f"{100.0 * share:+.0f}"
+    """Return a share in percent, with its sign and two digits or, from 99.5 % on, a whole number."""
+    return f"{100.0 * share:+.2g}" if abs(share) < WHOLE_PERCENTS else f"{100.0 * share:+.0f}"
 
 
 @dataclass(frozen=True, repr=False)

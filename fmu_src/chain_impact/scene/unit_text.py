@@ -21,8 +21,8 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
         return ""
     number, word = float(match[1]), _plain(match[2])
     if word == "%":
-        return f"; write {number / 100.0:.12g}"
-    for unit in units:
+        return f"; write {number / 100.0:.12g}" if units is USUAL or {"", "1"} & {*units} else ""
+    for unit in filter(None, units):
         # kg already has a prefix, so the other prefixes are tried before g
         base, scale = (unit[1:], 1e-3) if unit.startswith("kg") else (unit, 1.0)
         for prefix, factor in PREFIXES.items():

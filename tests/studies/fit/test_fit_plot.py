@@ -79,6 +79,21 @@ def test_a_file(found, tmp_path):
     assert (tmp_path / "fit.svg").read_text(encoding="utf-8").rstrip().endswith("</svg>")
 
 
+def test_the_model_has_the_measured_inputs_and_a_column_may_be_of_impacts_that_it_has_not():
+    arm, time = load_scene("pinned_arm"), np.linspace(0.0, 0.3, 31)
+    torque = 0.6 * np.sin(9.0 * time)
+    angle = simulate(arm, inputs={"joint[1].torque": (time, torque)}, stop_time=0.3)["link[1].angle"][-1]
+    table = {"time": time[[0, -1]], "link[1].angle": [np.nan, angle]}
+    drive = {"time": time, "joint[1].torque": torque}
+    impacts_of = {"impact": [9], "onset": [0.29]}
+    found = fit(
+        arm, [[table, drive, impacts_of]], ["link[1].mass"], sigma={"link[1].angle": 1e-3, "onset": 1e-3}
+    )
+    values = found.plot().axes[0]
+    curve, _ = values.get_lines()
+    assert curve.get_ydata()[-1] == pytest.approx(angle, abs=1e-6)
+
+
 def test_several_data_sets_and_an_input():
     arm = load_scene("pinned_arm")
     tables = []

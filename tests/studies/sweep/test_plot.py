@@ -262,6 +262,13 @@ def test_bars_hold_all_values(least, most, logarithmic):
     assert 2 <= len(edges) <= 61
 
 
+@pytest.mark.parametrize("value", [0.0, -3.0, 1e8])
+def test_values_that_differ_by_round_off_share_one_bar(value):
+    values = value * (1.0 + 1e-16 * np.arange(100.0))
+    edges = edges_of(values, logarithmic=False, whole=False)
+    assert np.histogram(values, edges)[0].tolist() == [100]
+
+
 def test_too_many_runs_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("chain_impact.studies.sweep.plot.MOST_DRAWN", 3)
     found = sweep(SCENE, {"contact.restitution": [0.3, 0.4, 0.5, 0.6]})

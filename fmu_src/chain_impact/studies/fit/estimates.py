@@ -11,6 +11,7 @@ import numpy as np
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import Differentiated
+from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
@@ -44,6 +45,7 @@ class Estimates:
     converged: bool
     runs: int
     horizons: tuple[float, ...]
+    interpolation: Interpolation = "follow"
     unknown: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     ranking: tuple[LawEstimates, ...] = ()

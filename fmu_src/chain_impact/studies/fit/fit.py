@@ -167,6 +167,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         converged=search_result.search.converged,
         runs=problem.evaluations,
         horizons=search_result.horizons,
+        interpolation=problem.interpolation,
         unknown=tuple(unknown(problem, at, fisher_information, reached)),
         models=at.runs,
     )

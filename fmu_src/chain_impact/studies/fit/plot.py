@@ -98,12 +98,13 @@ def _model(fit: Estimates, k: int) -> Result:
     """Return the run of a data set with the fitted values, with rows dense enough for a smooth curve."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, data.end(scene.simulation.stop_time))
-    inputs = {
+    inputs = dict(data.inputs) | {
         parameter.name: fit.values[parameter.label]
         for parameter in fit.parameters
         if parameter.name not in scene.values and parameter.run in (None, k)
     }
-    return simulate(scene, stop_time=stop, output_step=stop / POINTS, output=data.outputs, inputs=inputs)
+    rows: dict[str, Any] = {"stop_time": stop, "output_step": stop / POINTS, "output": data.outputs}
+    return simulate(scene, inputs=inputs, interpolation=fit.interpolation, **rows)
 
 
 def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> None:
@@ -137,8 +138,8 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     residuals.set_xlabel("number of the impact" if over_impacts else "time [s]")
     if over_impacts:
         numbers = np.concatenate([part.at for part in parts])
-        first, last = np.nanmin(numbers), np.nanmax(numbers)
-        residuals.set_xlim(first - BESIDE, last + BESIDE)
+        if np.isfinite(numbers).any():  # else the model has none of the impacts
+            residuals.set_xlim(np.nanmin(numbers) - BESIDE, np.nanmax(numbers) + BESIDE)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
         values.legend(

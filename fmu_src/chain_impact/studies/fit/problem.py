@@ -13,6 +13,7 @@ from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import AT_ONSET, Differentiated, DifferentiatedRun
+from chain_impact.simulation.inputs import Interpolation
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.data import DURATION, LATE, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
@@ -78,7 +79,7 @@ class Problem:
         scenes: Sequence[Scene],
         data: Sequence[Measurements],
         parameters: Sequence[Parameter],
-        interpolation: str = "follow",
+        interpolation: Interpolation = "follow",
     ) -> None:
         """Prepare a run for each data set, with the inputs of the data set and their interpolation.
 
@@ -87,6 +88,7 @@ class Problem:
             BuildError: when the kernel cannot be compiled.
         """
         self.scenes, self.data, self.parameters = tuple(scenes), tuple(data), tuple(parameters)
+        self.interpolation = interpolation
         self.value = np.concatenate([data_set.value for data_set in data])
         self.sigma = np.concatenate([data_set.sigma for data_set in data])
         quantities = [name for data_set in data for name in data_set.quantity]
