@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,7 +44,7 @@ class Pictured(Recording):
         """The scene as it was simulated."""
         return self.prepared.scene
 
-    @property
+    @cached_property
     def passing(self) -> list[str]:
         """Sentences on points that pass through walls that they cannot touch."""
         moved, numbers = self.moved_walls, {name: k for k, name in enumerate(self.wall_names)}
