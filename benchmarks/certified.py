@@ -25,7 +25,7 @@ from chain_impact.kernel.forces.contact_law import HARMLESS, USER_LAW
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene, model_names
 from chain_impact.simulation.instance import Instance, SimulationError
-from tests.helpers.random_scenes import (
+from tests.helpers.campaigns.random_scenes import (
     DRIVEN,
     FOLDED,
     RUBBED,

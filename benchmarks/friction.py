@@ -29,7 +29,7 @@ from race import ROUNDS, Entries, race, seconds_at
 from chain_impact import simulate
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
-from tests.helpers.friction import SLOPE, sled, thrown
+from tests.helpers.scenes.friction import SLOPE, sled, thrown
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
 FINE, FINEST = 1e-12, 1e-6  # tolerance, and step of MuJoCo [s], of runs that count as exact

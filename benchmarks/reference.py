@@ -1,11 +1,11 @@
 """References independent of the kernel's equations: ``python benchmarks/reference.py [problem …]``.
 
-Equations of motion assembled by the textbook (tests/helpers/textbook.py), integrated in 80-bit arithmetic
-(round-off 5e-20) by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner 1993, II.9)
-with error control, and restarted at every onset and end of a contact. Newton's method finds onsets and ends
-by the length of the step itself, not on an interpolant. The difference of two runs with different orders and
-tolerances is the stated error. The problems are in problems.py; problems that are not named keep their stored
-results.
+Equations of motion assembled by the textbook (tests/helpers/models/textbook.py), integrated in 80-bit
+arithmetic (round-off 5e-20) by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner
+1993, II.9) with error control, and restarted at every onset and end of a contact. Newton's method finds
+onsets and ends by the length of the step itself, not on an interpolant. The difference of two runs with
+different orders and tolerances is the stated error. The problems are in problems.py; problems that are not
+named keep their stored results.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from problems import PROBLEMS, Problem
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
-from tests.helpers.textbook import Textbook
+from tests.helpers.models.textbook import Textbook
 
 REAL = np.longdouble
 LONGEST = 5e-3  # s, so that no visit to a wall is shorter than a few steps

@@ -17,8 +17,8 @@ from chain_impact.pictures.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION,
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.helpers.beam import Bar, impulse
-from tests.helpers.measured import heard_impacts, measured
+from tests.helpers.literature.measured import heard_impacts, measured
+from tests.helpers.models.beam import Bar, impulse
 
 IMAGES = Path(__file__).parent / "images"
 SIZE = (8.5, 4.6)

@@ -1,7 +1,7 @@
 """The table of docs/validation.md: ``python docs/validation_table.py`` computes it and puts it there.
 
-tests/helpers/validation.py has the problems, the second solutions and the published values; the tests use
-this module, too.
+tests/helpers/literature/validation.py has the problems, the second solutions and the published values; the
+tests use this module, too.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from generate import DOCS  # adds the folder of the tests to Python's path
 from markdown_text import table
 
 from chain_impact.scene.scene import model_names
-from tests.helpers.validation import PROBLEMS, Figure, Problem
+from tests.helpers.literature.validation import PROBLEMS, Figure, Problem
 
 TOLERANCE = 1e-8  # the default
 BLOCK = re.compile(r"(?<=<!-- validation -->\n).*?(?=<!-- end -->)", re.DOTALL)

@@ -13,7 +13,7 @@ from xdist.scheduler import LoadFileScheduling
 from chain_impact import cli
 from chain_impact.cli import progress
 from tests import tiers
-from tests.helpers.shared import once, shared_folder
+from tests.helpers.tools.shared import once, shared_folder
 from tests.tiers import pytest_addoption, pytest_cmdline_main, pytest_ignore_collect, pytest_report_header
 
 __all__ = ["pytest_addoption", "pytest_cmdline_main", "pytest_ignore_collect", "pytest_report_header"]

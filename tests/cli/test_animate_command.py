@@ -5,7 +5,7 @@ import re
 import pytest
 from PIL import Image
 
-from tests.helpers.page_data import data_of
+from tests.helpers.tools.page_data import data_of
 
 
 def test_a_scene_becomes_a_page_that_is_named_after_it(run, here):

@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact import system
 from chain_impact.compilation.library import browser_module
-from tests.helpers.page_data import data_of
+from tests.helpers.tools.page_data import data_of
 
 
 def test_a_scene_becomes_a_page(run, here):

@@ -5,7 +5,7 @@ import csv
 import pytest
 
 from chain_impact import load_scene
-from tests.helpers.measurements import impacts, motion
+from tests.helpers.tools.measurements import impacts, motion
 
 FREE = ("--free", "contact.stiffness,contact.restitution")
 START = ("--set", "contact.stiffness=5e7", "--set", "contact.restitution=0.6")

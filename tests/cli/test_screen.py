@@ -14,7 +14,7 @@ from chain_impact.cli.screen import law_table, plain_lines, show, summary, table
 from chain_impact.recording.summary import NONE
 from chain_impact.simulation.record_scene import record_scene
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.problems import default_scene, driven
+from tests.helpers.scenes.problems import default_scene, driven
 
 
 def test_an_impulse_and_a_law_without_a_result_have_a_row():

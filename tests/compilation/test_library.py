@@ -18,7 +18,7 @@ from chain_impact.simulation.instance import load_kernel
 from chain_impact.system import HOST
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
-from tests.helpers.binaries import read_binary
+from tests.helpers.tools.binaries import read_binary
 from tests.tiers import needs_compilers
 
 ENTRY_POINTS = {

@@ -16,13 +16,13 @@ from lark import Lark
 
 from chain_impact import Scene, load_scene
 from chain_impact.fmu.build import build_fmu
-from tests.helpers.bodies import body, cart
-from tests.helpers.derived_scenes import finger
-from tests.helpers.friction import thrown
-from tests.helpers.friction_derivative_scenes import dry_joints
-from tests.helpers.processes import Processes, make_environment
-from tests.helpers.shared import once, shared_folder
-from tests.helpers.stops import knee
+from tests.helpers.scenes.bodies import body, cart
+from tests.helpers.scenes.derived_scenes import finger
+from tests.helpers.scenes.friction import thrown
+from tests.helpers.scenes.friction_derivative_scenes import dry_joints
+from tests.helpers.scenes.stops import knee
+from tests.helpers.tools.processes import Processes, make_environment
+from tests.helpers.tools.shared import once, shared_folder
 
 Clean = Callable[..., Any]
 

@@ -28,7 +28,7 @@ from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
 from tests.fmu.interface import description
 from tests.fmu.planted_faults import XML, edited, spoiled
-from tests.helpers.binaries import binary
+from tests.helpers.tools.binaries import binary
 
 every_model = pytest.mark.parametrize("model", model_names())
 FMIS = {"native": 2, "fmi3": 3}

@@ -11,7 +11,7 @@ import pytest
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from tests.fmu.clean import calling3
 from tests.fmu.interface3 import ALLOWED, ERROR, OK, PHASES, Component, Library, calls, each_call
-from tests.helpers.stops import knee
+from tests.helpers.scenes.stops import knee
 
 RIGID = CONTACT_LAWS["newton_impact"].number
 

@@ -19,7 +19,7 @@ from chain_impact.system import HOST, PLATFORMS
 from tests.fmu.interface import description, unpacked
 from tests.fmu.standard import co_simulation_functions
 from tests.fmu.zig import zig
-from tests.helpers.binaries import binary, oldest_macos, signed_without_identity
+from tests.helpers.tools.binaries import binary, oldest_macos, signed_without_identity
 
 pytestmark = pytest.mark.full("takes long")
 

@@ -9,7 +9,7 @@ from chain_impact.fmu.run import record_fmu
 from tests.fmu.clean import importing
 from tests.fmu.conftest import scene_of
 from tests.fmu.importer import Instance
-from tests.helpers.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
+from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 
 STEP = 2.0**-7  # s; sums of this step are exact, so that all clocks are bit-equal
 STOPS = {"knee": 2.0, "thrown": 1.5, "finger": 0.75, "servo": 1.0}  # s; 1 s for all others

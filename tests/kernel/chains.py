@@ -12,8 +12,8 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.equations import mechanical_energy
 from chain_impact.kernel.rows.geometry import along, normal
 from chain_impact.scene.scene import Scene, scene_from_dict
-from tests.helpers.plain import Plain, begun, pack
-from tests.helpers.reference import point_jacobian
+from tests.helpers.kernel.plain import Plain, begun, pack
+from tests.helpers.models.reference import point_jacobian
 
 FAR = 1e3  # m, distance of the walls
 ANGLES = (0.4, 2.9)  # rad, of the walls besides the box

@@ -18,8 +18,8 @@ from chain_impact.kernel.forces.friction import (
 )
 from chain_impact.kernel.rows.geometry import tangent, tangential_acceleration, tangential_position
 from chain_impact.scene.scene import Scene
-from tests.helpers.plain import Plain, begun
-from tests.helpers.reference import mass_matrix, point_jacobian
+from tests.helpers.kernel.plain import Plain, begun
+from tests.helpers.models.reference import mass_matrix, point_jacobian
 from tests.kernel.chains import chain, press_in, random_state, touch
 
 MU, MU_S, MOMENT = 0.3, 0.4, 0.7

@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.ode.control import EXPLICIT
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.last_step import SOLVER
-from tests.helpers.plain import Plain
+from tests.helpers.kernel.plain import Plain
 from tests.kernel.chains import ANGLES, FAR, chain, touch
 
 # powers of θ and of 1 − θ in the dense output

@@ -24,8 +24,8 @@ from chain_impact.kernel.status import (
     STEP_TOO_SMALL,
 )
 from chain_impact.scene.scene import load_scene
-from tests.helpers.friction import pendulum
-from tests.helpers.plain import begun
+from tests.helpers.kernel.plain import begun
+from tests.helpers.scenes.friction import pendulum
 from tests.kernel.chains import chain, touch
 
 

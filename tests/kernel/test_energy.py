@@ -7,8 +7,8 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.chain import joints, kinematics
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, stored_energy
 from chain_impact.kernel.forces import contact, contact_force
-from tests.helpers.plain import make_rigid
-from tests.helpers.reference import centre_jacobian
+from tests.helpers.kernel.plain import make_rigid
+from tests.helpers.models.reference import centre_jacobian
 from tests.kernel.chains import chain, press_in, struck, touch
 
 CASES = [("free", 1), ("free", 4), ("pinned", 1), ("pinned", 3)]

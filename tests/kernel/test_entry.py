@@ -11,8 +11,8 @@ from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE, PAUSED, UNLIMITED
 from chain_impact.scene.scene import with_values
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.plain import Plain
-from tests.helpers.problems import ball
+from tests.helpers.kernel.plain import Plain
+from tests.helpers.scenes.problems import ball
 
 STIFFNESS = 1e4
 STOP = 0.2  # s, after the ball has left the floor

@@ -13,7 +13,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
 from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
 from chain_impact.scene.scene import load_scene
-from tests.helpers.plain import record_of
+from tests.helpers.kernel.plain import record_of
 
 SIZES = {name: 2 + k for k, name in enumerate(COUNTS)}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]

@@ -16,8 +16,8 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, UNLIMITED
 from chain_impact.scene.scene import Scene, scene_from_dict
-from tests.helpers.derivative_scenes import AT_STOPS, pressed_tip
-from tests.helpers.plain import Plain, record_of
+from tests.helpers.kernel.plain import Plain, record_of
+from tests.helpers.scenes.derivative_scenes import AT_STOPS, pressed_tip
 
 
 class Checked(np.ndarray):

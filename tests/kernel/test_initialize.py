@@ -33,7 +33,7 @@ from chain_impact.kernel.status import (
     STOPS_REVERSED,
     UNKNOWN_METHOD,
 )
-from tests.helpers.reference import mass_matrix
+from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, stopped_chain
 
 BASES = pytest.mark.parametrize("base", ["free", "pinned"])

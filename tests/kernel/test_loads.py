@@ -7,7 +7,7 @@ from scipy.integrate import simpson
 from chain_impact import load_scene, simulate, sweep
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.instance import SimulationError
-from tests.helpers.random_scenes import DRIVEN, RUBBED, SLANTED, STOPPED, scene as random_scene
+from tests.helpers.campaigns.random_scenes import DRIVEN, RUBBED, SLANTED, STOPPED, scene as random_scene
 
 GEAR = {"link[2].joint_stiffness": 3.0, "link[3].joint_damping": 0.2, "inputs.tip_force": True}
 GEAR |= {"link[3].joint_min": 1.2, "link[3].joint_max": 1.4, "inputs.joint_torques": True}

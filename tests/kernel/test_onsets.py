@@ -7,7 +7,7 @@ from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.kernel.status import OK, ONSET_DUE
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
-from tests.helpers.kernel_calls import advance_to_onset, event_update
+from tests.helpers.kernel.kernel_calls import advance_to_onset, event_update
 
 RIGID = {("contact", "model"): "newton_impact"}
 

@@ -19,8 +19,8 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.derivative_scenes import table
-from tests.helpers.plain import Plain, record_of
+from tests.helpers.kernel.plain import Plain, record_of
+from tests.helpers.scenes.derivative_scenes import table
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
 from tests.kernel.rubbing import rubbing_chain
 

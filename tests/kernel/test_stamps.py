@@ -13,9 +13,9 @@ from chain_impact.kernel.observe import observe
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.status import OK, UNLIMITED, work_done
 from chain_impact.simulation.instance import Instance
-from tests.helpers import random_scenes
-from tests.helpers.plain import Plain, record_of
-from tests.helpers.stamps import StaleError, stamp, watched
+from tests.helpers.campaigns import random_scenes
+from tests.helpers.kernel.plain import Plain, record_of
+from tests.helpers.kernel.stamps import StaleError, stamp, watched
 
 KINDS = ("SLANTED", "SPRUNG", "STOPPED", "RUBBED", "DRIVEN", "SIGNALLED")
 

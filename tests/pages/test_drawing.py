@@ -9,8 +9,8 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.results.animate import animate
 from chain_impact.studies.animate import record_slowly
-from tests.helpers.friction import SLOPE, pendulum, sled
-from tests.helpers.stops import knee
+from tests.helpers.scenes.friction import SLOPE, pendulum, sled
+from tests.helpers.scenes.stops import knee
 from tests.pages.conftest import DESK, LIGHT_CHAIN, ON_ITS_SIDE, PHONE, count_of, go_to, pixels, press
 from tests.tiers import needs_browser
 

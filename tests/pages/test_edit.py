@@ -12,7 +12,7 @@ from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers import random_scenes
+from tests.helpers.campaigns import random_scenes
 from tests.pages.conftest import page_contents
 from tests.tiers import needs_browser
 

@@ -12,9 +12,9 @@ from chain_impact import load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
 from chain_impact.pages.recorded import FRAGMENTS, PAGE, STYLES, data, modules, page, program
 from chain_impact.studies.animate import record_slowly
-from tests.helpers.friction import pendulum, sled
-from tests.helpers.page_data import data_of
-from tests.helpers.stops import knee
+from tests.helpers.scenes.friction import pendulum, sled
+from tests.helpers.scenes.stops import knee
+from tests.helpers.tools.page_data import data_of
 
 # file → version of its package in npm
 VENDORED = {"uPlot.iife.min.js": "1.6.32", "uPlot.min.css": "1.6.32", "uPlot.LICENSE": "1.6.32"}

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from chain_impact import UnknownNameError, simulate
 from chain_impact.pictures.changes import calm, fill_sensitivities
 from chain_impact.pictures.style import PALETTE
-from tests.helpers.problems import flat_rod
-from tests.helpers.stops import knee, struck_rod
+from tests.helpers.scenes.problems import flat_rod
+from tests.helpers.scenes.stops import knee, struck_rod
 
 FEW = ("contact.restitution", "initial.angle[2]")
 

@@ -8,7 +8,7 @@ from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import conditions
 from chain_impact.pictures.over_time import ROWS
 from chain_impact.pictures.style import GREY, INK
-from tests.helpers.friction import pendulum, sled, thrown
+from tests.helpers.scenes.friction import pendulum, sled, thrown
 from tests.pictures.pictures import drawn, recorded
 
 

@@ -15,7 +15,7 @@ from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resoluti
 from chain_impact.pictures.film_figure import CHAIN, ENERGIES, FORCE, STYLE, Film, rate_text
 from chain_impact.pictures.style import LOAD, force_text
 from chain_impact.recording.pacing import frame_times, slow_spans
-from tests.helpers.friction import pendulum, sled
+from tests.helpers.scenes.friction import pendulum, sled
 from tests.tiers import needs_interop
 
 SIZE = (320, 180)

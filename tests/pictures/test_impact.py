@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from chain_impact import compare, simulate
 from chain_impact.recording.course import course_of
-from tests.helpers.problems import driven
+from tests.helpers.scenes.problems import driven
 from tests.pictures.pictures import recorded
 from tests.pictures.test_overview import WIDTHS, check_texts
 

@@ -9,7 +9,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import conditions, message
 from chain_impact.scene.scene import with_values
-from tests.helpers.stops import knee
+from tests.helpers.scenes.stops import knee
 from tests.pictures.pictures import MODELS, hit, recorded, swing
 
 

@@ -25,7 +25,7 @@ from chain_impact.recording.joint_stops import (
     touching_place,
 )
 from chain_impact.results.result import Result
-from tests.helpers.stops import UP, knee
+from tests.helpers.scenes.stops import UP, knee
 
 
 @functools.cache

@@ -4,7 +4,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.cli import screen
-from tests.helpers.problems import default_scene
+from tests.helpers.scenes.problems import default_scene
 
 
 @pytest.mark.parametrize("points", [[1], [0, 1, 2, 3, 4]])

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.simulation.record_scene import record_scene
-from tests.helpers.problems import flat_rod
+from tests.helpers.scenes.problems import flat_rod
 
 NAMES = ("contact.restitution", "initial.vx", "link[1].mass", "gravity.y")
 

@@ -15,7 +15,7 @@ from chain_impact.recording.stick_slip import (
     phases_from,
     phases_of,
 )
-from tests.helpers.friction import pendulum, sled, thrown
+from tests.helpers.scenes.friction import pendulum, sled, thrown
 
 WALLS = ("x_min", "x_max", "y_min", "y_max", "slope")
 

@@ -9,7 +9,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.cli import screen
 from chain_impact.recording.summary import FEW, LISTED, energy_lines
 from chain_impact.recording.text import plural
-from tests.helpers.problems import dropped_ball
+from tests.helpers.scenes.problems import dropped_ball
 
 
 def test_the_plural():

@@ -8,7 +8,7 @@ import sys
 import tomllib
 from pathlib import Path
 
-from tests import helpers
+import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "fmu_src" / "chain_impact"
@@ -127,8 +127,12 @@ def test_every_module_stands_in_a_layer():
     assert {name for name in top - {PACKAGE.name} if f"chain_impact.{name}" not in layers} == set()
 
 
-def test_each_helper_of_the_tests_is_listed_once():
-    listed = re.findall(r"\w+", "".join(re.findall(r"^    (.*)", helpers.__doc__, re.MULTILINE)))
-    files = {file.stem for file in Path(helpers.__file__).parent.glob("*.py")} - {"__init__"}
-    assert files <= set(listed)
-    assert max(listed.count(name) for name in files) <= 2  # a name may also occur once as a word
+HELPERS = ROOT / "tests" / "helpers"
+
+
+@pytest.mark.parametrize("folder", [HELPERS, *(file.parent for file in HELPERS.glob("*/__init__.py"))])
+def test_the_head_of_each_folder_of_helpers_names_everything_in_it_once(folder):
+    page = ast.get_docstring(ast.parse((folder / "__init__.py").read_text("utf-8")))
+    modules, folders = folder.glob("*.py"), folder.glob("*/__init__.py")
+    inside = {file.stem for file in modules} | {file.parent.name for file in folders}
+    assert sorted(re.findall(r"``(\w+)``", page)) == sorted(inside - {"__init__"})

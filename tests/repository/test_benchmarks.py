@@ -16,8 +16,8 @@ from scipy.io import savemat
 
 import chain_impact
 from chain_impact.pictures.style import STYLE
-from tests.helpers.coulomb_impact import Strike, stiff_limit
-from tests.helpers.reference import exact_damping_factor
+from tests.helpers.models.coulomb_impact import Strike, stiff_limit
+from tests.helpers.models.reference import exact_damping_factor
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])

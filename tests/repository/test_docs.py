@@ -20,7 +20,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import scene_keys
-from tests.helpers.processes import Processes
+from tests.helpers.tools.processes import Processes
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))

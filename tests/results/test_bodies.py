@@ -12,7 +12,7 @@ from chain_impact.recording.stick_slip import place_of
 from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import outline, outlines_of, placed
 from chain_impact.scene.scene import scene_from_dict
-from tests.helpers import bodies
+from tests.helpers.scenes import bodies
 from tests.tiers import needs_interop
 
 BRICK = {

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
 from chain_impact.results.ranking import ranking_of
-from tests.helpers.stops import knee
+from tests.helpers.scenes.stops import knee
 
 NAMES = ("contact.*", "link[2].mass", "link[2].joint_rest_angle", "initial.*", "joint[1].torque")
 

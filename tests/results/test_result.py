@@ -10,8 +10,8 @@ import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.problems import default_scene
-from tests.helpers.refusal import refusal
+from tests.helpers.scenes.problems import default_scene
+from tests.helpers.tools.refusal import refusal
 
 
 @pytest.fixture(scope="module")

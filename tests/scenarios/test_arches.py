@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SimulationError
-from tests.helpers.arches import KINDS, run
+from tests.helpers.campaigns.arches import KINDS, run
 
 # scenes in which no distribution in proportion to the limits is within all limits
 DEPENDENT = [

@@ -7,10 +7,10 @@ import pytest
 
 from chain_impact import Chain, SceneError, simulate
 from chain_impact.scene.scene import with_values
-from tests.helpers.driven_chain import DrivenChain
-from tests.helpers.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
-from tests.helpers.problems import build
-from tests.helpers.reference import balance
+from tests.helpers.models.driven_chain import DrivenChain
+from tests.helpers.models.reference import balance
+from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
+from tests.helpers.scenes.problems import build
 
 
 @pytest.mark.parametrize("armature", [1e-3, 0.7, 50.0])

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import load_scene, simulate
-from tests.helpers.housner import BLOCK, quarter_period, simulated_quarter_period, small_quarter_period
+from tests.helpers.models.housner import BLOCK, quarter_period, simulated_quarter_period, small_quarter_period
 
 
 def test_the_rocking_block_is_the_rectangle_of_the_closed_forms():

@@ -5,10 +5,10 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import Scene, scene_from_dict
-from tests.helpers.bodies import body, cart
-from tests.helpers.body_model import motion
-from tests.helpers.derivative_scenes import as_arrays, from_arrays
-from tests.helpers.kept_answers import kept
+from tests.helpers.models.body_model import motion
+from tests.helpers.models.kept_answers import kept
+from tests.helpers.scenes.bodies import body, cart
+from tests.helpers.scenes.derivative_scenes import as_arrays, from_arrays
 
 ARM = {
     "name": "Arm",
@@ -53,7 +53,7 @@ def test_a_body_moves_as_an_independent_model_does(name):
     """Onsets agree within 1e-9 s, forces and penetrations within a relative 1e-7, and the end within 1e-8."""
     make, end = CASES[name]
     scene, times = make(), tuple(end / 5 * np.arange(1, 6))
-    answer = kept(lambda: as_arrays(motion(scene, times)), "tests.helpers.body_model", scene, times)
+    answer = kept(lambda: as_arrays(motion(scene, times)), "tests.helpers.models.body_model", scene, times)
     exact = from_arrays(answer)
     found = simulate(scene, end, output_step=end / 5, tolerance=1e-12)
     assert found.impacts["point"].tolist() == exact.points.tolist()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.models import models_folder
-from tests.helpers import driven
+from tests.helpers.models import driven
 from tests.tiers import needs_interop
 
 START = [-2.4, -2.1]  # rad

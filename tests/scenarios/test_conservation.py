@@ -5,8 +5,8 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.scene.scene import SOLVER_METHODS
-from tests.helpers.problems import GRAVITY, default_scene, of_law, rod, tumbling_chain
-from tests.helpers.reference import momenta
+from tests.helpers.models.reference import momenta
+from tests.helpers.scenes.problems import GRAVITY, default_scene, of_law, rod, tumbling_chain
 
 
 def ledger(result):

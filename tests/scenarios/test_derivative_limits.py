@@ -11,7 +11,7 @@ import pytest
 from chain_impact import Chain, simulate
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
-from tests.helpers.derivative_scenes import (
+from tests.helpers.scenes.derivative_scenes import (
     Case,
     differences,
     exact,
@@ -19,7 +19,7 @@ from tests.helpers.derivative_scenes import (
     state_names,
     table,
 )
-from tests.helpers.friction_derivative_scenes import (
+from tests.helpers.scenes.friction_derivative_scenes import (
     DRY,
     SLOPE,
     dry_joints,
@@ -27,7 +27,7 @@ from tests.helpers.friction_derivative_scenes import (
     puck,
     swinging,
 )
-from tests.helpers.problems import ball, flat_rod, rod
+from tests.helpers.scenes.problems import ball, flat_rod, rod
 
 # --- where there is no derivative ---------------------------------------------------------------------------
 

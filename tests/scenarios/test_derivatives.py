@@ -1,7 +1,7 @@
 """Motions and derivatives of the kernel, against the independent model, closed forms and conservation.
 
-The independent model (tests/helpers/derivatives.py) gives motions and derivatives. The scenes cover every
-law, every kind of parameter, stops, and dry friction that slides and sticks.
+The independent model (tests/helpers/models/derivatives.py) gives motions and derivatives. The scenes cover
+every law, every kind of parameter, stops, and dry friction that slides and sticks.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.simulation.derivatives import DifferentiatedRun
-from tests.helpers.derivative_scenes import (
+from tests.helpers.models.derivatives import FIELDS, differentiate
+from tests.helpers.scenes.derivative_scenes import (
     AT_STOPS,
     Case,
     differences,
@@ -30,13 +31,12 @@ from tests.helpers.derivative_scenes import (
     struck_twice,
     thrown_on_a_slope,
 )
-from tests.helpers.derivatives import FIELDS, differentiate
-from tests.helpers.friction_derivative_scenes import (
+from tests.helpers.scenes.friction_derivative_scenes import (
     DRY,
     found,
     outputs_of,
 )
-from tests.helpers.problems import ball
+from tests.helpers.scenes.problems import ball
 
 STIFFNESS = "contact.stiffness"
 EXACT = 1e-8  # required error at the tolerance 1e-12

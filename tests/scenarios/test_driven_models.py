@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.helpers import driven
-from tests.helpers.chain_parts import Ramp
+from tests.helpers.models import driven
+from tests.helpers.models.chain_parts import Ramp
 
 TURN = 2.0 * math.pi
 

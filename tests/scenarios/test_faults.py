@@ -9,10 +9,10 @@ from chain_impact import simulate
 from chain_impact.kernel.status import OK, TOO_MUCH_WORK
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance, SimulationError
-from tests.helpers.kernel_calls import advance, advance_awhile, initialize
-from tests.helpers.random_scenes import scene as random_scene
-from tests.helpers.reference import balance
-from tests.helpers.turned import turned
+from tests.helpers.campaigns.random_scenes import scene as random_scene
+from tests.helpers.kernel.kernel_calls import advance, advance_awhile, initialize
+from tests.helpers.models.reference import balance
+from tests.helpers.scenes.turned import turned
 
 
 def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tables):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, SceneWarning, load_scene, simulate
-from tests.helpers.moving_scenes import pendulum, room, shaken, stepped
+from tests.helpers.scenes.moving_scenes import pendulum, room, shaken, stepped
 
 
 def test_a_constant_acceleration_is_followed_exactly_from_communication_points():

@@ -9,9 +9,10 @@ import pytest
 
 from chain_impact import Chain, simulate
 from chain_impact.scene.scene import scene_from_dict
-from tests.helpers.coulomb_impact import extrapolated, impact_duration, struck
-from tests.helpers.coulomb_literature import zigzag_chain
-from tests.helpers.coulomb_problems import (
+from tests.helpers.literature.coulomb_literature import zigzag_chain
+from tests.helpers.models.coulomb_impact import extrapolated, impact_duration, struck
+from tests.helpers.models.reference import newton_impact, point_jacobian
+from tests.helpers.scenes.coulomb_problems import (
     BODIES,
     SETTLED,
     driven_link,
@@ -20,9 +21,8 @@ from tests.helpers.coulomb_problems import (
     pushed_flat,
     sliding,
 )
-from tests.helpers.friction import SLOPE, sled
-from tests.helpers.problems import GRAVITY, contact_table, scene_table
-from tests.helpers.reference import newton_impact, point_jacobian
+from tests.helpers.scenes.friction import SLOPE, sled
+from tests.helpers.scenes.problems import GRAVITY, contact_table, scene_table
 
 LATE = np.array([0.3, 0.5, 0.8, 1.1, 1.5, 2.0])  # s, after the body has settled
 

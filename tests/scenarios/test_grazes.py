@@ -13,7 +13,7 @@ import pytest
 from chain_impact.kernel.forces.contact_law import HARMLESS
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
-from tests.helpers.problems import build, contact_table
+from tests.helpers.scenes.problems import build, contact_table
 
 pytestmark = pytest.mark.full("takes long")
 

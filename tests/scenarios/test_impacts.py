@@ -9,7 +9,15 @@ from chain_impact import simulate
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.simulation.instance import Instance, SimulationError
-from tests.helpers.problems import (
+from tests.helpers.campaigns.random_scenes import SLANTED, SPRUNG, scene as random_scene
+from tests.helpers.models.reference import (
+    balance,
+    exact_damping_factor,
+    momenta,
+    moreau_impact,
+    newton_impact,
+)
+from tests.helpers.scenes.problems import (
     GRAVITY,
     RIGID,
     clattering_rod,
@@ -23,9 +31,7 @@ from tests.helpers.problems import (
     struck_ball,
     struck_rod,
 )
-from tests.helpers.random_scenes import SLANTED, SPRUNG, scene as random_scene
-from tests.helpers.reference import balance, exact_damping_factor, momenta, moreau_impact, newton_impact
-from tests.helpers.turned import mirrored
+from tests.helpers.scenes.turned import mirrored
 
 as_both = pytest.mark.parametrize("law", ["zhang_sharf", RIGID])
 """The parameters: with a force law, and with rigid walls."""

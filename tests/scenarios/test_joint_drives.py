@@ -7,9 +7,9 @@ import pytest
 
 from chain_impact import Chain, SceneError, load_scene, simulate
 from chain_impact.scene.scene import with_values
-from tests.helpers.driven_chain import DrivenChain
-from tests.helpers.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
-from tests.helpers.reference import balance
+from tests.helpers.models.driven_chain import DrivenChain
+from tests.helpers.models.reference import balance
+from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
 
 # --- servos ------------------------------------------------------------------------------------------------
 

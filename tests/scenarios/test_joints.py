@@ -11,10 +11,10 @@ from chain_impact.kernel.ode.control import IMPLICIT, ORDER
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.simulation.instance import Instance
-from tests.helpers.problems import build, stiff_joint
-from tests.helpers.reference import balance, momenta
-from tests.helpers.stops import arm, knee, together
-from tests.helpers.textbook import Textbook
+from tests.helpers.models.reference import balance, momenta
+from tests.helpers.models.textbook import Textbook
+from tests.helpers.scenes.problems import build, stiff_joint
+from tests.helpers.scenes.stops import arm, knee, together
 
 FLIGHT = 0.25  # s, in the scene of stiff joints, before its first impact
 ROD = {"length": 0.8, "mass": 1.5}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.helpers.walker import (
+from tests.helpers.literature.walker import (
     BENT,
     LOCK,
     MASSES,

@@ -29,7 +29,7 @@ from chain_impact.scene.models import models_folder
 from chain_impact.scene.reading import SceneWarning
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.problems import ball, own_law, struck_ball
+from tests.helpers.scenes.problems import ball, own_law, struck_ball
 from tests.tiers import needs_compilers
 
 # a single law for all simulating tests, because each law needs a compilation; the restitution selects the

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from chain_impact import simulate
-from tests.helpers.measured import heard_impacts, measured
+from tests.helpers.literature.measured import heard_impacts, measured
 
 MODELS = ("golf_ball", "triple_pendulum")
 

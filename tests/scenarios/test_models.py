@@ -20,7 +20,7 @@ from chain_impact import Recording, load_scene, simulate
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SCENE_FILE, model_names
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.derivative_scenes import Case, exact as kept_motion
+from tests.helpers.scenes.derivative_scenes import Case, exact as kept_motion
 
 DOCS = Path(__file__).parents[2] / "docs" / "models"
 STEP = 0.02  # s, between two rows of a reference

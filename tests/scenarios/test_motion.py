@@ -12,8 +12,8 @@ from chain_impact.pages.recorded import data
 from chain_impact.pictures.film_figure import Film
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers import driven
-from tests.helpers.moving_scenes import LAWS, LINKS, G, pendulum, resting, room, scene_of, unbalanced
+from tests.helpers.models import driven
+from tests.helpers.scenes.moving_scenes import LAWS, LINKS, G, pendulum, resting, room, scene_of, unbalanced
 
 
 @pytest.mark.parametrize("armature", [0.0, 0.05])

@@ -14,7 +14,7 @@ from chain_impact.kernel.status import (
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
-from tests.helpers.random_parts import Draw, upright
+from tests.helpers.campaigns.random_parts import Draw, upright
 
 SQUEEZED = (NO_ROOM, STEP_TOO_SMALL, EVENT_STORM, FORCES_NOT_FOUND)
 """The final status of a run whose closing walls leave no room for the chain."""

@@ -10,7 +10,7 @@ import pytest
 
 import chain_impact
 from chain_impact import Chain, SceneError, load_scene, record_slowly, simulate
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.refusal import refusal
 from tests.scene.test_scene_text import is_short
 
 

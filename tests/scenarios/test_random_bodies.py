@@ -1,9 +1,9 @@
-"""Random chains of bodies; ``python -m tests.helpers.random_bodies`` searches more scenes."""
+"""Random chains of bodies; ``python -m tests.helpers.campaigns.random_bodies`` searches more scenes."""
 
 import pytest
 
 from chain_impact import simulate
-from tests.helpers.random_bodies import DRIVEN, bodies, faults, wrong_energy, wrong_motion
+from tests.helpers.campaigns.random_bodies import DRIVEN, bodies, faults, wrong_energy, wrong_motion
 
 # Scenes with former faults: a row with the acceleration of an unreported force, a row that depended on
 # earlier rows, two sticking corners of a box, a limit passed between two stages, and a corner that slides

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.helpers.derivative_scenes import link, start, table
-from tests.helpers.random_derivatives import KINDS, check, compare
+from tests.helpers.campaigns.random_derivatives import KINDS, check, compare
+from tests.helpers.scenes.derivative_scenes import link, start, table
 
 FEW, MANY = 2, 16
 MASS = ["link[1].mass"]

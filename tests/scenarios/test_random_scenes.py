@@ -1,8 +1,9 @@
 """A random search over scenes: no run hangs, gains or loses energy, or lets a point through a wall.
 
-``scene(seed)`` of tests/helpers/random_scenes.py makes the scene of a failure again, ``verdict(scene(seed),
-seed)`` of tests/helpers/search.py judges it again, and ``python -m tests.helpers.search`` searches further.
-Runs do not depend on observations, and a folded chain loses no energy beyond Newton's law.
+``scene(seed)`` of tests/helpers/campaigns/random_scenes.py makes the scene of a failure again,
+``verdict(scene(seed), seed)`` of tests/helpers/campaigns/search.py judges it again, and ``python -m
+tests.helpers.campaigns.search`` searches further. Runs do not depend on observations, and a folded chain
+loses no energy beyond Newton's law.
 """
 
 import math
@@ -14,10 +15,9 @@ import pytest
 from chain_impact import simulate
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance, SimulationError
-from tests.helpers.folds import faults
-from tests.helpers.oracle import account, judge
-from tests.helpers.problems import GRAVITY, build, default_scene
-from tests.helpers.random_scenes import (
+from tests.helpers.campaigns.folds import faults
+from tests.helpers.campaigns.oracle import account, judge
+from tests.helpers.campaigns.random_scenes import (
     DRIVEN,
     FOLDED,
     LENGTH,
@@ -33,7 +33,8 @@ from tests.helpers.random_scenes import (
     scene,
     started,
 )
-from tests.helpers.search import verdict, verdicts
+from tests.helpers.campaigns.search import verdict, verdicts
+from tests.helpers.scenes.problems import GRAVITY, build, default_scene
 
 BLOCK = 150  # seeds
 BLOCKS = [range(first, first + BLOCK) for first in range(0, 6 * BLOCK, BLOCK)]

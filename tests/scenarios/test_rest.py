@@ -7,7 +7,8 @@ from chain_impact import CONTACT_LAWS, SimulationError, load_scene, simulate
 from chain_impact.kernel.status import RIGID_WHILE_TOUCHING, TOO_MUCH_WORK
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
-from tests.helpers.problems import (
+from tests.helpers.models.reference import balance
+from tests.helpers.scenes.problems import (
     GRAVITY,
     RIGID,
     ball,
@@ -16,7 +17,6 @@ from tests.helpers.problems import (
     of_law,
     rigid,
 )
-from tests.helpers.reference import balance
 
 CHAIN = load_scene("four_link_box")
 WEIGHT = 4 * GRAVITY  # N, of the default chain

@@ -9,7 +9,8 @@ from scipy.optimize import brentq
 
 from chain_impact import simulate
 from chain_impact.scene.scene import SOLVER_METHODS
-from tests.helpers.problems import (
+from tests.helpers.models.reference import balance
+from tests.helpers.scenes.problems import (
     FLOOR,
     GRAVITY,
     RIGID,
@@ -19,7 +20,6 @@ from tests.helpers.problems import (
     rest_depth,
     rod,
 )
-from tests.helpers.reference import balance
 
 
 def chain(links, angles, stop_time, walls, **initial):

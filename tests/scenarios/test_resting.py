@@ -1,9 +1,9 @@
-"""Random scenes at rest: the run reaches its end, and the state stays constant (tests/helpers/resting.py)."""
+"""Random scenes at rest: the run reaches its end, and the state stays constant."""
 
 import pytest
 
 from chain_impact.kernel.status import OK
-from tests.helpers.resting import KINDS, LONG, SHORT, run
+from tests.helpers.campaigns.resting import KINDS, LONG, SHORT, run
 
 RESTS = 1e-12  # allowed change of the energy balance over the energies in the last quarter of a run at rest
 

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from tests.helpers.resting_chains import FOUND, NAN, OPEN, PARAMETERS, WRONG, check, shares_left_open, thrown
+from tests.helpers.campaigns.resting_chains import (
+    FOUND,
+    NAN,
+    OPEN,
+    PARAMETERS,
+    WRONG,
+    check,
+    shares_left_open,
+    thrown,
+)
 
 FEW, MANY = 4, 60
 MOST_OPEN = 1e-2  # relative to the largest derivative: allowed open part of a run

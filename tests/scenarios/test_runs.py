@@ -23,7 +23,7 @@ from chain_impact.simulation import instance
 from chain_impact.simulation.record_scene import RunError, record_scene
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.conftest import OnDemand
-from tests.helpers.shared import shared_folder
+from tests.helpers.tools.shared import shared_folder
 
 # work units: enough for the first flight, too few for the impacts
 LITTLE_WORK = {"solver.work_limit": "1500"}

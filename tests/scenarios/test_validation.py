@@ -5,9 +5,9 @@ from decimal import Decimal
 import pytest
 
 from chain_impact.scene.scene import model_names
-from tests.helpers import coulomb_literature, stored
-from tests.helpers.asked_elsewhere import QUESTIONS
-from tests.helpers.validation import PROBLEMS
+from tests.helpers.literature import coulomb_literature, stored
+from tests.helpers.literature.asked_elsewhere import QUESTIONS
+from tests.helpers.literature.validation import PROBLEMS
 
 TIGHT = 1e-12
 

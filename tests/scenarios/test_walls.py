@@ -8,8 +8,8 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.scene.half_planes import HalfPlane, direction, half_planes
 from chain_impact.scene.scene import with_values
-from tests.helpers.problems import GRAVITY, ball, default_scene, flat_chain, rest_depth
-from tests.helpers.turned import turned
+from tests.helpers.scenes.problems import GRAVITY, ball, default_scene, flat_chain, rest_depth
+from tests.helpers.scenes.turned import turned
 
 ANGLES = (0.3, math.pi / 2, 2.5, -1.1)
 # unit vectors down the ramp of the model, and normal to the ramp

@@ -20,7 +20,7 @@ from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.scene_file import updated
 from chain_impact.studies.sweep.variation import variations_of
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.refusal import refusal
 
 SCENE = """
 name = "Arm"

@@ -19,8 +19,8 @@ from chain_impact.scene.scene import (
     scene_to_dict,
     with_values,
 )
-from tests.helpers.problems import of_law
-from tests.helpers.refusal import refusal
+from tests.helpers.scenes.problems import of_law
+from tests.helpers.tools.refusal import refusal
 from tests.scene.test_stops import FILE
 
 

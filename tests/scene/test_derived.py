@@ -8,8 +8,8 @@ import pytest
 
 from chain_impact.scene.derived import above
 from chain_impact.scene.scene import load_scene, model_names, parse_scene, scene_from_dict, scene_to_dict
-from tests.helpers.derived_scenes import FINGER, edited, finger
-from tests.helpers.refusal import refusal
+from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
+from tests.helpers.tools.refusal import refusal
 
 CHANGES = [
     {"link[1].length": 0.6},

@@ -5,7 +5,7 @@ import pytest
 from chain_impact import SceneError, load_scene, simulate, sweep
 from chain_impact.scene.names import fmu_name
 from chain_impact.studies.fit.parameters import parameters_of
-from tests.helpers.stops import knee
+from tests.helpers.scenes.stops import knee
 
 BOTH = {
     "contact.wall.x_max.restitution": "wall.x_max.restitution",

@@ -6,7 +6,7 @@ from chain_impact import load_scene
 from chain_impact.scene.checks import coefficients
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.scene.tables import Material
-from tests.helpers.friction import pendulum, sled
+from tests.helpers.scenes.friction import pendulum, sled
 
 BOX = load_scene("four_link_box")
 

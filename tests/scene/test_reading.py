@@ -21,7 +21,7 @@ from chain_impact.scene.scene import (
     scene_from_dict,
     scene_to_dict,
 )
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.refusal import refusal
 
 SOURCE = "somewhere/scene.toml"
 finite = st.floats(-1e6, 1e6)

@@ -22,7 +22,7 @@ from chain_impact.scene.scene import (
 )
 from chain_impact.scene.tables import MAX_LINKS, Link
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.refusal import refusal
 
 SOURCE = "somewhere/scene.toml"
 MINIMAL = "name = 'Rod'\nchain.links = [{length = 2.0, mass = 3.0}]\ninitial.angles = [0.5]"

@@ -9,8 +9,8 @@ import pytest
 import chain_impact
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
-from tests.helpers.problems import own_law
-from tests.helpers.refusal import refusal
+from tests.helpers.scenes.problems import own_law
+from tests.helpers.tools.refusal import refusal
 
 MODEL = "bouncing_ball"
 STOP = "simulation.stop_time"

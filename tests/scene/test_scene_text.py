@@ -1,8 +1,8 @@
 """The repr of a scene."""
 
 from chain_impact import Scene, load_scene, model_names
-from tests.helpers.friction import pendulum, sled
-from tests.helpers.stops import knee
+from tests.helpers.scenes.friction import pendulum, sled
+from tests.helpers.scenes.stops import knee
 
 LINES, COLUMNS = 8, 120  # the largest size of a repr
 

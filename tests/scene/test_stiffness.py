@@ -5,7 +5,7 @@ import math
 import pytest
 
 from chain_impact import SceneWarning, simulate, sphere_plane_stiffness
-from tests.helpers.problems import struck_ball
+from tests.helpers.scenes.problems import struck_ball
 
 STEEL = 207e9, 0.3
 RADIUS = 0.02

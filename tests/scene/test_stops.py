@@ -10,7 +10,7 @@ from chain_impact import load_scene
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.checks import hints
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict, with_values
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.refusal import refusal
 
 FILE = """
 name = "Finger"

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from chain_impact.scene.table_file import read_table
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.refusal import refusal
 
 
 @pytest.fixture

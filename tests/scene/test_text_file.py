@@ -7,7 +7,7 @@ from chain_impact.recording.csv_file import read_csv
 from chain_impact.scene.table_file import read_table
 from chain_impact.scene.text_file import text_of
 from chain_impact.studies.fit.scene_file import write_scene
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.refusal import refusal
 
 SCENE = """name = "Rod"
 [[chain.links]]

@@ -8,8 +8,8 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, Chain, SceneError, SimulationError, load_scene, simulate
 from chain_impact.recording.impacts import IMPACT_DTYPE
-from tests.helpers.problems import ball, default_scene, dropped_ball
-from tests.helpers.refusal import refusal
+from tests.helpers.scenes.problems import ball, default_scene, dropped_ball
+from tests.helpers.tools.refusal import refusal
 
 TORQUE, FORCE = "joint[2].torque", "tip.force.x"
 

@@ -9,9 +9,9 @@ from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, l
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, DifferentiatedRun
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
-from tests.helpers.problems import ball
-from tests.helpers.stops import knee
+from tests.helpers.scenes.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
+from tests.helpers.scenes.problems import ball
+from tests.helpers.scenes.stops import knee
 
 CASE = struck_twice("hunt_crossley")
 OUTPUTS = ("point[2].x", "energy.total")

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import SceneError, scene_from_dict, scene_to_dict, with_values
-from tests.helpers.reference import generalized_force, mass_matrix
+from tests.helpers.models.reference import generalized_force, mass_matrix
 
 STOP = 0.4  # s, before the first impact
 SHOULDER, ELBOW = "joint[1].torque", "joint[2].torque"

@@ -3,7 +3,7 @@
 import pytest
 
 from chain_impact import simulate
-from tests.helpers.stops import knee, together
+from tests.helpers.scenes.stops import knee, together
 
 GRAZES = {"stops.model": "hertz", "stop.minimum_impact_speed": 1e-9, "solver.tolerance": 1e-3}
 

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.simulation.instance import Instance, spans_of
-from tests.helpers.registers import FLUSH, ON_X86, TRAPS, USUAL, WITHOUT_TRAPS, make_library, registers
+from tests.helpers.tools.registers import FLUSH, ON_X86, TRAPS, USUAL, WITHOUT_TRAPS, make_library, registers
 from tests.tiers import needs_compilers
 
 pytestmark = ON_X86

@@ -10,7 +10,7 @@ from chain_impact import Chain, SceneError, simulate
 from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
 from chain_impact.scene.scene import load_scene, parse_scene
 from chain_impact.scene.signal_values import value_at_start
-from tests.helpers.plain import begun
+from tests.helpers.kernel.plain import begun
 
 ARM = """
 name = "Arm"

@@ -18,8 +18,8 @@ from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
 from chain_impact.simulation import instance as instance_module
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.simulate import check_result_size
-from tests.helpers import kernel_calls
-from tests.helpers.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
+from tests.helpers.kernel import kernel_calls
+from tests.helpers.scenes.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 
 # --- output ------------------------------------------------------------------------------------------------
 
@@ -191,7 +191,7 @@ def test_an_impact_may_be_shorter_than_the_resolution_of_time(stiffness):
 def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness):
     """The run is in a separate process, because a running kernel cannot be interrupted."""
     program = (
-        "from chain_impact import simulate; from tests.helpers.problems import ball\n"
+        "from chain_impact import simulate; from tests.helpers.scenes.problems import ball\n"
         f"simulate(ball(0.05, 1.0, stiffness={stiffness}, stop_time=0.1))"
     )
     ran = subprocess.run(

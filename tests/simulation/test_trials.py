@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import Chain, SimulationError, load_scene
 from chain_impact.scene.reading import SceneError
-from tests.helpers.random_scenes import scene as random_scene
+from tests.helpers.campaigns.random_scenes import scene as random_scene
 
 STEPS = 40
 DRIVEN = {"inputs.tip_force": True, "inputs.joint_torques": True}

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.studies.accuracy import TIGHTER, differences
-from tests.helpers.problems import default_scene
+from tests.helpers.scenes.problems import default_scene
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import fit, simulate
 from chain_impact.studies.sweep.sweep import sweep
-from tests.helpers.bodies import body, cart
+from tests.helpers.scenes.bodies import body, cart
 
 STOP = 0.5  # s
 

@@ -18,7 +18,7 @@ from chain_impact.studies.compare_plot import (
     named_laws,
     plot_comparison,
 )
-from tests.helpers.problems import default_scene, driven
+from tests.helpers.scenes.problems import default_scene, driven
 
 
 @pytest.fixture(scope="module")

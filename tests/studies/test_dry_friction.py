@@ -7,8 +7,8 @@ import pytest
 
 from chain_impact import Chain, compare, fit, load_scene, simulate, sweep
 from chain_impact.scene.reading import UnknownNameError
-from tests.helpers.friction import SLOPE, puck, sled, thrown
-from tests.helpers.refusal import refusal
+from tests.helpers.scenes.friction import SLOPE, puck, sled, thrown
+from tests.helpers.tools.refusal import refusal
 
 HINT = "it is a parameter where the scene has dry friction: give it a value there first"
 

@@ -10,7 +10,7 @@ from chain_impact.studies.compare import OVERLAPS
 from chain_impact.studies.compare_plot import conditions, looks_of, message
 from chain_impact.studies.compare_text import advice, heading, law_table, legend
 from chain_impact.studies.law_change import contact_at, keeps_exponents, law_values, with_law
-from tests.helpers.stops import UP, knee
+from tests.helpers.scenes.stops import UP, knee
 
 K = "stiffness"
 

@@ -6,9 +6,9 @@ from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import with_values
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.friction import pendulum, sled
-from tests.helpers.stops import knee
-from tests.helpers.variable_scenes import MATERIALS, SCENES, STOPS, names, variables
+from tests.helpers.scenes.friction import pendulum, sled
+from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.variable_scenes import MATERIALS, SCENES, STOPS, names, variables
 
 # --- stops and materials -------------------------------------------------------------------------------
 

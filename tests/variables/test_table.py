@@ -16,7 +16,7 @@ from chain_impact.scene.signals import driven_by
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS
-from tests.helpers.variable_scenes import SCENES, names, variables
+from tests.helpers.scenes.variable_scenes import SCENES, names, variables
 
 LEGAL = {("parameter", "fixed", "exact"), ("parameter", "tunable", "exact"), ("input", "continuous", None)}
 LEGAL |= {("output", "continuous", "calculated"), ("output", "discrete", "calculated")}

@@ -16,7 +16,7 @@ from chain_impact.kernel.forces.contact import list_touching, start_contact
 from chain_impact.kernel.rows.compliance import solve_space
 from chain_impact.kernel.rows.geometry import clear_loads_of, join
 from chain_impact.scene.scene import scene_from_dict
-from tests.helpers.plain import begun
+from tests.helpers.kernel.plain import begun
 
 GRAVITY = np.array([1.0, -9.81])
 ORIGIN = np.array([0.1, 0.2])

@@ -10,8 +10,8 @@ from chain_impact.kernel.chain.tree import accelerations, arms
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import derive_chain, derive_resistance
 from chain_impact.scene.scene import scene_from_dict
-from tests.helpers.plain import record_of
-from tests.helpers.reference import (
+from tests.helpers.kernel.plain import record_of
+from tests.helpers.models.reference import (
     generalized_force,
     mass_matrix,
     point_jacobian,

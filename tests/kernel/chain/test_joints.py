@@ -14,7 +14,7 @@ from chain_impact.kernel.chain.joints import (
     stretch,
 )
 from chain_impact.scene.scene import with_values
-from tests.helpers.reference import mass_matrix
+from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chain.test_elimination import prepared, random_chain, relative_motion
 from tests.kernel.chains import chain, random_state
 

@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.kinematics import (
     place_points,
     zero,
 )
-from tests.helpers.reference import point_jacobian, set_vectors
+from tests.helpers.models.reference import point_jacobian, set_vectors
 from tests.kernel.chains import chain, located, random_state, stopped_chain, vectors
 from tests.kernel.steps import points_of
 

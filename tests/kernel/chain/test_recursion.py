@@ -13,7 +13,7 @@ import sympy
 from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.tree import accelerations
 from chain_impact.kernel.equations import state_rate
-from tests.helpers.reference import generalized_force, mass_matrix, set_vectors
+from tests.helpers.models.reference import generalized_force, mass_matrix, set_vectors
 from tests.kernel.chains import chain, random_state
 
 

@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
-from tests.helpers.plain import record_of
+from tests.helpers.kernel.plain import record_of
 
 PLACES = (0.0, 0.4, 1.0, 1.3)  # positions of the centre of mass, over the length
 

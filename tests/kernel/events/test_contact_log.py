@@ -17,8 +17,8 @@ from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
-from tests.helpers.plain import make_rigid
-from tests.helpers.problems import GRAVITY, build
+from tests.helpers.kernel.plain import make_rigid
+from tests.helpers.scenes.problems import GRAVITY, build
 from tests.kernel.chains import located, stopped_chain, stops_of
 from tests.kernel.events.test_sampled import DEEP, falling
 from tests.kernel.steps import held_tip, let_push, points_of

@@ -15,7 +15,7 @@ from chain_impact.kernel.rows.geometry import clearance, speed_bound
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.plain import Plain, make_rigid
+from tests.helpers.kernel.plain import Plain, make_rigid
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
 

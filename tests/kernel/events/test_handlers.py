@@ -18,8 +18,8 @@ from chain_impact.kernel.forces.contact_force import elastic_energy
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS
-from tests.helpers.problems import of_law
-from tests.helpers.reference import complementary_impulses, mass_matrix
+from tests.helpers.models.reference import complementary_impulses, mass_matrix
+from tests.helpers.scenes.problems import of_law
 from tests.kernel.chains import chain, gradients, press_in, random_state, struck, touch, vectors
 
 JUMPS = {"zhang_sharf": False, "kelvin_voigt": True, "jankowski": False}

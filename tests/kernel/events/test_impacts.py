@@ -14,8 +14,8 @@ from chain_impact.kernel.forces.contact import begin_contact
 from chain_impact.kernel.forces.holding import RISE
 from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
 from chain_impact.kernel.rows.geometry import clearance
-from tests.helpers.plain import make_rigid
-from tests.helpers.reference import complementary_impulses, mass_matrix
+from tests.helpers.kernel.plain import make_rigid
+from tests.helpers.models.reference import complementary_impulses, mass_matrix
 from tests.kernel.chains import (
     chain,
     free_coordinates,

@@ -8,7 +8,7 @@ from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.forces.contact import begin_contact, list_touching
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.kernel.rows.geometry import clearance
-from tests.helpers.plain import make_rigid
+from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, random_state, stopped_chain, stops_of
 
 

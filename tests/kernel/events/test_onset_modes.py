@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.simulation.simulate import simulate
-from tests.helpers.problems import build
+from tests.helpers.scenes.problems import build
 
 
 def first_change(scene):

@@ -25,8 +25,8 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.control import accepted
 from chain_impact.kernel.status import OK
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.plain import Plain
-from tests.helpers.problems import of_law, struck_ball
+from tests.helpers.kernel.plain import Plain
+from tests.helpers.scenes.problems import of_law, struck_ball
 from tests.kernel.chains import chain, touch
 from tests.kernel.forces.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
 from tests.kernel.steps import held_tip, set_step, translation, wall_at, walls_away

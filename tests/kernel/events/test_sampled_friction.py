@@ -22,9 +22,9 @@ from chain_impact.kernel.rows.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.coulomb_problems import braked_link, oblique_ball
-from tests.helpers.plain import Plain
-from tests.helpers.problems import GRAVITY, contact_table, scene_table
+from tests.helpers.kernel.plain import Plain
+from tests.helpers.scenes.coulomb_problems import braked_link, oblique_ball
+from tests.helpers.scenes.problems import GRAVITY, contact_table, scene_table
 from tests.kernel.rubbing import rubbing_chain
 
 RESOLVED = 2e-11  # resolution: s, or m/s, rad, N relative to their scales

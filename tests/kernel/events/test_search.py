@@ -15,7 +15,7 @@ from chain_impact.kernel.events.search import (
     find_event,
 )
 from chain_impact.kernel.ode.control import IMPLICIT, SPOILED
-from tests.helpers.problems import (
+from tests.helpers.scenes.problems import (
     GHOST,
     GRAVITY,
     ball,

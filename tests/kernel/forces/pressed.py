@@ -4,7 +4,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.initialize import derive_chain
-from tests.helpers.reference import mass_matrix
+from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, free_coordinates, gradients, struck
 
 CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wall

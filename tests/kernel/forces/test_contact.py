@@ -9,9 +9,9 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.forces import contact
 from chain_impact.kernel.forces.contact_force import elastic_energy, law_force, law_slopes
 from chain_impact.kernel.rows import constraints, geometry
-from tests.helpers.plain import make_rigid
-from tests.helpers.problems import of_law
-from tests.helpers.reference import mass_matrix, point_jacobian
+from tests.helpers.kernel.plain import make_rigid
+from tests.helpers.models.reference import mass_matrix, point_jacobian
+from tests.helpers.scenes.problems import of_law
 from tests.kernel.chains import chain, gradients, press_in, stopped_chain, stops_of, struck, touch, vectors
 
 DEPTH = 1e-3

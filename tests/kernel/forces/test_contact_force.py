@@ -11,9 +11,9 @@ from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.kernel.forces import contact_force as forces, contact_law, laws, user_law
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
-from tests.helpers.plain import record_of
-from tests.helpers.problems import ball, of_law, struck_ball
-from tests.helpers.reference import rebound
+from tests.helpers.kernel.plain import record_of
+from tests.helpers.models.reference import rebound
+from tests.helpers.scenes.problems import ball, of_law, struck_ball
 
 FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
 LAWS = pytest.mark.parametrize("law", FORCES, ids=lambda law: law.id)

@@ -13,7 +13,7 @@ from chain_impact.kernel.forces.contact_force import elastic_energy, law_force, 
 from chain_impact.kernel.forces.contact_law import USER_LAW, start_laws, update_laws
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.status import OK
-from tests.helpers.plain import make_rigid
+from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
 
 LAWS = pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=lambda law: law.id)

@@ -9,8 +9,8 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.forces import friction, holding
 from chain_impact.kernel.rows import compliance, constraints, geometry
-from tests.helpers.plain import make_rigid
-from tests.helpers.reference import complementary_impulses
+from tests.helpers.kernel.plain import make_rigid
+from tests.helpers.models.reference import complementary_impulses
 from tests.kernel.chains import press_in, touch
 from tests.kernel.forces.pressed import CANDIDATES, problem
 from tests.kernel.rubbing import rubbing_chain

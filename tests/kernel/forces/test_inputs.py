@@ -7,7 +7,7 @@ from chain_impact import load_scene
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.forces import inputs
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.plain import Plain
+from tests.helpers.kernel.plain import Plain
 
 
 def driven(order=2):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.viscoelastic import NEAREST, SERIES, series, viscoelastic_factor
-from tests.helpers.reference import rebound
+from tests.helpers.models.reference import rebound
 
 
 @pytest.mark.parametrize("e", [1e-4, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999, 0.9999])

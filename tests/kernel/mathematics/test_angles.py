@@ -8,8 +8,8 @@ from chain_impact.kernel.chain.kinematics import copy, in_reach, polar
 from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine, cosine_and_sine, sine
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.simulation.instance import Instance
-from tests.helpers.kernel_calls import initialize
-from tests.helpers.problems import ball
+from tests.helpers.kernel.kernel_calls import initialize
+from tests.helpers.scenes.problems import ball
 
 
 def kernel(angles):

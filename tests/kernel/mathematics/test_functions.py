@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact.kernel.mathematics import doubles, exponentials, logarithms
 from chain_impact.kernel.mathematics.powers import power
-from tests.helpers.own_functions import arguments, in_plain_python
+from tests.helpers.kernel.own_functions import arguments, in_plain_python
 
 EXACT = {
     "exp": lambda x, _: mpmath.exp(x),

@@ -13,9 +13,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from chain_impact.scene.scene import Scene
-from tests.helpers.kept_answers import kept
-from tests.helpers.problems import FAR, GRAVITY, build
-from tests.helpers.textbook import Textbook
+from tests.helpers.models.kept_answers import kept
+from tests.helpers.models.textbook import Textbook
+from tests.helpers.scenes.problems import FAR, GRAVITY, build
 
 STOP = 0.1  # s
 SPEED = 0.05  # m/s, v₀ of contacts that begin at rest

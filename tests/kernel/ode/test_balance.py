@@ -15,9 +15,9 @@ from chain_impact.kernel.rows import geometry
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import Instance
-from tests.helpers.plain import Plain
-from tests.helpers.random_scenes import scene
-from tests.helpers.search import verdict
+from tests.helpers.campaigns.random_scenes import scene
+from tests.helpers.campaigns.search import verdict
+from tests.helpers.kernel.plain import Plain
 from tests.kernel.chains import chain, press_in, random_state, touch
 from tests.kernel.steps import free_motion, set_step, walls_away
 

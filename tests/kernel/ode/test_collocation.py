@@ -17,8 +17,8 @@ from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, REAL_EIGENVALUE
 from chain_impact.kernel.rows import geometry
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
-from tests.helpers.plain import Plain
-from tests.helpers.reference import mass_matrix
+from tests.helpers.kernel.plain import Plain
+from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, struck, touch
 from tests.kernel.ode.stiff_problems import PROBLEMS, exact, swinging, tipping
 from tests.kernel.ode.touching import touching

@@ -8,7 +8,7 @@ from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
 from chain_impact.kernel.ode import collocation, dense
 from chain_impact.kernel.ode.extended import gap_at, quadrature_at
 from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES
-from tests.helpers.plain import make_rigid
+from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import basis
 

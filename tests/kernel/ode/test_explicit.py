@@ -15,9 +15,9 @@ from chain_impact.kernel.ode import control, explicit, last_step, methods, sundm
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.ode.explicit import FORCELESS, PAST_END, estimate, toward_end
 from chain_impact.kernel.rows import geometry
-from tests.helpers.friction import pendulum
-from tests.helpers.plain import begun
-from tests.helpers.problems import FAR, build, contact_table, rod
+from tests.helpers.kernel.plain import begun
+from tests.helpers.scenes.friction import pendulum
+from tests.helpers.scenes.problems import FAR, build, contact_table, rod
 from tests.kernel.chains import chain, located, struck
 
 STAGES = len(explicit.A)

@@ -9,7 +9,7 @@ from chain_impact.kernel.forces import contact, contact_force
 from chain_impact.kernel.ode import dense, extended
 from chain_impact.kernel.ode.extended import gap_at, rate_at
 from chain_impact.kernel.rows import geometry
-from tests.helpers.plain import make_rigid
+from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, gradients, struck
 
 LINKS, HALF, FIRST = 2, 4, state.sundman_u_at(2)

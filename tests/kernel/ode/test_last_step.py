@@ -10,7 +10,7 @@ from chain_impact.kernel.ode import explicit, last_step, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.scene.scene import load_scene, scene_from_dict
-from tests.helpers.plain import begun
+from tests.helpers.kernel.plain import begun
 
 H = 0.01  # s
 

@@ -8,9 +8,9 @@ from chain_impact.kernel.ode import extended
 from chain_impact.kernel.ode.radau import COMPLEX_EIGENVALUES
 from chain_impact.kernel.rows.compliance import holding_impedance
 from chain_impact.scene.scene import load_scene
-from tests.helpers.plain import Plain
-from tests.helpers.reference import clearance_gradient, mass_matrix
-from tests.helpers.turned import turned
+from tests.helpers.kernel.plain import Plain
+from tests.helpers.models.reference import clearance_gradient, mass_matrix
+from tests.helpers.scenes.turned import turned
 from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import chain, free_coordinates, gradients, struck
 from tests.kernel.ode.touching import touching

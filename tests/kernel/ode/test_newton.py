@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact.kernel.ode import collocation, control, radau
-from tests.helpers.plain import Plain
+from tests.helpers.kernel.plain import Plain
 
 SCALARS = ("correction", "contraction")
 

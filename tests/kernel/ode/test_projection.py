@@ -15,7 +15,7 @@ from chain_impact.kernel.ode.extended import (
     rate_at,
 )
 from chain_impact.kernel.rows.geometry import clearance
-from tests.helpers.reference import mass_matrix
+from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, gradients, struck
 
 LINKS, HALF = 3, 5

@@ -15,9 +15,9 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS, interpolate_compon
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import Instance
-from tests.helpers.plain import make_rigid
-from tests.helpers.problems import default_scene, of_law
-from tests.helpers.reference import momenta
+from tests.helpers.kernel.plain import make_rigid
+from tests.helpers.models.reference import momenta
+from tests.helpers.scenes.problems import default_scene, of_law
 from tests.kernel.chains import chain, touch
 from tests.kernel.rubbing import rubbing_chain
 

@@ -12,8 +12,8 @@ from chain_impact.kernel.ode import control, dense, methods, sundman
 from chain_impact.kernel.rows import geometry
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.plain import Plain, make_rigid
-from tests.helpers.problems import ball
+from tests.helpers.kernel.plain import Plain, make_rigid
+from tests.helpers.scenes.problems import ball
 from tests.kernel.chains import chain, struck, touch
 
 SPEED, STIFFNESS = 2.0, 1e8

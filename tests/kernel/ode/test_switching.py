@@ -13,8 +13,8 @@ from chain_impact.kernel.ode import control, methods
 from chain_impact.kernel.ode.control import AUTO, EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS, STIFF, choose_method, suggests_switch
 from chain_impact.simulation.instance import Instance
-from tests.helpers.plain import make_rigid
-from tests.helpers.problems import GRAVITY, build, contact_table, stiff_joint
+from tests.helpers.kernel.plain import make_rigid
+from tests.helpers.scenes.problems import GRAVITY, build, contact_table, stiff_joint
 from tests.kernel.chains import chain, struck, touch
 
 

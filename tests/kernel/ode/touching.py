@@ -6,7 +6,7 @@ from typing import Any
 
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.instance import Instance
-from tests.helpers.turned import turned
+from tests.helpers.scenes.turned import turned
 
 
 def touching(tolerance: float, changes: dict[Any, Any] | None = None, turn: float = 0.0) -> Instance:

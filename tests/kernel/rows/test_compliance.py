@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.rows import compliance, geometry
-from tests.helpers.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
+from tests.helpers.models.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,

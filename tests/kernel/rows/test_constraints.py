@@ -11,7 +11,7 @@ import pytest
 from chain_impact.kernel.chain.response import HELD
 from chain_impact.kernel.forces import holding
 from chain_impact.kernel.rows import compliance, constraints, geometry
-from tests.helpers.reference import complementary_impulses
+from tests.helpers.models.reference import complementary_impulses
 from tests.kernel.chains import touch
 from tests.kernel.forces.pressed import CANDIDATES, problem
 

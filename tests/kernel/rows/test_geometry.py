@@ -30,8 +30,8 @@ from chain_impact.kernel.rows.geometry import (
 )
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
-from tests.helpers.plain import record_of
-from tests.helpers.problems import default_scene
+from tests.helpers.kernel.plain import record_of
+from tests.helpers.scenes.problems import default_scene
 from tests.kernel.chains import random_state, stopped_chain, stops_of
 
 # angle and point; the last angle exceeds the range of the kernel's own sines

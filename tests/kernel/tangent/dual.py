@@ -12,7 +12,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import drive
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.derivative_scenes import Case
+from tests.helpers.scenes.derivative_scenes import Case
 
 
 @total_ordering

@@ -8,8 +8,8 @@ from chain_impact.scene.names import sensitivity_name
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.derivative_scenes import table
-from tests.helpers.kernel_calls import advance_to_onset, event_update
+from tests.helpers.kernel.kernel_calls import advance_to_onset, event_update
+from tests.helpers.scenes.derivative_scenes import table
 
 PARAMETERS = ("link[1].mass", "gravity.y")
 OUTPUTS = ("link[2].angle", "link[2].angular_velocity")

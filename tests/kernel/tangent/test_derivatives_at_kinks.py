@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from tests.helpers.derivative_scenes import Case, struck_twice
-from tests.helpers.problems import ball, of_law
+from tests.helpers.scenes.derivative_scenes import Case, struck_twice
+from tests.helpers.scenes.problems import ball, of_law
 from tests.kernel.tangent.dual import followed, started
 
 HEIGHT, SPEED, STIFFNESS, RESTITUTION = 1e-3, 1.5, 1e4, 0.3

@@ -9,7 +9,7 @@ from chain_impact import load_scene
 from chain_impact.kernel.tangent import duals
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.simulate import simulate
-from tests.helpers.derivative_scenes import Case, struck_twice
+from tests.helpers.scenes.derivative_scenes import Case, struck_twice
 from tests.kernel.tangent.dual import followed, started
 
 CASE = struck_twice("flores")

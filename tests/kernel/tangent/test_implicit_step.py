@@ -17,7 +17,7 @@ from chain_impact.kernel.tangent.replay import (
     STALLED,
     UNLIMITED_CORRECTION,
 )
-from tests.helpers.derivative_scenes import Case, table
+from tests.helpers.scenes.derivative_scenes import Case, table
 from tests.kernel.tangent.dual import Dual, followed, started
 
 H = 1.0  # s, of a step at rest

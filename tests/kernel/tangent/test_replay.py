@@ -11,7 +11,13 @@ from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RE
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.last_step import SOLVER
 from chain_impact.kernel.tangent import replay
-from tests.helpers.derivative_scenes import AT_STOPS, pinned_chain, pressed_tip, sprung_chain, struck_twice
+from tests.helpers.scenes.derivative_scenes import (
+    AT_STOPS,
+    pinned_chain,
+    pressed_tip,
+    sprung_chain,
+    struck_twice,
+)
 from tests.kernel.tangent.dual import dual, followed, started
 
 CASES = {

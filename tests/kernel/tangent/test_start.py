@@ -12,10 +12,10 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent import duals, replay as starts, trust
-from tests.helpers.complex_laws import TINY
-from tests.helpers.derivative_scenes import Case
-from tests.helpers.plain import Plain, make_rigid, record_of
-from tests.helpers.problems import ball, of_law
+from tests.helpers.kernel.plain import Plain, make_rigid, record_of
+from tests.helpers.models.complex_laws import TINY
+from tests.helpers.scenes.derivative_scenes import Case
+from tests.helpers.scenes.problems import ball, of_law
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
 from tests.kernel.forces.test_contact_laws import FACTORS
 from tests.kernel.tangent.dual import random_duals, started

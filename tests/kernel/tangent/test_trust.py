@@ -8,7 +8,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.tangent import trust
-from tests.helpers.problems import ball
+from tests.helpers.scenes.problems import ball
 from tests.kernel.tangent.dual import Dual
 
 NAMES = ("contact.stiffness", "initial.vy")

@@ -5,9 +5,9 @@ import pytest
 
 from chain_impact import fit, load_scene
 from chain_impact.studies.fit.data import QUANTITIES, read_measurements, standard_deviation
-from tests.helpers.bodies import body, cart
-from tests.helpers.refusal import refusal
-from tests.helpers.stops import knee
+from tests.helpers.scenes.bodies import body, cart
+from tests.helpers.scenes.stops import knee
+from tests.helpers.tools.refusal import refusal
 
 SCENE = load_scene("four_link_box")
 MOTION = {"time": [0.1, 0.2, 0.3], "point[4].x": [1.0, None, 3.0], "point[4].y": [4.0, 5.0, None]}

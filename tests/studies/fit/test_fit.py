@@ -11,8 +11,8 @@ import pytest
 from chain_impact import SceneError, fit, load_scene, simulate
 from chain_impact.studies.fit import horizon
 from chain_impact.studies.fit.fit import _not_random
-from tests.helpers.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
+from tests.helpers.tools.refusal import refusal
 
 START = scene(K=3e7, e=0.5, w=1.6)
 SIGMA = dict.fromkeys(TIP, NOISE)

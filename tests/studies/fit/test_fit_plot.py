@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import fit, load_scene, simulate
 from chain_impact.studies.fit.report import heading
-from tests.helpers.measurements import FREE, NOISE, TIP, impacts, motion, scene
+from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 SIGMA = dict.fromkeys(TIP, NOISE) | {"onset": 1e-4}
 

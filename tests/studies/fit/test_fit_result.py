@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import Fit, fit, load_scene
 from chain_impact.scene.scene import scene_path
-from tests.helpers.measurements import NOISE, TIP, motion, scene
+from tests.helpers.tools.measurements import NOISE, TIP, motion, scene
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from chain_impact import fit, simulate
-from tests.helpers.friction_derivative_scenes import puck
+from tests.helpers.scenes.friction_derivative_scenes import puck
 
 NOISE = 1e-4  # m
 

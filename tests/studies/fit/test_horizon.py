@@ -11,8 +11,8 @@ from chain_impact.studies.fit.data import read_measurements
 from chain_impact.studies.fit.horizon import estimate_sigma, search
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.problem import Problem
-from tests.helpers.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
+from tests.helpers.tools.refusal import refusal
 
 
 def problem(tables, start, sigma=None, free=FREE):

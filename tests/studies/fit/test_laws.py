@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, fit, load_scene, simulate
-from tests.helpers.measurements import FREE, NOISE, TIP, impacts, motion, scene
+from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 NAMES = ("peak_force", "duration", "separation_speed")
 

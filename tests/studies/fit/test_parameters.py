@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.studies.fit.parameters import parameters_of
-from tests.helpers.refusal import refusal
+from tests.helpers.tools.refusal import refusal
 
 SCENE = load_scene("four_link_box")
 

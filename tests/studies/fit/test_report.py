@@ -7,7 +7,7 @@ import pytest
 from chain_impact import fit
 from chain_impact.recording.text import aligned
 from chain_impact.studies.fit.report import rounded
-from tests.helpers.measurements import FREE, NOISE, TIP, impacts, motion, scene
+from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 
 @pytest.fixture(scope="module")

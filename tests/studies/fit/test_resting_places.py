@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import fit, simulate
-from tests.helpers.derivative_scenes import link, start, table
+from tests.helpers.scenes.derivative_scenes import link, start, table
 
 TRUE, NOISE = 0.42, 1e-3  # –, m
 THROWS = [0.8, 1.3, 1.8, 2.3]  # m/s

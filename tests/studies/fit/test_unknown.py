@@ -3,7 +3,7 @@
 import math
 
 from chain_impact import fit, load_scene, simulate
-from tests.helpers.measurements import FREE, NOISE, TIP, impacts, motion, scene
+from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 SIGMA = dict.fromkeys(TIP, NOISE)
 

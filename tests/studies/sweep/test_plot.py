@@ -13,7 +13,7 @@ from chain_impact.studies.sweep.maps import FAILED_COLOUR, count_bins
 from chain_impact.studies.sweep.plot import COLOURS, fill, usual_size
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
-from tests.helpers.stops import knee
+from tests.helpers.scenes.stops import knee
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact")][:10]

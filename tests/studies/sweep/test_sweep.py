@@ -15,9 +15,9 @@ from chain_impact.simulation.record_scene import with_settings
 from chain_impact.simulation.simulate import simulate, with_law
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.sweep import sweep
-from tests.helpers import random_scenes
-from tests.helpers.problems import own_law
-from tests.helpers.stops import knee
+from tests.helpers.campaigns import random_scenes
+from tests.helpers.scenes.problems import own_law
+from tests.helpers.scenes.stops import knee
 from tests.tiers import needs_compilers
 
 FORCES = ("peak_force", "max_penetration")

@@ -1,0 +1,8 @@
+"""Problems with figures of others: published or measured values, second solutions, and ours.
+
+- ``figures``: what a problem and a figure are
+- ``validation``: THE list of problems, which docs/validation.md shows; it has most of the problems
+- ``friction_figures``: problems with dry friction; ``coulomb_literature`` has their scenes
+- ``measured``: measured motions; ``stored``: values of other programs; ``walker``: a walker with knees
+- ``asked_elsewhere``: questions from public threads about other programs
+"""

@@ -1,0 +1,10 @@
+"""Builders of scenes.
+
+- ``problems``: scenes with exact answers, and the short builders that most tests use
+- ``bodies``, ``friction``, ``stops``, ``joint_drives``, ``moving_scenes``: small scenes of one feature
+- ``coulomb_problems``: scenes with Coulomb friction that have exact answers
+- ``derivative_scenes``, ``friction_derivative_scenes``: scenes whose derivatives are known
+- ``derived_scenes``: a scene with all values that can be derived
+- ``variable_scenes``: scenes with all kinds of FMU variables
+- ``turned``: any scene, mirrored or rotated
+"""
