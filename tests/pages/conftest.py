@@ -17,6 +17,7 @@ from chain_impact.pages.explore import TOML, contents, packed
 from chain_impact.pages.recorded import program, text_of
 from chain_impact.results.animate import animate
 from chain_impact.studies.animate import record_slowly
+from tests.pages.javascript import Script
 from tests.tiers import CHROMIUM
 
 DESK, PHONE, ON_ITS_SIDE = (
@@ -41,15 +42,19 @@ RUN = """async ({ module, file, kit, values, stop, step }) => {
 }"""
 
 
-MODULES = ("solver/motion.js", "base/base64.js", "scene/changes.js", "scene/model.js")
+SCENE = ("scene/changes.js", "scene/changed_file.js", "scene/model.js")
+"""The modules that read, change and write a scene file."""
+RECORDING = ("recording/frames.js", "solver/outlines.js", "charts/curve_charts.js", "base/ticks.js")
+"""Further modules that need no browser to be run."""
+MODULES = ("solver/motion.js", "base/base64.js", *SCENE)
 """The modules that read a scene file, and compute a motion."""
-COMPILED = """
+SCENE_OF = "const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"
+COMPILED = f"""{SCENE_OF}
 const modules = new Map();
-async function compiled(text) {
+async function compiled(text) {{
   if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await decompressed(text)));
   return modules.get(text);
-}
-const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"""
+}}"""
 ROWS = """async ([chart, colour]) => {
   await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
   const style = getComputedStyle(document.documentElement).getPropertyValue(`--${colour}`);
@@ -141,6 +146,14 @@ def until(page, condition):
 def until_told(page, text, where="subtitle"):
     """Wait for a text in an element of the page."""
     until(page, f"document.getElementById({where!r}).textContent.includes({json.dumps(text)})")
+
+
+@pytest.fixture(scope="session")
+def script():
+    """Return the modules of the pages that need no browser, with ``sceneOf``."""
+    modules = Script(*SCENE, *RECORDING)
+    modules.context.eval(SCENE_OF)
+    return modules
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.pages.recorded import program
 from tests.pages.conftest import ROWS, packed_module, page_contents, until, until_told
 from tests.tiers import needs_browser
 
@@ -15,22 +14,6 @@ NOW = """() => {
   const line = document.querySelector('#outputs-over-time .now').getBoundingClientRect();
   return (line.left + line.width / 2 - over.left) / over.width; }"""
 """The place of the line at the present time, over the width of the chart."""
-ROUND_OFF = """(module) => {
-  const withoutRoundOff = Function(`${module}; return withoutRoundOff;`)();
-  const shown = (unit, all, peakForce) =>
-    withoutRoundOff(all.map((values) => ({ unit, values })), { peakForce }).map(({ values }) => values);
-  return [shown("m", [[0.5, -2e-14], [1e-11]], 1e9), shown("N", [[-1.96e-14]], 50)]; }"""
-ANGLES = """(module) => {
-  const { inRadians, valueText } = Function(`${module}; return { inRadians, valueText };`)();
-  const some = Array.from({ length: 200 }, (_, k) => (k - 100) * (k % 3 ? Math.PI / 180 : 0.0437));
-  return [some.filter((value) => Number(inRadians(valueText(value, "rad"), "rad")) !== value),
-    valueText(inRadians("-25 deg", "rad"), "rad"), valueText(0.5, "rad"), valueText(Math.PI, "m")]; }"""
-TICKS = """([module, first, step]) => {
-  const ticksOf = Function(`${module}; return ticksOf;`)();
-  return ticksOf([0, 1, 2, 3].map((k) => first + k * step)); }"""
-BETWEEN = """([module, ranges]) => {
-  const ticksBetween = Function(`${module}; return ticksBetween;`)();
-  return ranges.map(([low, high]) => ticksBetween(low, high, 3)); }"""
 COURSE = """async ({ module, file, kit, values }) => {
   const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
   const { parts: { forces, contacts, rowTime } } = runThrough(motion(kernel, values));
@@ -49,47 +32,6 @@ MOTION = """async ({ module, file, kit, curves }) => {
 @pytest.fixture(scope="module")
 def result():
     return simulate("four_link_box")
-
-
-@pytest.mark.parametrize(
-    ("first", "step", "expected"),
-    [
-        (-2e-5, 1e-5, ["-0.00002", "-0.00001", "0", "0.00001"]),
-        (0.0, 0.25, ["0", "0.25", "0.50", "0.75"]),
-        (-100.0, 50.0, ["-100", "-50", "0", "50"]),
-        (1.0, 2e-9, ["1.000000000e+0", "1.000000002e+0", "1.000000004e+0", "1.000000006e+0"]),
-        (2e6, 1e6, ["2e+6", "3e+6", "4e+6", "5e+6"]),
-    ],
-)
-def test_ticks_have_the_digits_that_their_distance_needs(worker, first, step, expected):
-    assert worker.evaluate(TICKS, [program("base/format.js"), first, step]) == expected
-
-
-def test_an_axis_has_three_to_ten_ticks(worker):
-    ranges = [
-        (low * size, high * size)
-        for low in (-1, -0.3, 0)
-        for high in np.linspace(0.1, 9.9, 50)
-        for size in (1e-6, 1, 3e3)
-    ]
-    found = worker.evaluate(
-        BETWEEN, [program("base/ticks.js"), [[float(end) for end in one] for one in ranges]]
-    )
-    for (low, high), ticks in zip(ranges, found, strict=True):
-        assert 3 <= len(ticks) <= 10
-        assert np.ptp(np.diff(ticks)) == pytest.approx(0.0, abs=1e-6 * (high - low))
-        assert low - 1e-6 * abs(low) <= ticks[0] < ticks[-1] <= high * (1 + 1e-6)
-
-
-def test_round_off_of_the_largest_value_is_shown_as_zero(worker):
-    found = worker.evaluate(ROUND_OFF, program("charts/curve_charts.js"))
-    assert found == [[[0.5, 0], [1e-11]], [[0]]]
-
-
-def test_an_angle_is_shown_in_degrees_where_these_are_shorter_and_stand_for_the_same_number(worker):
-    changed, turned, short, length = worker.evaluate(ANGLES, program("scene/angles.js"))
-    assert changed == []
-    assert (turned, short, length) == ("-25 deg", "0.5", "3.141592653589793")
 
 
 def test_a_slow_contact_that_lasts_has_its_peak_in_the_course_of_its_force(worker):

@@ -6,6 +6,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
+from quickjs import JSException
 
 from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.models import scene_path
@@ -14,9 +15,6 @@ from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.campaigns import random_scenes
 from tests.pages.conftest import page_contents
-from tests.tiers import needs_browser
-
-pytestmark = needs_browser
 
 RECORD = """([kit, text, contents]) => {
   const file = complete(text ? TOML.parse(text) : contents, kit);
@@ -27,9 +25,9 @@ RECORD = """([kit, text, contents]) => {
 }"""
 
 
-def made(worker, scene, text="", contents=None):
+def made(script, scene, text="", contents=None):
     """Return the record that the page makes of a file's text, or of its contents."""
-    return worker.evaluate(RECORD, [page_contents(scene)["kit"], text, contents])
+    return script.evaluate(RECORD, [page_contents(scene)["kit"], text, contents])
 
 
 def assert_as_python(found, scene):
@@ -50,17 +48,18 @@ def assert_as_python(found, scene):
 
 
 @pytest.mark.parametrize("model", model_names())
-def test_the_file_of_every_model_makes_the_record_of_its_scene(worker, model):
+def test_the_file_of_every_model_makes_the_record_of_its_scene(script, model):
     """The record has the right counts of links, angles in degrees and of joints, normals and defaults."""
     text = scene_path(model).read_text(encoding="utf-8")
     scene = load_scene(model)
-    assert_as_python(made(worker, scene, text), scene)
+    assert_as_python(made(script, scene, text), scene)
 
 
+@pytest.mark.full("many random scenes", but=10)
 @pytest.mark.parametrize("seed", range(100))
-def test_the_contents_of_a_random_scene_make_its_record(worker, seed):
+def test_the_contents_of_a_random_scene_make_its_record(script, seed):
     scene = random_scenes.scene(seed)
-    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+    assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
 
 
 WRITTEN = """
@@ -108,28 +107,28 @@ links = false
 """
 
 
-def test_a_file_with_everything_makes_the_record_of_its_scene(worker):
+def test_a_file_with_everything_makes_the_record_of_its_scene(script):
     scene = parse_scene(WRITTEN, "written.toml")
-    assert_as_python(made(worker, scene, WRITTEN), scene)
+    assert_as_python(made(script, scene, WRITTEN), scene)
 
 
 @pytest.mark.parametrize("seed", range(0, 40, 4))
-def test_signals_of_a_random_scene_are_in_its_record(worker, seed):
+def test_signals_of_a_random_scene_are_in_its_record(script, seed):
     scene = random_scenes.scene(random_scenes.SIGNALLED + seed)
-    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+    assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
 
 
-def test_the_page_has_the_tables_of_its_scene_and_no_others(worker, tmp_path):
+def test_the_page_has_the_tables_of_its_scene_and_no_others(script, tmp_path):
     (tmp_path / "ways.csv").write_text("time,base.vx,base.y\n0.0,0,0\n0.2,0.1,0.02\n0.5,0,0.01\n")
     scene = with_inputs(load_scene("shaken_pendulum").with_values({("signals",): {}}), tmp_path / "ways.csv")
     contents = page_contents(scene)["file"]
     assert contents["signals"]["inputs"]["file"] == "ways.csv"
-    assert_as_python(made(worker, scene, contents=contents), scene)
+    assert_as_python(made(script, scene, contents=contents), scene)
     for key, other in (("file", "roads.csv"), ("interpolation", "linear"), ("period", 0.5)):
         changed = deepcopy(contents)
         changed["signals"]["inputs"][key] = other
-        with pytest.raises(Exception, match=r"signals.inputs.file = .* the page does not have this table"):
-            made(worker, scene, contents=changed)
+        with pytest.raises(JSException, match=r"signals.inputs.file = .* the page does not have this table"):
+            made(script, scene, contents=changed)
 
 
 SHAKE = {"input": ["base.y"], "form": "sine", "amplitude": 0.01, "frequency": 20.0}
@@ -147,12 +146,12 @@ STRANGE_SIGNALS = [
 
 
 @pytest.mark.parametrize(("signal", "sentence"), STRANGE_SIGNALS, ids=lambda case: str(case)[:40])
-def test_a_signal_that_cannot_be_is_refused(worker, signal, sentence):
+def test_a_signal_that_cannot_be_is_refused(script, signal, sentence):
     scene = load_scene("shaken_pendulum")
     contents = scene_to_dict(scene)
     contents["signals"]["own"] = signal
-    with pytest.raises(Exception, match=re.escape(sentence)):
-        made(worker, scene, contents=contents)
+    with pytest.raises(JSException, match=re.escape(sentence)):
+        made(script, scene, contents=contents)
 
 
 BODIES = {
@@ -229,16 +228,16 @@ initial = { angles = [-1.0] }
 
 
 @pytest.mark.parametrize("body", BODIES)
-def test_a_file_with_bodies_makes_the_record_of_its_scene(worker, body):
+def test_a_file_with_bodies_makes_the_record_of_its_scene(script, body):
     scene = parse_scene(BODIES[body], "bodies.toml")
-    assert_as_python(made(worker, scene, BODIES[body]), scene)
-    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+    assert_as_python(made(script, scene, BODIES[body]), scene)
+    assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
 
 
 @pytest.mark.parametrize("part", ["points", "contacts", "energies", "solver"])
-def test_outputs_that_are_not_asked_for_are_not_there(worker, part):
+def test_outputs_that_are_not_asked_for_are_not_there(script, part):
     scene = load_scene("sliding_rod").with_values({f"outputs.{part}": False, "outputs.impacts": 0})
-    assert_as_python(made(worker, scene, contents=scene_to_dict(scene)), scene)
+    assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
 
 
 def changed(path, value):
@@ -282,11 +281,11 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("path", "value", "told"), REFUSED, ids=[told for *_, told in REFUSED])
-def test_contents_that_cannot_be_are_refused_with_the_key_and_what_is_allowed(worker, path, value, told):
+def test_contents_that_cannot_be_are_refused_with_the_key_and_what_is_allowed(script, path, value, told):
     contents = changed(path, value)
     with pytest.raises(SceneError):
         scene_from_dict(contents, "written.toml")
-    found = worker.evaluate(
+    found = script.evaluate(
         """([kit, contents]) => {
           try {
             complete(contents, kit);

@@ -1,0 +1,34 @@
+"""The JavaScript of the pages without a browser: QuickJS runs the modules that need no page."""
+
+import base64
+import json
+
+import quickjs
+
+from chain_impact.pages.explore import TOML
+from chain_impact.pages.recorded import program, text_of
+
+BROWSER = f"""
+const structuredClone = (value) => JSON.parse(JSON.stringify(value));
+const TOML = {{}};
+(function (exports) {{ {text_of(TOML)} }})(TOML);
+"""
+"""What the modules find in a page: a function of browsers, and the reader of scene files."""
+
+
+class Script:
+    """Modules of the pages, and all modules that they import, as one program."""
+
+    def __init__(self, *names):
+        self.context = quickjs.Context()
+        self.context.add_callable("atob", lambda text: base64.b64decode(text).decode("latin-1"))
+        self.context.eval(BROWSER + program(*names))
+
+    def evaluate(self, function, argument=None):
+        """Return the value of a function, as a page of a browser does; values go over as JSON.
+
+        Raises:
+            quickjs.JSException: when the function throws an error.
+        """
+        call = self.context.eval(f"(text) => JSON.stringify(({function})(JSON.parse(text)))")
+        return json.loads(call(json.dumps(argument)) or "null")

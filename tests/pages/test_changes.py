@@ -1,0 +1,59 @@
+"""Changed parameters of the page: derived values follow, a refused change leaves all as it is."""
+
+import pytest
+
+from chain_impact import load_scene
+from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
+from tests.pages.conftest import page_contents
+
+
+def test_a_value_is_not_set_back_where_it_does_not_go_with_another(script):
+    fault, values = script.evaluate(
+        """(contents) => {
+          const changes = new Changes(sceneOf(contents));
+          changes.set({ "box.x_min": -5, "box.x_max": -1 });
+          try {
+            changes.reset("box.x_min");
+          } catch (error) {
+            return [error.message, changes.values];
+          }
+        }""",
+        page_contents(load_scene("four_link_box")),
+    )
+    assert fault == "box.x_max = -1 must be > 0 [m], which is x_min + 2 contact.radius"
+    assert values == {"box.x_min": -5, "box.x_max": -1}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"link[1].length": 0.6, "link[2].mass": 0.2},
+        {"contact.restitution": 0.45, "contact.exponent": 1.25},
+        {"link[1].length": 0.6, "link[1].inertia": 0.02, "stop.restitution": 0.9, "contact.restitution": 0.4},
+        {"link[1].length": 0.6, "link[1].center_of_mass": 0.25},  # the value of the scene
+    ],
+    ids=str,
+)
+def test_what_follows_from_others_is_shown_as_in_the_edited_file(script, changes):
+    """A derived value follows its sources again after a reset."""
+    expected = edited(FINGER, changes)
+    shown, text, back, starts = script.evaluate(
+        """([contents, given]) => {
+          const scene = sceneOf(contents);
+          const changes = new Changes(scene);
+          changes.set(given);
+          const names = scene.parameters.map(({ name }) => name);
+          const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
+          const [shown, text] = [all(), changes.texts().map(([name]) => name)];
+          for (const name of Object.keys(given)) changes.reset(name);
+          return [shown, text, all(), changes.starts];
+        }""",
+        [page_contents(finger()), changes],
+    )
+    for name in ("center_of_mass", "inertia"):
+        for link in (1, 2, 3):
+            assert shown[f"link[{link}].{name}"] == expected.values[f"link[{link}].{name}"]
+    for name in ("stop.restitution", "stop.exponent"):
+        assert shown[name] == expected.values[name]
+    assert set(text) == set(changes)
+    assert back == starts
