@@ -183,7 +183,7 @@ def must_reinit(d):
 
 
 def advance_one_step(d):
-    """Take a step; after a fault, reset to the last time reached. Return a status."""
+    """Take a step; after a fault, return to the last time that was reached. Return a status."""
     set_status(d, take_step(d))
     if d.statistics.status == OK:
         hooks.on_step(d)
@@ -231,13 +231,13 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Compute the latched values of active contacts again, because contact laws may have changed."""
+    """Fix again the values of active contacts that are fixed at the onset; laws may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 
 
 def apply_laws(d):
-    """Set latched values, held contacts, modes and sides of kinks after laws may have changed."""
+    """Set again what depends on the laws: values fixed at onsets, held contacts, modes, sides of kinks."""
     latch_again(d)
     renew_modes(d, belts_jump(d))
 

@@ -75,7 +75,7 @@ def mechanical_energy(d, y):
     kinetic, potential = 0.0, 0.0
     for i in range(n):
         m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
-        # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
+        # the centre of mass, at c from the proximal joint: p_C = p_i + c, v_C = v_i + ω c⊥
         cx, cy = ratio * d.work.link.x[i], ratio * d.work.link.y[i]
         if d.skewed:
             beside = d.model.offset_ratio[i]
@@ -173,7 +173,7 @@ def loaded_rate(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Clear the records of stages: crossed kinks, forces not found, least forces, and margins of modes."""
+    """Clear what the stages of a step record: crossed kinks, missing or least forces, margins of modes."""
     clear_unsolved(d)
     clear_crossings(d)
     clear_least_forces(d)
@@ -184,8 +184,9 @@ def clear_stage_notes(d):
 def joint_moments(d, y):
     """Set the net joint moment on each link; return the dissipated and the supplied power [W].
 
-    The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i: +τ_i on link i, −τ_i on
-    link i − 1. A free base has no joint to carry τ_1. In a drive all power of τ_i is supplied.
+    The proximal joint of link i carries the torque τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i of motor, damper
+    and spring: +τ_i on link i, −τ_i on link i − 1. A free base has no joint to carry τ_1. In a drive all
+    power of τ_i is supplied.
     """
     dissipated, supplied, before = 0.0, 0.0, 0.0
     # without inputs the tip has no force; its velocity, which is not computed in flight, is then not read
@@ -229,7 +230,7 @@ def add_place_moments(d):
 def add_spring_moments(d, y):
     """Add the moments of springs that belong to no drive: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
     for i in range(d.links):
-        # −k (θ_i − θ_{i−1} − φ₀)
+        # torque of a spring with the stiffness k and the rest angle φ₀: −k (θ_i − θ_{i−1} − φ₀)
         torque = -elastic_stiffness(d, i) * stretch(d, y, i)
         d.work.moment[i] += torque
         if i > 0:

@@ -1,6 +1,7 @@
 """Loads: the forces and moments that the joints transmit, and the forces and moments of the chain on walls.
 
-Newton's law for links i…N, with f_i the force of link i − 1 on link i, and F_k the forces at the points, is
+Newton's law for links i…N, with f_i the force of link i − 1 on link i, F_k the forces at the points, m_j the
+masses, a_Cj the accelerations of the centres of mass and g gravity, is
 
     f_i = Σ_{j≥i} m_j (a_Cj − g) − Σ_{k≥i} F_k.
 
@@ -40,7 +41,10 @@ NEAR_PEAK = 0.95
 
 
 def start_loads(d, time):
-    """Begin a run at ``time`` [s] without peaks, in the state at the end of the last step."""
+    """Clear the peaks at the start of a run at ``time`` [s], and store the momenta of the links.
+
+    The state is the one at the end of the last step.
+    """
     transmitted = d.transmitted
     locate_points(d, d.step.state_end)
     transmitted.start_time, transmitted.seen_end = time, math.nan
@@ -118,7 +122,7 @@ def fill_loads(d, y, rate):
     before = 0.0
     for i in range(d.links):
         alpha = rate[omega_at(d.links) + i]
-        # τ − I_a (α_i − α_{i−1})
+        # the drive's torque minus the torque that accelerates the armature I_a: τ − I_a (α_i − α_{i−1})
         out.load.moment[i] = joint_torque(d, y, i) - joint_armature(d, i) * (alpha - before)
         if d.elements > 0:
             out.load.moment[i] += out.friction.joint_moment[i]
@@ -139,7 +143,8 @@ def fill_loads(d, y, rate):
 def fill_guide(d):
     """Fill the outputs of the line's force and moment on the slider's carriage, from the loads of joint 1."""
     out, slider, gravity = d.output, d.slider, d.model.gravity
-    # R = n·(f₁ − m g),  n = (−u_y, u_x); the carriage does not turn
+    # reaction of the line from the force f₁ in joint 1 and the weight m g: R = n·(f₁ − m g), n = (−u_y, u_x);
+    # the carriage does not turn
     fx, fy = out.load.x[0] - slider.mass * gravity[0], out.load.y[0] - slider.mass * gravity[1]
     out.slider_reaction, out.slider_moment = slider.ux * fy - slider.uy * fx, out.load.moment[0]
 
@@ -266,7 +271,7 @@ def load_joints_at(d, theta):
 
 
 def square_of_force(d, i):
-    """Return |f|² [N²] of the joint in row i, for the forces that were computed last."""
+    """Return |f|² [N²] of the joint in row i, for the forces that were computed most recently."""
     return d.transmitted.x[i] * d.transmitted.x[i] + d.transmitted.y[i] * d.transmitted.y[i]
 
 

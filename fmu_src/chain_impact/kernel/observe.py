@@ -24,7 +24,7 @@ from chain_impact.kernel.status import counted_work, uncount_work
 
 
 def observe(d):
-    """Fill the outputs with the values at ``step.time``, and call the hook."""
+    """Fill the outputs with the values at ``step.time``, and call the hook ``on_observe``."""
     fill_outputs(d)
     hooks.on_observe(d)
 
@@ -165,7 +165,8 @@ def fill_friction(d):
             out.joint_moment[joint], out.joint_sticking[joint] = arm * d.element.force[e], sticks
         else:
             out.sticking[e] = sticks
-            # −s µ F_n with the true normal force, which does not continue beyond the kink of the law
+            # sliding friction −s µ F_n in the direction −s, with the coefficient µ and the true normal force
+            # F_n, which does not continue beyond the kink of the law
             sliding = -mode * d.law.friction[e] * d.output.force[e]
             out.force[e] = d.element.force[e] if mode == STICKS else sliding
 

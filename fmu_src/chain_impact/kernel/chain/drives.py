@@ -2,21 +2,24 @@
 
     F = u − c (q̇ − q̇_t) − k (q − q_t)
 
-With targets q_t, q̇_t a drive is a servo. F may have a limit. A drive with a limit has a mode, which only
-events change (events/saturation.py): 0 while |F| is below the limit, 1 or −1 while F is at the positive or
-the negative limit.
+u is the force or the torque of the motor, c the damping and k the stiffness. With targets q_t, q̇_t a drive
+is a servo. F may have a limit. A drive with a limit has a mode, which only events change
+(events/saturation.py): 0 while |F| is below the limit, 1 or −1 while F is at the positive or the negative
+limit.
 """
 
-# the largest excess of F over the limit of a drive that counts as round-off, relative to the limit
+# the largest excess of the force F above the limit of a drive that counts as round-off, relative to the limit
 DRIVE_EXCESS = 1e-12
-# the largest error of a spring's force that counts as round-off, relative to k (|q| + |q_t|)
+# the largest error of a spring's force that counts as round-off, relative to the stiffness times the sizes of
+# position and target, k (|q| + |q_t|)
 SPRING_ROUND_OFF = 1e-14
 
 
 def wanted_drive(motor, damping, rate, stiffness, stretch):
-    """Return F = u − c (q̇ − q̇_t) − k (q − q_t) without a limit.
+    """Return the force of motor, damper and spring without a limit: F = u − c (q̇ − q̇_t) − k (q − q_t).
 
-    ``rate`` is q̇ − q̇_t, and ``stretch`` is q − q_t.
+    ``rate`` is q̇ − q̇_t, the velocity minus its target, and ``stretch`` is q − q_t, the position minus its
+    target.
     """
     return motor - damping * rate - stiffness * stretch
 
@@ -40,7 +43,8 @@ def drive_mode(wanted, limit):
 def mode_excess(wanted, limit, mode, stiffness, size):
     """Return how far a drive's force is from the end of the drive's mode, plus an allowance for round-off.
 
-    The result is negative where the mode has ended. ``size`` is |q| + |q_t|, which have round-off.
+    The result is negative where the mode has ended. ``size`` is |q| + |q_t|, the sum of the sizes of the
+    position and of its target: both have round-off.
     """
     margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
     return margin + (DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * size)

@@ -49,7 +49,7 @@ def inertia_of_box(mass, length, height):
         length: in m.
         height: in m.
     """
-    # m (ℓ² + h²) / 12
+    # m (ℓ² + h²) / 12 for the mass m, the length ℓ and the height h
     return mass * length * length / 12 + mass * height * height / 12
 
 

@@ -1,14 +1,15 @@
 """The springs and dampers of the joints, and the rates of the fast motions that they cause.
 
-A spring stores ½ k φ² with φ = θ_i − θ_{i−1} − φ₀, where φ₀ is the rest angle. The angles of links include
-full turns, and so does φ. The base of a pinned chain has θ₀ = 0; a free base has no joint, no spring and no
-damper.
+A spring stores ½ k φ² with φ = θ_i − θ_{i−1} − φ₀, where k is the stiffness, θ_i the angle of link i, and φ₀
+the rest angle. The angles of links include full turns, and so does φ. The base of a pinned chain has θ₀ = 0;
+a free base has no joint, no spring and no damper.
 
 If targets are inputs, the spring and the damper are a servo: φ₀ is the target angle, and the damper has no
 moment at the target velocity. The torque of motor, spring and damper together may have a limit (drives.py).
 
-With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of
-M⁻¹ C. The damper of joint i alone, without all other dampers, causes a motion that decays with the rate
+With C = Σ c_i g_i g_iᵀ, c_i the damping of joint i, g_i the gradient of its relative angular velocity ω_i −
+ω_{i−1}, and M the mass matrix, damped motions decay with the eigenvalues of M⁻¹ C. The damper of joint i
+alone, without all other dampers, causes a motion that decays with the rate
 
     ρ_i = c_i g_iᵀ M⁻¹ g_i.
 
@@ -17,10 +18,10 @@ determines the squares of the frequencies of springs, and the spring of joint i 
 
     ω_i² = k_i g_iᵀ M⁻¹ g_i.
 
-As M ≥ diag(I), no eigenvalue exceeds the largest of diag(I)⁻¹ C, which no row sum exceeds (Gershgorin):
-2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. With both, λ² + λ c + k = 0 where c and k are at
-most these bounds, hence |λ| ≤ c + √k. This bound does not depend on the angles. A damper or spring at a link
-without inertia makes the bound infinite.
+With I the inertias of the links, M ≥ diag(I), so no eigenvalue exceeds the largest of diag(I)⁻¹ C, which no
+row sum exceeds (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. With both, a rate
+λ solves λ² + λ c + k = 0, where c and k are at most these bounds, hence |λ| ≤ c + √k. This bound does not
+depend on the angles. A damper or spring at a link without inertia makes the bound infinite.
 """
 
 import math
@@ -34,22 +35,22 @@ from chain_impact.kernel.chain.state import ANGLES, omega_at
 
 
 def joint_damping(d, i):
-    """Return c_i [N·m·s/rad]; 0 while the torque is at its limit, and at a free base, which has no joint."""
+    """Return the damping c_i [N·m·s/rad] of joint i; 0 if the torque is at its limit or the base is free."""
     return d.inputs.joint_damping[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
 
 
 def spring_stiffness(d, i):
-    """Return k_i [N·m/rad]; 0 while the torque is at its limit, and at a free base, which has no joint."""
+    """Return the stiffness k_i [N·m/rad] of joint i; 0 if the torque is at its limit or the base is free."""
     return d.inputs.joint_stiffness[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
 
 
 def joint_armature(d, i):
-    """Return I_a [kg·m²] of the drive in joint i; 0 at a free base, which has no joint."""
+    """Return the armature I_a [kg·m²] of the drive in joint i; 0 at a free base, which has no joint."""
     return d.model.joint_armature[i] if i > 0 or d.model.pinned else 0.0
 
 
 def joint_resistance(d, i, time):
-    """Return κ_i = s c_i + s² k_i [kg·m²] of the damper and the spring in joint i; ``time`` is s [s]."""
+    """Return the resistance κ_i = s c_i + s² k_i [kg·m²] of damper and spring i; ``time`` is s [s]."""
     return time * (joint_damping(d, i) + time * spring_stiffness(d, i))
 
 
@@ -70,7 +71,7 @@ def is_drive(d, i):
 
 
 def elastic_stiffness(d, i):
-    """Return k_i [N·m/rad] of a spring that stores energy; 0 in a drive."""
+    """Return the stiffness k_i [N·m/rad] of a spring that stores energy; 0 in a drive."""
     return 0.0 if is_drive(d, i) else spring_stiffness(d, i)
 
 
@@ -84,7 +85,10 @@ def spring_energy(d, y):
 
 
 def wanted_torque(d, y, i):
-    """Return the torque u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i [N·m] of a drive before it is limited."""
+    """Return the torque [N·m] of motor, damper and spring of a drive before it is limited.
+
+    It is u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i, with the target ω_t of the relative angular velocity.
+    """
     if i == 0 and not d.model.pinned:
         return 0.0
     inputs, first = d.inputs, omega_at(d.links)
@@ -165,7 +169,7 @@ def joint_rate(d, y):
             work.load.joint[i] = 1.0
             solve(d, work.link, work, FREE, work.change)
             work.load.joint[i] = 0.0
-            # g_iᵀ M⁻¹ g_i
+            # g_iᵀ M⁻¹ g_i, the change of the relative angular velocity by a unit angular impulse in the joint
             mobility = work.change[ANGLES + i] - (work.change[ANGLES + i - 1] if i > 0 else 0.0)
             fastest = max(fastest, c * mobility, math.sqrt(k * mobility))
     if d.slides:

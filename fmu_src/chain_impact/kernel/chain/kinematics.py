@@ -1,9 +1,10 @@
 """Kinematics of the chain: positions, velocities and accelerations of its points.
 
-Vectors of all places are records with ``x, y``, shape (2N+1+P,). The first N + 1 places are the points 0…N.
-The next N places belong to the joints 1…N and are used in scenes with stops or dry friction in joints: x is
-the joint's own angle θ_i − θ_{i−1} times a lever arm, the length of the longest link, and y is 0. So all
-other modules treat a stop like a wall at a point. The last P places are the sites (chain/sites.py).
+Vectors of all places are records with ``x, y``, shape (2N+1+P,), for N links and P sites. The first N + 1
+places are the points 0…N. The next N places belong to the joints 1…N and are used in scenes with stops or dry
+friction in joints: x is the joint's own angle θ_i − θ_{i−1} times a lever arm, the length of the longest
+link, and y is 0. So all other modules treat a stop like a wall at a point. The last P places are the sites
+(chain/sites.py).
 """
 
 from chain_impact.kernel.chain.motion import move_with
@@ -88,7 +89,8 @@ def place_points(d, y):
     for i in range(n):
         position.x[i], position.y[i], velocity.x[i], velocity.y[i] = x, y_, vx, vy
         omega = y[omega_at(n) + i]
-        # p_{i+1} = p_i + L_i,  v_{i+1} = v_i + ω L⊥
+        # position p and velocity v of the next joint, with the link vector L and the angular velocity ω:
+        # p_{i+1} = p_i + L_i, v_{i+1} = v_i + ω L⊥
         x += link.x[i]
         y_ += link.y[i]
         vx -= omega * link.y[i]
@@ -121,7 +123,7 @@ def accelerate_points(d, y, rate):
         acceleration.x[i], acceleration.y[i] = ax, ay
         omega, alpha = y[omega_at(n) + i], rate[omega_at(n) + i]
         w2 = omega * omega
-        # a_{i+1} = a_i + α L⊥ − ω² L
+        # acceleration of the next joint, by ω and α of the link: a_{i+1} = a_i + α L⊥ − ω² L
         ax -= alpha * link.y[i] + w2 * link.x[i]
         ay += alpha * link.x[i] - w2 * link.y[i]
     acceleration.x[n], acceleration.y[n] = ax, ay
@@ -164,7 +166,11 @@ def note_points_elsewhere(d):
 
 
 def move_points(d, links, change, response):
-    """Set the motions of all places that a change of the coordinates causes: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
+    """Set the motions of all places that a change of the coordinates causes.
+
+    The motion Δp of a joint follows from the joint before and the turn Δθ of the link vector L between them:
+    Δp_{i+1} = Δp_i + Δθ_i L⊥.
+    """
     n = d.links
     x, y = change[0], change[1]
     for i in range(n):
@@ -192,7 +198,8 @@ def largest(d, vectors):
 
 def at_center(d, vectors, i):
     """Return the vector at link i's centre of mass, such as the velocity, from the vectors at points."""
-    # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥,  Δv = v_{i+1} − v_i
+    # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥, with Δv = v_{i+1} − v_i, for a centre of mass at c along the link of
+    # length ℓ, and o to the left of it
     ratio, x, y = d.model.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]
     dx, dy = vectors.x[i + 1] - x, vectors.y[i + 1] - y
     if d.skewed:

@@ -6,14 +6,16 @@ impedances at the points. K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i �
 change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the joint. The
 base has a damper only if it is pinned.
 
-A joint with κ > 0 transmits a moment. The response of the outer part of the chain therefore depends on the
-motion a of the joint and on the rotation β of the link next to the joint on the inner side:
+The response minimises the quadratic form ½ Δᵀ (M + Jᵀ D J + K) Δ minus the work of the loads. A joint with
+resistance κ transmits a moment. The least value Z of this form over the outer part of the chain therefore
+depends on the motion a of the joint and on the rotation β of the link next to the joint on the inner side:
 
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
 
-with A, e and p a symmetric 3×3 articulated inertia. Link i adds its own inertia and its damper, and is
-eliminated, Δ_i = α. L, m c and x⊥ are those of chain/tree.py, and τ is a moment on the link. The coefficients
-A', b', e', p' and t' belong to the part of the chain outside of link i, for which β is the α of link i:
+with A, e and p a symmetric 3×3 articulated inertia, and with the impulse b and the angular impulse t by which
+the loads on the outer part act at the joint. Link i adds its own inertia and its damper, and is eliminated,
+Δ_i = α. L, m c, I and x⊥ are those of chain/tree.py, and τ is a moment on the link. The coefficients A', b',
+e', p' and t' belong to the part of the chain outside of link i, for which β is the α of link i:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -41,12 +43,13 @@ from chain_impact.kernel.chain.tree import arm, hinge, inertia_along
 from chain_impact.kernel.functions import inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Rows of the factors. FREE: M alone. HELD: M and impedances of constraints. SHIFTED: a real shift s."""
+"""Rows of the factors. FREE: the mass matrix alone. HELD: also impedances of constraints. SHIFTED: a real
+shift."""
 ROWS = 3
 
 
 def reciprocal(number):
-    """Return 1/x of a number that is not zero and far from overflow."""
+    """Return the reciprocal of a number that is not zero and far from overflow."""
     return 1.0 / number
 
 
@@ -60,7 +63,7 @@ def complex_reciprocal(number):
 
 
 def cross(lx, ly, bx, by):
-    """Return L⊥·b."""
+    """Return L⊥·b, the cross product L × b of a link vector L and a vector b."""
     return lx * by - ly * bx
 
 
@@ -70,7 +73,7 @@ def complex_cross(lx, ly, bx, by):
 
 
 def complex_hinge(link, axx, axy, ayy):
-    """Return h and H as ``hinge`` does, for a complex A'.
+    """Return the coupling h and the inertia H as ``hinge`` does, for a complex articulated inertia.
 
     The link's data are real; numba would convert them to complex numbers, which costs time.
     """
@@ -96,7 +99,7 @@ def no_impedance(d, impedance):
 
 
 def factorize(d, links, space, row, coupled):
-    """Eliminate M + Jᵀ D J + K.
+    """Eliminate M + Jᵀ D J + K: the mass matrix, impedances D at points, and resistances K of joints.
 
     Args:
         d: the instance.
@@ -119,9 +122,10 @@ def factorize(d, links, space, row, coupled):
             last = inner + 1 == middle
             resistance = 0.0 if last else impedance.joint[inner + 1]
             if last and coupled:
-                # This e multiplies the motion a of the middle joint, the link's inner joint. `eliminate`
-                # takes an e that multiplies the motion a' of the outer joint: e·a α = e·(a' − α L⊥) α. So
-                # −2 e·L⊥ adds to p. L begins at the middle joint, and `links` ends there: L = −links.
+                # The vector e couples the motion a of the middle joint, which is the link's inner joint, with
+                # the link's rotation α. `eliminate` takes an e for the motion a' of the outer joint: e·a α =
+                # e·(a' − α L⊥) α. So −2 e·L⊥ adds to p, the inertia of the rotation. The link vector L begins
+                # at the middle joint, and `links` ends there: L = −links.
                 q += p + cross(2.0 * links.x[inner], 2.0 * links.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = eliminate(
@@ -134,7 +138,7 @@ def factorize(d, links, space, row, coupled):
 
 
 def take_factors(d, coupled):
-    """Copy the factors of M that ``accelerations`` has found to the row FREE.
+    """Copy the factors of the mass matrix that ``accelerations`` has found to the row FREE.
 
     ``coupled`` has the same meaning as for ``factorize``. In a chain with armatures the function does
     nothing, because ``geared_accelerations`` in rows/compliance.py has already set this row.
@@ -151,7 +155,11 @@ def take_factors(d, coupled):
 
 
 def set_middle(d, factors, row, axx, axy, ayy):
-    """Set A⁻¹ of the middle joint: 0 at a pinned base, u uᵀ/(u·A u + m) at a slider (chain/slider.py)."""
+    """Set A⁻¹, the inverse of the articulated inertia at the middle joint.
+
+    It is 0 at a pinned base, and u uᵀ/(u·A u + m) at a slider with the direction u and the mass m
+    (chain/slider.py).
+    """
     mobility = factors.middle_mobility
     if d.slides:
         ux, uy, inverse = d.slider.ux, d.slider.uy, reciprocal(inertia_along(d, axx, axy, ayy))
@@ -164,9 +172,9 @@ def set_middle(d, factors, row, axx, axy, ayy):
 
 @inlined
 def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
-    """Eliminate link i. Return A, e and p at the inner joint from A', e' and p' at the outer joint.
+    """Eliminate link i. Return its articulated inertia at the inner joint, from that at the outer joint.
 
-    ``resistance`` is κ of the inner joint.
+    The inertia has the parts A, e and p of the module's docstring. ``resistance`` is κ of the inner joint.
     """
     point, factors = i + 1 if outward else i, space.factors
     axx += space.impedance.xx[point]
@@ -182,7 +190,7 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
             rx, ry = rx - links.x[i], ry - links.y[i]
         k = site_place(d, s)
         xx, xy, yy = space.impedance.xx[k], space.impedance.xy[k], space.impedance.yy[k]
-        # D r⊥
+        # D r⊥, with the impedance D of the site and its arm r
         sx, sy = xy * rx - xx * ry, yy * rx - xy * ry
         hx, hy, about_joint = hx + sx, hy + sy, about_joint + cross(rx, ry, sx, sy)
         axx, axy, ayy = axx + xx, axy + xy, ayy + yy
@@ -191,13 +199,13 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
         inverse = reciprocal(about_joint + resistance)
         share = resistance * inverse
         factors.share[row, i], factors.rest[row, i] = share, about_joint * inverse
-        # e = σ h,  p = σ H
+        # at the inner joint: e = σ h, p = σ H
         ex, ey, p = share * hx, share * hy, share * about_joint
     else:
         inverse = reciprocal(about_joint)
     kx, ky, m = hx * inverse, hy * inverse, d.model.mass[i]
     factors.gain_x[row, i], factors.gain_y[row, i], factors.inverse[row, i] = kx, ky, inverse
-    # A = A' + m 1 − h hᵀ/(H + κ)
+    # at the inner joint: A = A' + m 1 − h hᵀ/(H + κ)
     return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse, ex, ey, p
 
 
@@ -242,10 +250,10 @@ def solve(d, links, space, row, change):
 
 @inlined
 def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change):
-    """Set α for a = 0 and β = 0: the part of the change of ω_i that the loads cause.
+    """Set the change α of ω_i that the loads cause while the inner joint and the inner link are at rest.
 
-    ``moment`` is μ, the impulse of the inner joint on link i. Returns b and t at the inner joint from b' and
-    t' at the outer joint.
+    ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
+    impulse t at the inner joint, from b' and t' at the outer joint.
     """
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
@@ -255,11 +263,11 @@ def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change)
         s += space.load.link[i]
     if coupled:
         s += t
-        # t = σ s − (1 − σ) μ
+        # angular impulse at the inner joint: t = σ s − (1 − σ) μ
         t = factors.share[row, i] * s - factors.rest[row, i] * moment
         s += moment
     change[ANGLES + i] = s * factors.inverse[row, i]
-    # b = b' − h (s + μ)/(H + κ)
+    # impulse at the inner joint: b = b' − h (s + μ)/(H + κ)
     return bx - factors.gain_x[row, i] * s, by - factors.gain_y[row, i] * s, t
 
 
@@ -271,7 +279,7 @@ def spread(links, space, row, coupled, i, outward, x, y, before, change):
         The changes of the outer joint's velocity and of ω_i.
     """
     factors, sign = space.factors, 1.0 if outward else -1.0
-    # α = (s + μ − h·a + κ β)/(H + κ)
+    # change of the link's angular velocity: α = (s + μ − h·a + κ β)/(H + κ)
     a = change[ANGLES + i] - factors.gain_x[row, i] * x - factors.gain_y[row, i] * y
     if coupled:
         a += factors.share[row, i] * before

@@ -5,9 +5,10 @@ added:
 
     u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
 
-where r rises from 0 to 1. `signal.segment` is the knot in use. A segment is the part of a signal from one
-knot to the next. A step ends where a segment ends, and the next segment begins with the next step
-(events/segments.py), so a jump has a value before and a value after it.
+with the amplitude a, the phase ψ, the frequency f and its rate of change ḟ; r rises from 0 to 1.
+`signal.segment` is the knot in use. A segment is the part of a signal from one knot to the next. A step ends
+where a segment ends, and the next segment begins with the next step (events/segments.py), so a jump has a
+value before and a value after it.
 
 This module integrates a signal that drives the velocity or the acceleration of a base or a wall, so that
 position, velocity and acceleration always agree. The integrals of a sine are in sines.py.
@@ -85,7 +86,7 @@ def signal_bounds(d, j):
     x = since_knot(d, j, d.step.start + half)
     rate, bend, power = 0.0 * x, 0.0 * x, 1.0
     for n in range(1, signal.degree[j] + 1):
-        # c: coefficient n of the Taylor series at the middle of the step, the n-th derivative over n!
+        # c: coefficient n of the Taylor series at the middle of the step, the n-th derivative divided by n!
         c, weight = knot.powers[k, n] + 0.0 * x, 1.0 + 0.0 * x
         for p in range(n + 1, signal.degree[j] + 1):
             weight *= x * (p / (p - n))
@@ -158,7 +159,8 @@ def sway_of_signals(d):
         if signal.form[j] == SINE:
             i = signal.source[j]
             size = abs(signal.amplitude[i])
-            # while the frequency passes 0, the integral of a sine with the amplitude a moves by about a/√|ḟ|
+            # while the frequency passes 0 at the rate ḟ, the integral of a sine with the amplitude a changes
+            # by about a/√|ḟ|
             slow = math.sqrt(abs(signal.frequency_rate[i]))
             falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
             for _ in range(signal.integrals[j]):
@@ -191,7 +193,7 @@ def next_segment(d, j):
 
 
 def set_segment(d, j, k, lap):
-    """Let signal j use knot k; ``lap`` tells how often the signal's table has been repeated before."""
+    """Let signal j use knot k; ``lap`` is the number of times that its table has been repeated."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 

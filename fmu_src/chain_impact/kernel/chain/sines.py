@@ -2,10 +2,13 @@
 
     I_m = m-fold integral of r(s) sin Φ(s),   Φ = ψ + 2π (f s + ½ ḟ s²),   ω = Φ′,   g = Φ″
 
-r is the smooth ramp from 0 to 1, or it is 1. E_n is the n-fold integral of e^{iΦ}. Integration by parts gives
+Φ is the phase a time s after the start, with its value ψ at the start, the frequency f and its rate ḟ. r is
+the smooth ramp from 0 to 1, or it is 1. E_n is the n-fold integral of e^{iΦ}. Integration by parts gives
 
     I_m = Im Σ_k c_k E_{m+k},   c_k = (−1)ᵏ (m+k−1 over k) r⁽ᵏ⁾,   k = 0…5
     E_{n+1} = (i E_{n−1} + ω E_n)/(n g),   E_0 = e^{iΦ}
+
+with the binomial coefficient (m+k−1 over k) and the derivatives r⁽ᵏ⁾ of r.
 
 E_n = e^{iΦ} K_n/(iω)ⁿ is the solution of this recurrence that falls with n. So its ratios are those of a
 continued fraction, which is exact for g = 0 and loses no digits for small g:
@@ -29,14 +32,17 @@ from chain_impact.kernel.mathematics.angles import direction
 
 TAU = 2.0 * math.pi
 RISING = 5  # degree of the smooth ramp
-# largest |y| for the continued fraction; beyond it Φ is within 1/(2 NEAR_TURNING_POINT) = 4 rad of Φ(s*)
+# largest |y| = |g|/ω² for the continued fraction; where |y| is larger, the phase is within 4 rad, 1/(2
+# NEAR_TURNING_POINT), of its value at the time of frequency 0
 NEAR_TURNING_POINT = 0.125
 # The largest number of levels of the continued fraction: DEPTH without a rise, DEPTH_OF_RISE in a rise, and
-# DEEPER |y| more. With fewer levels E_2 would lose digits, and in a rise also E_7.
+# DEEPER |y| more, with y = g/ω². With fewer levels the integral E_2 would lose digits, and in a rise also
+# E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
 FRACTION_ERROR = 1e-17  # the relative error at which the fraction has enough levels
-# LARGEST_TURN: the largest turn [rad] of Φ in a rise that is integrated by quadrature; in a larger turn the
-# terms of E_n hardly cancel. PANEL: the largest turn [rad] in one panel of a quadrature.
+# LARGEST_TURN: the largest turn [rad] of the phase in a rise that is integrated by quadrature; in a larger
+# turn the terms of the integrals E_n hardly cancel. PANEL: the largest turn [rad] in one panel of a
+# quadrature.
 LARGEST_TURN, PANEL = 24.0, 6.0
 # Gauss and Legendre's nodes and weights on [0, 1]
 # fmt: off
@@ -56,15 +62,15 @@ def smooth(x):
 
 
 def phase(d, i, s):
-    """Return Φ [rad] of the sine with the numbers in row i, a time s [s] after its start."""
+    """Return the phase Φ [rad] of the sine with the numbers in row i, a time s [s] after its start."""
     signal = d.signal
     return signal.phase[i] + TAU * s * (signal.frequency[i] + 0.5 * signal.frequency_rate[i] * s)
 
 
 def integral(d, i, m, s, rise):
-    """Return I_m a time s [s] after the start of the sine with the numbers in row i.
+    """Return the m-fold integral I_m of the sine with the numbers in row i, a time s [s] after its start.
 
-    ``rise`` is the time in which r rises [s], and 0 where r = 1.
+    ``rise`` is the time [s] in which the amplitude rises, and 0 if it does not rise.
     """
     begin, g = TAU * d.signal.frequency[i], TAU * d.signal.frequency_rate[i]
     omega = begin + g * s
@@ -97,7 +103,8 @@ def by_fraction(m, rates, s, rise):
     most = (DEPTH_OF_RISE if rise > 0.0 else DEPTH) + DEEPER * abs(y)
     while error > FRACTION_ERROR and depth < most:
         depth += 1
-        # the error of K_n/K_{n−1} is at most n y times the error of K_{n+1}/K_n
+        # the error of a level K_n/K_{n−1} of the fraction is at most n y times the error of the next level
+        # K_{n+1}/K_n
         error *= depth * abs(y)
     ratio_u, ratio_v, u, v = 1.0 + 0.0 * y, 0.0 * y, 0.0 * y, 0.0 * y
     for k in range(depth):
@@ -112,7 +119,10 @@ def by_fraction(m, rates, s, rise):
 
 
 def by_recurrence(m, first, rates, s, rise):
-    """Return Im Σ_k c_k E_{m+k}; ``first``: the real and imaginary part of E_0, then of E_1."""
+    """Return the m-fold integral Im Σ_k c_k E_{m+k} of a sine, from the recurrence for the integrals E_n.
+
+    ``first`` holds the real and the imaginary part of E_0, then of E_1.
+    """
     u, v, next_u, next_v = first
     omega, g = rates
     total = part(m, 0, s, rise) * next_v if m == 1 else 0.0 * next_v
@@ -125,7 +135,7 @@ def by_recurrence(m, first, rates, s, rise):
 
 
 def part(m, k, s, rise):
-    """Return c_k a time s [s] after the start of a rise."""
+    """Return the coefficient c_k of the m-fold integral, a time s [s] after the start of a rise."""
     if not rise > 0.0:
         return 1.0 + 0.0 * s
     x = s / rise
@@ -146,10 +156,11 @@ def part(m, k, s, rise):
 
 
 def at_standstill(d, i, begins_up):
-    """Return Φ(s*) [rad] and the real and imaginary part of C; ``begins_up``: whether ω > 0 at the start.
+    """Return the phase Φ(s*) [rad] and the integral C, in two parts, at the time s* of frequency zero.
 
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start. C changes its sign if ω < 0 at the
-    start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4.
+    start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4. ``begins_up``: whether ω > 0 at the
+    start. The parts of C are the real and the imaginary part.
     """
     signal = d.signal
     rate = signal.frequency_rate[i]
@@ -174,7 +185,7 @@ def fresnel(middle, since, g, u, v):
 
 
 def by_quadrature(d, i, m, s, rise):
-    """Return I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from 0 to s in a rise, m ≤ 2."""
+    """Return the m-fold integral I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from 0 to s in a rise, m ≤ 2."""
     begin = TAU * d.signal.frequency[i]
     # `integral` calls this function only for a turn up to LARGEST_TURN: the limit bounds the loop
     turn = min(LARGEST_TURN, max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s))

@@ -28,7 +28,7 @@ def site_arm(d, links, s):
 
 
 def place_sites(d, y, first, position, velocity):
-    """Set positions and velocities of the sites; ω begins at index ``first`` of the state y."""
+    """Set positions and velocities of the sites; the links' angular velocities begin at index ``first``."""
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, d.work.link, s)
@@ -39,7 +39,7 @@ def place_sites(d, y, first, position, velocity):
 def turn_sites(d, links, turns, first, vectors):
     """Set the motions of the sites from the motions of joints and the turns of links.
 
-    The turns begin at ``first``.
+    The turns of the links begin at index ``first`` of ``turns``.
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
@@ -49,7 +49,7 @@ def turn_sites(d, links, turns, first, vectors):
 
 
 def accelerate_sites(d, y, rate, first, acceleration):
-    """Set the accelerations of the sites; ω and α begin at index ``first`` of y and its rate."""
+    """Set the accelerations of the sites; ω and α of links begin at index ``first`` of y and of its rate."""
     turn_sites(d, d.work.link, rate, first, acceleration)
     for s in range(d.sites):
         k, omega = site_place(d, s), y[first + d.site.link[s]]

@@ -5,9 +5,9 @@ the chain needs the force A a + b at the base (chain/tree.py). Along the line th
 
     a = s̈ u,   (u·A u + m) s̈ = F + u·(m g − b),
 
-with m the mass of the carriage and F the force of motor, spring and damper. Across the line the guide carries
-every force. The spring and the damper are a servo if there are targets, and the force of motor, spring and
-damper together may have a limit, as in the joints (drives.py). Dry friction is an element
+with m the mass of the carriage, g gravity, and F the force of motor, spring and damper. Across the line the
+guide carries every force. The spring and the damper are a servo if there are targets, and the force of motor,
+spring and damper together may have a limit, as in the joints (drives.py). Dry friction is an element
 (forces/friction.py), and ends of the line are stops (rows/geometry.py), which the base touches.
 """
 
@@ -26,7 +26,7 @@ def slider_position(d, y):
 
 
 def slider_velocity(d, y):
-    """Return ṡ [m/s] for a state y; for the rate of a state, s̈ [m/s²]."""
+    """Return the velocity ṡ [m/s] in a state y; for the rate of a state, the acceleration s̈ [m/s²]."""
     n = d.links
     return slide_along(d, y[velocity_at(n)], y[velocity_at(n) + 1])
 
@@ -40,17 +40,17 @@ def is_slider_drive(d):
 
 
 def slider_damping(d):
-    """Return c [N·s/m]; 0 without a slider and while the force is at its limit."""
+    """Return the damping c [N·s/m] of the slider; 0 without a slider and while the force is at its limit."""
     return d.slider.damping if d.slides and d.slider.mode == 0 else 0.0
 
 
 def slider_stiffness(d):
-    """Return k [N/m]; 0 without a slider and while the force is at its limit."""
+    """Return the stiffness k [N/m] of the slider; 0 without a slider and while the force is at its limit."""
     return d.slider.stiffness if d.slides and d.slider.mode == 0 else 0.0
 
 
 def slider_resistance(d, time):
-    """Return κ = t c + t² k [kg] of the damper and the spring; ``time`` is t [s]."""
+    """Return the resistance κ = t c + t² k [kg] of the damper and the spring; ``time`` is t [s]."""
     return time * (slider_damping(d) + time * slider_stiffness(d))
 
 
@@ -60,7 +60,11 @@ def slider_stretch(d, y):
 
 
 def wanted_force(d, y):
-    """Return the force u − c (ṡ − v_t) − k (s − s₀) [N] of the drive before it is limited."""
+    """Return the force [N] of motor, damper and spring before it is limited.
+
+    The force is u − c (ṡ − v_t) − k (s − s₀), with the target v_t of the velocity and the target or rest
+    position s₀.
+    """
     inputs = d.inputs
     rate = slider_velocity(d, y) - inputs.slider_target_velocity
     return wanted_drive(inputs.slider_force, d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y))

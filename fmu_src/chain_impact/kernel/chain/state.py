@@ -4,8 +4,8 @@
 
 The N + 2 coordinates, the position of the base [m] and the absolute link angles [rad], come first, and then
 their rates [m/s, rad/s]. The energies [J] count from the start of the run. The last two entries belong to the
-integration variable of a step: u = √(δ/δ*) of the regularized contact (ode/sundman.py), and the time t since
-the start of the step [s].
+integration variable of a step: u = √(δ/δ*) of the regularized contact, with its penetration δ and its
+expected penetration δ* (ode/sundman.py), and the time t since the start of the step [s].
 """
 
 # index of the first angle in y, and in any change of all coordinates; the base's two coordinates come first
@@ -23,7 +23,7 @@ def velocity_at(n):
 
 
 def omega_at(n):
-    """Return the index of the first angular velocity."""
+    """Return the index in y of the first angular velocity."""
     return n + 4
 
 
@@ -33,20 +33,20 @@ def dissipated_at(n):
 
 
 def supplied_at(n):
-    """Return the index of the energy supplied by the inputs."""
+    """Return the index in y of the energy supplied by the inputs."""
     return 2 * n + 5
 
 
 def sundman_u_at(n):
-    """Return the index of u, after all entries that belong to the chain."""
+    """Return the index in y of u, the root of the penetration, after all entries that belong to the chain."""
     return 2 * n + 6
 
 
 def time_at(n):
-    """Return the index of the time since the start of the step."""
+    """Return the index in y of the time since the start of the step."""
     return 2 * n + 7
 
 
 def state_size(n):
-    """Return the length of y."""
+    """Return the length of the state vector y."""
     return 2 * n + 8

@@ -12,13 +12,15 @@ the place of the middle joint.
 
 The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation matrix
 appears: L is the vector along a link from the link's joint nearer to the middle, c the vector from that joint
-to the centre of mass, x⊥ = ẑ × x. A' and b' belong to the link's outer joint, A and b to the joint nearer to
-the middle.
+to the centre of mass, x⊥ = ẑ × x, m the mass, I the inertia about the centre of mass, g gravity, f the load
+on the outer joint, τ the moment on the link. A' and b' belong to the link's outer joint, A and b to the joint
+nearer to the middle, its inner joint. The rotation of a link about its inner joint has the inertia H and the
+coupling h with the motion of this joint (``hinge``).
 
 The centre of mass may lie beside the line of the link, because L and m c are independent in the equations.
-With h and H as in ``hinge``, a site (chain/sites.py) with an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥
-to H of its link; r is the arm of the site from the joint nearer to the middle. A force at the site acts as a
-force at the proximal joint and a moment τ on the link.
+A site (chain/sites.py) with an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥ to H of its link; r is the arm
+of the site from the joint nearer to the middle. A force at the site acts as a force at the proximal joint and
+a moment τ on the link.
 
 Source: the recursion after Ahmadizadeh, Shafei, Fooladi, *A recursive algorithm for dynamics of multiple
 frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Machine Theory; the
@@ -57,7 +59,10 @@ def arm(d, link, i, outward):
 
 @inlined
 def hinge(link, axx, axy, ayy):
-    """Return h and H of a link, from A' at its outer joint and the data that ``arm`` returns."""
+    """Return the coupling h and the inertia H of a link's rotation about its inner joint.
+
+    They follow from the articulated inertia A' at its outer joint and the data that ``arm`` returns.
+    """
     lx, ly, sx, sy, inertia = link
     # h = m c⊥ + A' L⊥,  H = I + m c² + L⊥·A' L⊥
     hx, hy = axy * lx - axx * ly - sy, ayy * lx - axy * ly + sx
@@ -65,11 +70,14 @@ def hinge(link, axx, axy, ayy):
 
 
 def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
-    """Eliminate α_i of a link between two joints: return A and b from A' and b'."""
+    """Eliminate α_i of a link between two joints.
+
+    Returns A and b at its inner joint from A' and b' at its outer joint.
+    """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, _, _, _ = arm(d, d.work.link, i, outward)
     w2 = omega * omega
-    # d = b' − f − ω² A' L: the force at the outer joint for α = 0 and a = 0
+    # d = b' − f − ω² A' L: the force at the outer joint if α = 0 and the inner joint has no acceleration
     dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, about_joint = hinge(link, axx, axy, ayy)
@@ -77,7 +85,10 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
 
 
 def eliminate_end(d, y, i, outward):
-    """Eliminate α_i of the link at a free end, where A' = 0 and b' = 0; its 1/H is a constant of the link."""
+    """Eliminate α_i of the link at a free end, beyond which A' = 0 and b' = 0.
+
+    The inertia H of this link is a constant.
+    """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
@@ -86,17 +97,20 @@ def eliminate_end(d, y, i, outward):
 
 
 def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
-    """Return A and b from A' and d; store the data of link i that ``accelerate`` and ``solve`` need."""
+    """Return A and b at the inner joint of link i, from A' at its outer joint and the force d there.
+
+    The function stores the data of the link that ``accelerate`` and ``solve`` need.
+    """
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
-    # h₀ = L⊥·d − m c⊥·g − τ
+    # the moment about the inner joint without accelerations: h₀ = L⊥·d − m c⊥·g − τ
     h0 = (lx * dy - ly * dx) + (sy * gx - sx * gy - d.work.moment[i])
     if d.sites > 0:
         h0 -= d.work.load.link[i]
     kx, ky = hx * inverse, hy * inverse
     kept = d.work.elimination
     kept.gain_x[i], kept.gain_y[i], kept.inverse[i], kept.bias[i] = kx, ky, inverse, h0 * inverse
-    # A = A' + m 1 − h hᵀ/H,  b = d − ω² m c − m g − h h₀/H
+    # at the inner joint: A = A' + m 1 − h hᵀ/H, b = d − ω² m c − m g − h h₀/H
     return (
         (axx + m) - hx * kx,
         axy - hx * ky,
@@ -107,15 +121,18 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 
 
 def accelerate(d, y, i, outward, ax, ay, rate):
-    """Set α_i from the acceleration of the inner joint; return the acceleration of the outer joint."""
+    """Set the angular acceleration α_i of a link from the acceleration of its inner joint.
+
+    Returns the acceleration of the outer joint.
+    """
     kept, speed_index = d.work.elimination, omega_at(d.links) + i
-    # α = −(h·a + h₀)/H
+    # for the acceleration a of the inner joint: α = −(h·a + h₀)/H
     a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
     rate[speed_index] = a
     w2 = y[speed_index] * y[speed_index]
     sign = 1.0 if outward else -1.0
     lx, ly = sign * d.work.link.x[i], sign * d.work.link.y[i]
-    # a' = a + α L⊥ − ω² L
+    # acceleration of the outer joint: a' = a + α L⊥ − ω² L
     return (ax - w2 * lx) - a * ly, (ay - w2 * ly) + a * lx
 
 
@@ -151,10 +168,11 @@ def arms(d, y, rate, middle):
         if k < middle:
             cxx, cxy, cyy, dx, dy = eliminate_inner(d, y, k, False, cxx, cxy, cyy, dx, dy)
 
-    # at the middle joint of a free chain A a + b = 0; a pinned base is the middle joint, with a = 0
+    # the acceleration a of the middle joint: A a + b = 0 in a free chain, and a = 0 at a pinned base, which
+    # is the middle joint
     ax, ay = 0.0, 0.0
     if d.slides:
-        # a = s̈ u,  (u·A u + m) s̈ = F + u·(load + m g − b)
+        # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b)
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
         kept = d.work.elimination
         kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy

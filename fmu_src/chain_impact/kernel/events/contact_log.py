@@ -107,7 +107,7 @@ def update_held_extremes(d):
 
 
 def update_to_output_time(d):
-    """End the last step at the communication point, log the active contacts, and call the hook."""
+    """End the last step at the communication point, log active contacts, and call ``on_truncate``."""
     update_own_to_output_time(d)
     hooks.on_truncate(d)
 
@@ -177,7 +177,7 @@ def rate_of_force(d, c):
     Callers use only the sign.
     """
     stiffness, damping = contact_slopes(d, c)
-    # Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
+    # the rate of the force F by the penetration δ: Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
     return -(stiffness * gap_rate + damping * gap_acceleration(d, c))
 
@@ -266,7 +266,7 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         c: the candidate.
         row: the number of the row; beyond the end of the log it continues from the log's beginning.
         end: the time at which the contact ends [s].
-        separation_speed: ġ at that time [m/s].
+        separation_speed: rate ġ of the clearance at that time [m/s].
         peak_force: the largest force so far [N].
         max_penetration: the largest penetration so far [m].
         impulse: ∫F dt of the candidate since the start of the run [N·s].

@@ -1,6 +1,8 @@
 """The first point in a step where a function of the motion falls through zero, by bounds or by samples.
 
-The zero of a clearance or a penetration φ is located on the dense output, with bounds.
+The zero of a clearance or a penetration φ is located on the dense output, with bounds. φ′ is its rate in the
+integration variable of the step. A suspect is a candidate that the search examines; the test in exclusion.py
+excludes events of all others. θ is a fraction of the step, g a clearance.
 
 A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns. A
 bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8, and φ̇
@@ -85,11 +87,11 @@ def locate_at(d, theta):
     locate_points(d, d.work.y)
 
 
-# The largest deviation of φ from its chord that counts as round-off, relative to a link length; an interval
-# with a smaller deviation is not halved.
+# The largest deviation of a clearance φ from its chord that counts as round-off, relative to a link length;
+# an interval with a smaller deviation is not halved.
 CROSSING_RESOLUTION = 1e-15
-# A point skims a wall if |φ|, and the change of φ in the interval, are less than this, relative to a link
-# length. Points of a link that a wall holds at another point can skim this wall.
+# A point skims a wall if its clearance φ, and the change of φ in the interval, are less than this, relative
+# to a link length. Points of a link that a wall holds at another point can skim this wall.
 SKIMS = 1e-13
 # The largest interval that is not halved if a point skims a wall in it, as a part of the step.
 FINE = 2.0**-8
@@ -101,8 +103,8 @@ QUIET, SPLIT, CROSSES = 0, 1, 2
 def find_crossing(d):
     """Return θ of the first onset or end of a contact of a suspect in the last step, or −1 if there is none.
 
-    The function marks the candidates with this event. φ and φ′ at the start of the step must be set, and no
-    candidate may be marked.
+    The function marks the candidates with this event. The clearances φ and their rates φ′ at the start of the
+    step must be set, and no candidate may be marked.
     """
     a, b = 0.0, 1.0
     while not work_exceeded(d):
@@ -140,12 +142,14 @@ def check_candidate(d, c, a, b):
     width = (b - a) * d.step.size
     start, end = d.search.clear_start[c], d.search.clear_end[c]
     if c == d.step.regularized:
-        # u does not fall to zero and rise again, because δ̇ would have to change its sign twice
+        # u, the root of the penetration δ, does not fall to zero and rise again, because δ̇ would have to
+        # change its sign twice
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # at the end of the step, or when it leaves, a point beyond zero by `harmless` may never go further
+    # at the end of the step, and for a point in contact, φ < −`harmless` is required: a point that is beyond
+    # zero by less may never go further
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
@@ -168,7 +172,7 @@ def skims(d, c, width):
 
 
 def nearly_linear(d, c, part):
-    """Return whether φ of candidate c is linear up to round-off over a ``part`` of the step."""
+    """Return whether the clearance φ of candidate c is linear up to round-off over a ``part`` of the step."""
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.model.size
 
@@ -182,22 +186,23 @@ def locate(d, a, b):
         mark(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # φ of other candidates is known at the time of `first`: a candidate with φ ≥ 0 there has its event
-        # later
+        # the clearances φ of the other candidates are known at `first`: a candidate with φ ≥ 0 there has its
+        # event later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
             first = find_root(d, c, a, first)
             located = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # the candidate `located` keeps its mark: the round-off of φ of a slow point may exceed the limit
+        # the candidate `located` keeps its mark: the round-off of the clearance of a slow point may exceed
+        # the limit
         if c != located and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             mark(d, c, NONE)
     return first
 
 
 def find_root(d, c, a, b):
-    """Return θ in [a, b] at which φ of candidate c falls through zero; φ is negative at b.
+    """Return θ in [a, b] at which the clearance φ of candidate c falls through zero; φ is negative at b.
 
     The points must be located at b. The function also sets φ of all suspects at θ.
 
@@ -231,14 +236,15 @@ def find_root(d, c, a, b):
 
 
 def bound_curvature(d):
-    """Bound |g̈| of every suspect over the last step.
+    """Bound the second derivative |g̈| of the clearance of every suspect over the last step.
 
     The bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). This is far too large for a point
     that rests on a stiff wall. But the implicit step integrates the clearance of such a point, and
     ``curvatures`` finds a smaller bound from it.
     """
     n = d.links
-    # d²g/ds² = p d(ġ)/ds + p′ ġ for the step's variable s; p ≤ u and |p′| ≤ |u′| (sundman.py)
+    # the second derivative of the clearance g in the step's variable s, with p = dt/ds ≤ u and |p′| ≤ |u′|
+    # (sundman.py): d²g/ds² = p d(ġ)/ds + p′ ġ
     p, change = 1.0, 0.0
     if d.step.regularized != NO_CONTACT:
         p, change = rate_bounds(d.step, sundman_u_at(n))
@@ -255,8 +261,8 @@ def bound_curvature(d):
         v, a = motion_bounds(d, c, along_x, along_y)
         if d.channels > 0 and d.candidate.stop[c] == 0:
             speed, push = given_bounds(d, c)
-            # a channel is a function of time: the derivative of ġ in the step's variable is p times the
-            # channel's acceleration
+            # a channel is a function of time: in the step's variable, ġ has the derivative p times the
+            # channel's acceleration, with p = dt/ds
             v, a = v + speed, a + p * push
         of_links = links_part(d, c) if not at_joint(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
@@ -278,9 +284,9 @@ def links_part(d, c):
 
 
 def motion_bounds(d, c, along_x, along_y):
-    """Return bounds on the base's part of |ġ| of candidate c, and on the base's part of |dġ/ds|.
+    """Return the base's part in bounds on |ġ| and |dġ/ds|, for the clearance g of candidate c.
 
-    For a stop the bounds are those of the whole motion.
+    For a stop the bounds are those of the whole motion. s is the step's variable.
 
     ``along_x`` and ``along_y`` are the bounds for the components of the base's velocity.
     """
@@ -294,13 +300,16 @@ def motion_bounds(d, c, along_x, along_y):
         return arm * v, arm * a
     _, nx, ny = normal(d, c)
     if nx * ny == 0.0:
-        # n is along an axis, so the bounds for one component of the base's velocity suffice
+        # the normal n is along an axis, so the bounds for one component of the base's velocity suffice
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
     return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
 
 
 def given_bounds(d, c):
-    """Return bounds on the contributions of given motions to |ġ| and |g̈| of candidate c in the last step."""
+    """Return the part of given motions in bounds on |ġ| and |g̈| in the last step, for candidate c.
+
+    g is the clearance.
+    """
     speed, push = 0.0, 0.0
     if d.model.base_moves:
         for j in range(2):
@@ -314,13 +323,13 @@ def given_bounds(d, c):
 
 
 def measure(d, theta):
-    """Set φ and φ′ of every suspect at the fraction θ of the step, which is the end of the interval."""
+    """Set the clearance φ and its rate φ′ of every suspect at θ, the end of the interval of the step."""
     locate_at(d, theta)
     measure_located(d)
 
 
 def measure_located(d):
-    """Set φ and φ′ of every suspect where ``locate_at`` has located the points."""
+    """Set the clearance φ and its rate φ′ of every suspect where ``locate_at`` has located the points."""
     u, slope = sundman_u_now(d, d.work.y)
     for k in range(d.search.suspect_count):
         set_clearance(d, d.search.suspect[k], u, slope)

@@ -2,7 +2,8 @@
 
 φ is the clearance of a candidate without contact, the penetration of a candidate in contact, or u of the
 Sundman regularization (ode/sundman.py) for the regularized contact. φ is a function of the integration
-variable of the step, with the derivatives φ′ and φ″.
+variable of the step, with the derivatives φ′ and φ″; φ̇ and φ̈ are its derivatives in time. δ is the
+penetration, and v₀ the impact speed of the law.
 """
 
 import math
@@ -20,18 +21,19 @@ SMALL_TURN = 1.0
 # The margin for round-off and for the estimated remainder, relative to the range of the Bernstein
 # coefficients.
 MARGIN = 0.05
-# The ratio δ̇/v₀ at which v₀ is latched (fixed) again, after it was latched at the onset of the contact. In a
-# usual impact gravity adds only a thousandth to δ̇, so that v₀ stays. With the ratio 2 the usual laws never
-# have more than 1 + 2λ times their elastic force.
+# The ratio of the rate δ̇ of the penetration to the impact speed v₀ at which v₀ is latched (fixed) again,
+# after it was latched at the onset of the contact. In a usual impact gravity adds only a thousandth to δ̇, so
+# that v₀ stays. With the ratio 2 a Hunt–Crossley law with the damping λ never has more than 1 + 2λ times its
+# elastic force.
 RELATCH_RATIO = 2.0
-# If δ̇ exceeds this fraction of the speed RELATCH_RATIO v₀ at an end of a step, the search also samples the
-# inside of the step.
+# If the rate of the penetration exceeds this fraction of RELATCH_RATIO times the impact speed at an end of a
+# step, the search also samples the inside of the step.
 NEARLY_FAST = 0.75
 
 
 # values of `search.known`: which data of the clearances are known at the end of the last step. NOTHING: none;
-# VALUES: φ and φ′; WITH_CURVES: also φ″; FAR: only that every candidate without contact has a clearance of at
-# least `search.safe_distance`
+# VALUES: the clearances and their rates, φ and φ′; WITH_CURVES: also φ″; FAR: only that every candidate
+# without contact has a clearance of at least `search.safe_distance`
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
@@ -52,8 +54,8 @@ def excludes_events(d):
     """Return whether the state and rate at the ends of the last step prove that the step has no event.
 
     The test relies on an estimate of the interpolant's remainder, not on a bound. The step's method must
-    provide the rate at the end; the points are located and accelerated at the end. If the result is false, φ
-    and φ′ of all candidates are known at both ends, and the suspects are chosen.
+    provide the rate at the end; the points are located and accelerated at the end. If the result is false,
+    the clearances φ and their rates φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
     # an input may change the acceleration between the ends of the step as much as rotation does
     changing = max(d.inputs.course.change_rate, rate_of_signals(d))
@@ -70,9 +72,9 @@ def excludes_events(d):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
-    # The remainder of the interpolant is h⁶ φ⁽⁶⁾/46080, with the step size h. Its estimate is ten times the
-    # remainder for the tip of a stretched chain in uniform rotation, plus the remainder for a motion that
-    # decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|.
+    # The remainder of the interpolant of a clearance φ is h⁶ φ⁽⁶⁾/46080, with the step size h. Its estimate
+    # is ten times the remainder for the tip of a stretched chain in uniform rotation, plus the remainder for
+    # a motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|.
     fade = (d.step.end - d.step.start) * d.model.joint_bound
     way = way_per_radian(d)
     if d.channels > 0:
@@ -83,7 +85,7 @@ def excludes_events(d):
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
         # Without branches the compiler can use vector instructions, so both conditions are evaluated for all
-        # candidates. The second one lets every contact pass, also a held point, which has φ = ∞.
+        # candidates. The second one lets every contact pass, also a held point, whose clearance is set to ∞.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
         # without `leeway`, because errors in a penetration are far smaller than errors in a position
@@ -108,9 +110,9 @@ def suspect_some(d, apart, error):
     """Let the search examine the candidates for which the test at the step's ends does not exclude events.
 
     Args:
-        d: the instance, with φ, φ′ and φ″ at both ends.
-        apart: the error [m] of φ for candidates without contact.
-        error: the error [m] of φ for candidates in contact.
+        d: the instance, with the clearances φ and their derivatives φ′ and φ″ at both ends.
+        apart: the error [m] of the clearances of candidates without contact.
+        error: the error [m] of the penetrations of candidates in contact.
     """
     search, count = d.search, 0
     for c in range(d.candidates):
@@ -170,21 +172,21 @@ def remains_far(d):
 
 
 def is_quiet(d, c):
-    """Return whether the force of contact c has no kink in the last step, and v₀ needs no new value."""
+    """Return whether contact c needs no new impact speed, and its force has no kink in the last step."""
     return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):
-    """Return whether δ̇ of contact c is so large at an end of the step that v₀ may need a new value."""
+    """Return whether the rate δ̇ of contact c is so large at an end of the step that v₀ may change."""
     _, gap_rate = clearance(d, c)
     return max(d.touch.speed[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.touch.impact_speed[c]
 
 
 def stays_positive(d, c, error):
-    """Return whether φ of candidate c is larger than ``error`` throughout the last step, after its start.
+    """Return whether the clearance φ of candidate c exceeds ``error`` in the whole last step after its start.
 
-    The quintic Hermite interpolant of φ, from the value and first two derivatives at the ends of the step,
-    is at least the smallest Bernstein coefficient.
+    For a contact φ is the penetration. The quintic Hermite interpolant of φ, from the value and first two
+    derivatives at the ends of the step, is at least the smallest Bernstein coefficient.
     """
     h = d.step.size
     b1 = d.search.clear_start[c] + h * d.search.clear_start_rate[c] / 5.0
@@ -197,21 +199,25 @@ def stays_positive(d, c, error):
 
 
 def stays_in_contact(d, c, error):
-    """Return the result of ``stays_positive`` for the penetration of a contact with a force law, or for u."""
+    """Return the result of ``stays_positive`` for a contact: φ is its penetration, or u if regularized."""
     if c == d.step.regularized:
-        # u does not fall to zero and rise again, because δ̇ would have to change its sign twice
+        # u, the root of the penetration δ, does not fall to zero and rise again, because δ̇ would have to
+        # change its sign twice
         return d.search.clear_end[c] > 0.0
     return stays_positive(d, c, error)
 
 
 def measure_all(d, y):
-    """Set φ, φ′ and φ″ of every candidate for the state y, with the points located and accelerated."""
+    """Set every candidate's clearance φ and its derivatives φ′ and φ″ for the state y.
+
+    The points must be located and accelerated.
+    """
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]
     p, change = time_rate_of(d, u), time_rate_change(u, slope)
     least = math.inf
     for c in range(d.candidates):
-        # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
+        # derivatives in the step's variable, with p = dt/ds: φ′ = p φ̇, φ″ = p² φ̈ + p′ φ̇
         _, gap_rate = clearance(d, c)
         d.search.clear_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
         least = min(least, math.inf if d.touch.active[c] else d.search.clear_end[c])
@@ -225,7 +231,7 @@ def measure_all(d, y):
 
 
 def set_clearances(d, y):
-    """Set φ and φ′ of every candidate for the state y, with the points located; return u′."""
+    """Set every candidate's clearance φ and its rate φ′ for the state y of the located points; return u′."""
     u, slope = sundman_u_now(d, y)
     p = time_rate_of(d, u)
     for c in range(d.candidates):
@@ -239,9 +245,9 @@ def set_clearances(d, y):
 
 
 def sundman_u_now(d, y):
-    """Return u and u′ of the regularized contact for the state y, with the points located.
+    """Return u, the root of the penetration, and u′ of the regularized contact for the state y.
 
-    Without a regularized contact the result is 1, 0.
+    The points must be located. Without a regularized contact the result is 1, 0.
     """
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
@@ -250,7 +256,7 @@ def sundman_u_now(d, y):
 
 
 def set_clearance(d, c, u, slope):
-    """Set φ and φ′ of candidate c for the located points.
+    """Set the clearance φ and its rate φ′ of candidate c for the located points.
 
     The arguments ``u`` and ``slope`` = u′ are those of the regularized contact.
     """
@@ -268,7 +274,7 @@ def set_clearance(d, c, u, slope):
 
 
 def keep_start(d):
-    """Copy φ and φ′ at the end of one interval to the start of the next interval."""
+    """Copy the clearances φ and their rates φ′ from the end of an interval to the start of the next one."""
     for c in range(d.candidates):
         d.search.clear_start[c] = d.search.clear_end[c]
         d.search.clear_start_rate[c] = d.search.clear_end_rate[c]

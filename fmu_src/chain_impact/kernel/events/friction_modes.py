@@ -6,10 +6,11 @@ they slide so that friction acts against the motion that begins,
 
     sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
 
-The modes are found by pivoting, as in ``solve_lcp``: all elements that violate their condition change at
-once, as long as the number of these elements falls. An element keeps a consistent mode. If the pivoting does
-not end, the modes follow from forces within the limits of friction (rows/limits.py); a solution of that
-problem always exists.
+F_t is the friction force along t with the coefficient µ_s of static friction, F_n the normal force, s = ±1
+the direction of sliding, and t·a the tangential acceleration. The modes are found by pivoting, as in
+``solve_lcp``: all elements that violate their condition change at once, as long as the number of these
+elements falls. An element keeps a consistent mode. If the pivoting does not end, the modes follow from forces
+within the limits of friction (rows/limits.py); a solution of that problem always exists.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
@@ -116,7 +117,7 @@ def widen_slack(d, e):
 def first_guess(d, e, jumped):
     """Return the mode of element e that follows from its motion.
 
-    An element at rest keeps its last mode, and is marked as undecided.
+    An element at rest keeps the mode that it had before, and is marked as undecided.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]

@@ -60,7 +60,8 @@ def end_if_left(d, c):
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
-    # the time to get out: −g/ġ ≤ LEAVING_TIME δ*/v₀
+    # the time to get out, −g/ġ for the clearance g, is at most LEAVING_TIME times the contact's time scale
+    # δ*/v₀
     if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEAVING_TIME * touch.depth_scale[c] * gap_rate:
         end_contact(d, c, False)
 
@@ -82,7 +83,7 @@ def apply_events(d):
     """Apply the events at the end of the last step, and choose the size and the method of the next one.
 
     Returns:
-        Whether a force may have jumped, because a contact begins or ends, a new v₀ is latched or a mode
+        Whether a force may have jumped, because a contact begins or ends, gets a new impact speed, or a mode
         changes.
     """
     touch, onset, jumped = d.touch, -1, False
@@ -153,7 +154,8 @@ def choose_size(d, onset, goes_on):
 
     Args:
         d: the instance.
-        onset: the candidate of the last onset among the events, or −1 if there is no onset.
+        onset: the candidate with an onset among the events, the last one in their order; −1 if there is no
+        onset.
         goes_on: whether the proposed size remains valid if there is no onset.
     """
     if d.touch.active_count == 0:

@@ -6,10 +6,12 @@ ones with ġ = 0, it reads
 
     u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
 
-with e = 0 for a held contact and for a point that arrives slower than ``contact.minimum_impact_speed``, so
-that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) =
-½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (If a point within TOUCHES of a wall moves away from the wall,
-u⁻ > 0, an impact could add energy; then the impact is computed with e = 0, which adds no energy.)
+where u⁻ and u⁺ are the normal speeds before and after the impact, p the impulses, W the inverse of the mass
+matrix along the normals, and e the restitution, with e = 0 for a held contact and for a point that arrives
+slower than ``contact.minimum_impact_speed``, so that a bouncing point comes to rest after finitely many
+impacts. Every p does the work ½ p (u⁺ + u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (If a point
+within TOUCHES of a wall moves away from the wall, u⁻ > 0, an impact could add energy; then the impact is
+computed with e = 0, which adds no energy.)
 
 A contact that separates with a speed above zero ends. Forces F hold the other contacts, which are at rest, as
 long as the forces push:
@@ -68,8 +70,8 @@ from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
 # finite time (Zeno behaviour).
 STICK = 1e-3
 TOUCHES = 1e-12  # the largest clearance of a point that takes part in an impact, relative to a link length
-# the largest error that counts as round-off: of an energy, relative to Σ p (|u⁻| + |u⁺|), or of a speed,
-# relative to the largest speed
+# the largest error that counts as round-off: of an energy, relative to Σ p (|u⁻| + |u⁺|) for the impulses p
+# and the speeds u⁻ before and u⁺ after them, or of a speed, relative to the largest speed
 IMPACT_ROUND_OFF = 1e-9
 # The clearance given to a point that is released, relative to a link length. It is a hundred times round-off,
 # so that round-off does not make the point touch again.
@@ -169,7 +171,8 @@ def apply_impulses(d):
     """Apply the impulses of an impact to the velocities, and count the lost energy as dissipated."""
     lost, moved = find_impulses(d, 1.0)
     if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
-        # a NEIGHBOUR that moves away from its wall, or a wedged point, causes a gain of energy: e is set to 0
+        # a NEIGHBOUR that moves away from its wall, or a wedged point, causes a gain of energy: the
+        # restitution is then set to 0
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -187,7 +190,8 @@ def find_impulses(d, share):
     """Find the impulses of an impact, with the restitution of each contact multiplied by ``share``.
 
     Returns:
-        The energy [J] that the impulses dissipate, and Σ p (|u⁻| + |u⁺|) [J].
+        The energy [J] that the impulses p dissipate, and Σ p (|u⁻| + |u⁺|) [J], with u⁻ and u⁺ the speeds
+        before and after them.
     """
     rigid, lost, moved = d.rigid, 0.0, 0.0
     activate_all(d)
@@ -196,13 +200,13 @@ def find_impulses(d, share):
         c = d.touch.active_index[k]
         least = d.law.minimum_impact_speed[c]
         arrives = -rigid.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
-        # u⁺ ≥ −e u⁻
+        # the speed u⁺ after the impact is at least the restitution e times the approach speed: u⁺ ≥ −e u⁻
         rebound = -share * d.law.restitution[c] * rigid.start[k] if arrives else 0.0
         require(d, k, rebound if rebound > STICK * least else 0.0)
     factorize_free(d)
     solve_lcp(d, fastest_of_all(d))
     for k in range(d.touch.active_count):
-        # −½ p (u⁻ + u⁺)
+        # the energy that an impulse p dissipates: −½ p (u⁻ + u⁺)
         lost -= 0.5 * rigid.impulse[k] * (rigid.start[k] + rigid.reached[k])
         moved += rigid.impulse[k] * (abs(rigid.start[k]) + abs(rigid.reached[k]))
     return lost, moved
@@ -220,7 +224,8 @@ def end_rebounding_contacts(d):
     """End the contacts whose points separate with a speed that is larger than round-off."""
     free_rate(d, d.step.state_end, d.work.rate)
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
-    # a point with the speed u rises to the height u²/(2 a), which must exceed RISE link lengths
+    # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed RISE link
+    # lengths
     slow = math.sqrt(2.0 * fall * RISE * d.model.size)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
@@ -270,7 +275,7 @@ def end_changed_contacts(d):
 
 
 def update_active_set(d):
-    """Keep the contacts that a pushing force must hold, and end the other contacts: 0 ≤ F ⟂ g̈ ≥ 0."""
+    """Keep the contacts that a pushing force must hold, and end the other contacts."""
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)

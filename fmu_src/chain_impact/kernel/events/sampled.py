@@ -7,8 +7,10 @@
     STICKING_ENDS    µ_s F_n − |F_t|, the limit of friction minus the friction force
     (drives)         least distance of a drive's torque from the end of the mode of the drive
 
-The stages of a step, and its ends, show which of these events to look for. An event that is found late causes
-only a small error of energy. ``search_for`` makes the search for each kind.
+δ is the penetration, v₀ the impact speed of the law, s = ±1 the direction of sliding, t·v the tangential
+speed, F_n the normal force, and F_t the friction force with the coefficient µ_s. The stages of a step, and
+its ends, show which of these events to look for. An event that is found late causes only a small error of
+energy. ``search_for`` makes the search for each kind.
 
 KINK: the force of a contact has a kink where it is cut off at 0 or, for a law that damps on approach only, at
 δ̇ = 0. A step across a kink would lose its order. So a step is computed with the force of one side, continued
@@ -54,7 +56,8 @@ from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 from chain_impact.kernel.status import count_evaluations
 
 # The number of samples of a step in which a stage has shown an event, including the step's end. The search
-# for RELATCH takes FEW_SAMPLES: if a short excess of δ̇ is missed, v₀ stays unchanged.
+# for RELATCH takes FEW_SAMPLES: if a short excess of the rate of the penetration is missed, the impact speed
+# stays unchanged.
 SAMPLES, FEW_SAMPLES = 8, 4
 # The turn [rad] of an input is its angular frequency times the length of a step. Up to the turn SWEPT the
 # stages of a step show all events, although they are up to a quarter of the step apart. A step with a larger
@@ -138,7 +141,10 @@ def search_by_inputs(still, swept):
 
 
 def mark_kinks(d, c, theta):
-    """Mark the contacts that are at their kinks at θ, where the points are located."""
+    """Mark the contacts that are at their kinks at the fraction θ of the step.
+
+    The points must be located there.
+    """
     mark(d, c, KINK)
     # the contacts of a symmetric chain reach their kinks at the same time, up to round-off
     locate_at(d, min(1.0, theta + SIMULTANEOUS / d.step.size))
@@ -167,7 +173,10 @@ def own_side_at(d, c, theta):
 
 
 def slowness(d, c, theta):
-    """Return RELATCH_RATIO v₀ − δ̇ of candidate c at the fraction θ of the last step [m/s]."""
+    """Return how far [m/s] the rate δ̇ of candidate c is below RELATCH_RATIO v₀.
+
+    θ is the fraction of the last step at which the rate is taken.
+    """
     locate_at(d, theta)
     _, gap_rate = clearance(d, c)
     return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
@@ -232,7 +241,7 @@ def least_force(d, _c, theta):
 
 
 def mark_pulling(d, _c, theta):
-    """Mark with RELEASE the held contacts that pull at θ."""
+    """Mark with RELEASE the held contacts that pull at the fraction θ of the last step."""
     least_force(d, 0, theta)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.impulse[k] + pull_limit(d) <= 0.0:
@@ -281,7 +290,7 @@ def rest_speed(d):
 
 
 def excess(d, e):
-    """Return the largest excess [N] of the friction of element e over its limit that counts as round-off."""
+    """Return the largest excess [N] of the friction of element e above its limit that counts as round-off."""
     return FRICTION_EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
 
 

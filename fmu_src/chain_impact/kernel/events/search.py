@@ -42,7 +42,7 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
 # The largest depth of a point at its onset, relative to a link length. Onsets are located up to round-off,
-# about 1e-15. A deeper onset is an error of the step: at K = 1e12 N/m^1.5 it would add 1e-11 J.
+# about 1e-15. A deeper onset is an error of the step: at a stiffness of 1e12 N/m^1.5 it would add 1e-11 J.
 DEEP = 1e-9
 # The first part of a step, in which a crossing must agree with the Taylor polynomial at the start of the
 # step. The polynomial of second order has a relative error of 1e-9 there; the interpolant of a stiff step can
@@ -119,11 +119,12 @@ def find_sampled_event(d, theta):
 
 
 def credible(d, theta):
-    """Return whether the points of the crossings at θ really arrive or leave; φ and φ′ must be set at θ.
+    """Return whether the points of the crossings at the fraction θ of the step really arrive or leave.
 
-    Positions and rates of the interpolant may be inconsistent within the tolerance. Three kinds of crossing
-    are errors of a step that is too long: an onset deep inside a wall, an onset of a point that moves away,
-    and a crossing right after the start of the step by a point that cannot have reached the wall yet.
+    The clearances and their rates must be set at θ. Positions and rates of the interpolant may be
+    inconsistent within the tolerance. Three kinds of crossing are errors of a step that is too long: an onset
+    deep inside a wall, an onset of a point that moves away, and a crossing right after the start of the step
+    by a point that cannot have reached the wall yet.
     """
     if theta <= EARLY and starts_clear(d, theta * d.step.size):
         return False
@@ -139,10 +140,10 @@ def credible(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Return whether some candidate with an event has φ > 0 ``lasted`` [s] after the start of the step.
+    """Return whether a candidate with an event has a clearance φ > 0 ``lasted`` [s] after the start.
 
-    φ is extrapolated from the motion at the start, because the interpolant of a step over a stiff motion may
-    have an error as large as the tolerance near the start.
+    The start is that of the last step. φ is extrapolated from the motion there, because the interpolant of a
+    step over a stiff motion may have an error as large as the tolerance near the start.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.work.rate_start)
@@ -151,7 +152,7 @@ def starts_clear(d, lasted):
         if d.touch.event[c] in (ONSET, END) and c != d.step.regularized:
             sign = -1.0 if d.touch.active[c] else 1.0
             gap, gap_rate = clearance(d, c)
-            # φ + φ̇ t + ½ φ̈ t²
+            # the change of the clearance φ: φ̇ t + ½ φ̈ t²
             move = lasted * (gap_rate + 0.5 * lasted * gap_acceleration(d, c))
             clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
     locate_points(d, d.work.y)

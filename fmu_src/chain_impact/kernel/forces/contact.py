@@ -40,7 +40,8 @@ def apply_contact(d, c, gap, gap_rate):
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     keep_force(d, c, force)
     add_along(normal(d, c), d.work.load, force)
-    # the elastic part of the force stores power, the rest is dissipated: (F − K δⁿ) δ̇ ≥ 0
+    # the elastic part K δⁿ of the force F stores power, the rest is dissipated: (F − K δⁿ) δ̇ ≥ 0, δ the
+    # penetration
     return (elastic - force) * gap_rate
 
 
@@ -83,7 +84,7 @@ def apply_true_contacts(d):
 def contact_slopes(d, c):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points.
 
-    Both are 0 while F is cut off.
+    F is the force and δ the penetration. Both slopes are 0 while the force is cut off.
     """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
@@ -125,21 +126,21 @@ def start_contact(d, c):
 
 
 def latch(d, c):
-    """Fix the values of candidate c's contact that depend on its law, v₀ and effective mass."""
+    """Fix the values of candidate c's contact that depend on its law, impact speed and effective mass."""
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
         set_damping(d, c)
 
 
 def relatch(d, c, factor):
-    """Multiply the latched v₀ of candidate c by a factor."""
+    """Multiply the fixed impact speed v₀ of candidate c by a factor."""
     d.touch.impact_speed[c] *= factor
     latch(d, c)
     set_kink_side(d, c)
 
 
 def include(d, c):
-    """Make candidate c active without an onset, as the point takes part in another point's impact."""
+    """Make candidate c active without an onset, because its point takes part in another point's impact."""
     d.touch.active[c] = 1
 
 
@@ -149,7 +150,10 @@ def deactivate(d, c):
 
 
 def set_rates(d, c, speed, force_rate):
-    """Set δ̇ [m/s] and dF/dt [N/s] of candidate c, the start values of the search for the next peaks."""
+    """Set the rates δ̇ [m/s] of the penetration and dF/dt [N/s] of the force of candidate c.
+
+    The search for the next peaks starts from these rates.
+    """
     d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
 
 
@@ -178,7 +182,8 @@ def cross_kink(d, c):
     if cut_off(d, c):
         touch.force_rate[c] = 1.0  # 1: the force rises
     if d.law.approach_only[c]:
-        touch.speed[c] = 0.0  # at this kink δ̇ = 0, and the largest penetration has been recorded
+        # at this kink the rate of the penetration is 0, and the largest penetration has been recorded
+        touch.speed[c] = 0.0
     touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
 
 

@@ -1,7 +1,8 @@
 """The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its partial derivatives and its elastic energy.
 
-The damping d is latched: its value is fixed at the onset. The laws in laws.py differ only in d and the
-exponents n and p. A user's law (user_law.py) defines the whole force.
+K is the stiffness, δ the penetration, v₀ the impact speed. The damping d is latched: its value is fixed at
+the onset. The laws in laws.py differ only in d and the exponents n and p. A user's law (user_law.py) defines
+the whole force.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
 across a kink would lose its order. So a step continues the force of one side of the kink smoothly until the
@@ -63,7 +64,7 @@ def elastic_energy(d, c, penetration):
 def elastic_depth(d, c, mass, speed):
     """Return the penetration [m] at which K δⁿ stores the kinetic energy of a mass [kg] at a speed [m/s]."""
     stiffness, exponent = d.law.stiffness[c], d.law.exponent[c]
-    # K δⁿ⁺¹/(n+1) = ½ m v²
+    # the elastic energy equals the kinetic energy: K δⁿ⁺¹/(n+1) = ½ m v²
     energy = 0.5 * mass * speed * speed
     return power(energy * (exponent + 1.0) / stiffness, 1.0 / (exponent + 1.0))
 
@@ -87,7 +88,7 @@ def set_damping(d, c):
         # λ K/v₀
         touch.damping[c] = factor * stiffness / touch.impact_speed[c]
     else:
-        # f K^(1−s) m^s
+        # the damping by the law's factor f, the stiffness K and the mass m: f K^(1−s) m^s
         ratio = touch.effective_mass[c] / stiffness
         share = power(ratio, mass_power)
         touch.damping[c] = factor * stiffness * share * unit_of_damping(d, c, mass_power)
@@ -111,9 +112,9 @@ def unit_of_damping(d, c, mass_power):
 def turning_margin(d, c):
     """Return the largest |δ̇| [m/s] for which the force of the wrong side has an error within the tolerance.
 
-    If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)² times the result of
-    ``damping_share``. For a point at rest the sign of δ̇ changes all the time because of errors, so the
-    result also includes a speed of the size of the tolerance.
+    If the rate reaches the value v on the wrong side, the relative error of the impulse is (v/v₀)² times the
+    result of ``damping_share``. For a point at rest the sign of δ̇ changes all the time because of errors, so
+    the result also includes a speed of the size of the tolerance.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
@@ -121,7 +122,10 @@ def turning_margin(d, c):
 
 
 def law_force(d, c, depth, rate):
-    """Return the force [N] of candidate c, and K δⁿ [N], at a penetration δ ≥ 0 [m] and its rate [m/s]."""
+    """Return the force [N] of candidate c and its elastic part K δⁿ [N], at a penetration δ ≥ 0 [m].
+
+    ``rate`` is the rate of the penetration [m/s].
+    """
     force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
     # max() is not used, because it could hide a NaN
     return 0.0 if force < 0.0 else force, elastic
@@ -214,7 +218,7 @@ def may_jump(d, c):
 
 
 def damping_slope(d, c, depth, leaves, spring):
-    """Return ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c without the cut at 0; ``spring`` is δⁿ."""
+    """Return ∂F/∂δ̇ = d δᵖ [N·s/m], the damping of candidate c without the cut at 0; ``spring`` is δⁿ."""
     law = d.law
     if law.approach_only[c] and leaves:
         return 0.0
@@ -235,7 +239,8 @@ def law_slopes(d, c, depth, rate):
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power_of_depth(depth, exponent))
-    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the kink F may be < 0
+    # slope by the penetration: ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the
+    # kink F may be < 0
     stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
     return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
 
@@ -256,9 +261,10 @@ def user_slopes(d, c, depth, rate):
 
 
 def damping_share(d, c):
-    """Return the damping force over the elastic force of candidate c at v₀ and the expected penetration, ≥ 0.
+    """Return the damping force of candidate c divided by its elastic force, a number ≥ 0.
 
-    For the Hunt–Crossley family the result is λ.
+    Both forces are those at the impact speed v₀ and the expected penetration. For the Hunt–Crossley family
+    the result is the damping λ of the law.
     """
     force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.impact_speed[c])
     return max(0.0, force / elastic - 1.0)

@@ -1,9 +1,9 @@
 """The contact law of each candidate: a wall may have another material, and stops may have their own law.
 
 The law of a stop acts on the angle φ beyond the stop, with a moment M. For the kernel a stop is a contact at
-a lever arm s, the longest link (geometry.py), with the penetration δ = s φ and the force F = M/s. With M = K
-φⁿ the stiffness of this contact is K/sⁿ⁺¹, and its minimum impact speed in m/s is s times the given speed in
-rad/s.
+a lever arm s, the longest link (geometry.py), with the penetration δ = s φ and the force F = M/s. With a
+moment M = K φⁿ of the stiffness K, the stiffness of this contact is K/sⁿ⁺¹, and its minimum impact speed in
+m/s is s times the given speed in rad/s.
 
 Candidates whose parameters have the same origin, such as the same wall, have the same law. The kernel derives
 the law's constants for the first of these candidates; the others copy the constants (``law.same_as``).
@@ -48,7 +48,7 @@ USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked
 def start_laws(d):
     """Find which candidates share a law, and set the laws of all candidates; return a status."""
     for c in range(d.candidates):
-        d.law.number[c] = 0  # 0: the law is set anew, because any parameter may have changed
+        d.law.number[c] = 0  # 0: the law is set again, because any parameter may have changed
         first, source = 0, origin(d, c)
         while origin(d, first) != source:
             first += 1
@@ -199,7 +199,10 @@ def is_derived(d, c):
 
 
 def derive_damping(d, c):
-    """Derive the constants of the given law of candidate c: f(e), and the exponent p of the damping δᵖ δ̇."""
+    """Derive the constants of the given law of candidate c.
+
+    They are the factor f(e) by the restitution e, and the exponent p of the penetration in the damping δᵖ δ̇.
+    """
     if is_derived(d, c):
         return
     law, number = d.law, given_number(d, c)

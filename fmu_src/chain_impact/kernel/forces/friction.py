@@ -7,10 +7,11 @@ the equations of motion are smooth within a step:
     sliding with the sign s    F_t = −s µ F_n
     sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n
 
-with µ the coefficient of sliding and µ_s ≥ µ that of static friction. Within a step s is latched (fixed); the
-sign of the tangential speed is not evaluated. In a joint with the friction moment M both limits are M/s, with
-the lever arm s of its place. The normal force of a law with a force depends on the state alone, so modes and
-accelerations that satisfy these laws exist; for µ_s = µ the accelerations are unique.
+with F_t the friction force along t, F_n the normal force, t·a the tangential acceleration, µ the coefficient
+of sliding and µ_s ≥ µ that of static friction. Within a step the sign s is latched (fixed); the sign of the
+tangential speed is not evaluated. In a joint both limits are the friction moment divided by the lever arm of
+its place. The normal force of a law with a force depends on the state alone, so modes and accelerations that
+satisfy these laws exist; for µ_s = µ the accelerations are unique.
 
 Where several constraints are dependent, the forces of the sticking elements are not unique. The solver then
 chooses forces in proportion to the limits (constraints.py), or forces that do not exceed their limits
@@ -122,7 +123,7 @@ def clear_other_forces(d):
 
 
 def begin_friction(d, c):
-    """Set a first mode of a contact that begins at located points; the module friction_modes decides it."""
+    """Set a preliminary mode of a contact that begins at located points; friction_modes.py decides it."""
     speed = tangential_rate(d, c)
     # the state may be projected before the mode is decided: the anchor keeps a sticking element in place
     set_anchor(d, c)

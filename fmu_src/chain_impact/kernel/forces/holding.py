@@ -112,9 +112,10 @@ def start_from_accelerations(d, y, rate):
 
 
 def add_constraint_forces(d, y, rate):
-    """Add to a rate ẏ of the free motion the effect of the constraint forces, so that g̈ = 0 and t·a = 0.
+    """Add to a rate ẏ of the free motion the effect of the constraint forces, so that nothing held moves.
 
-    Afterwards ``d.rigid.impulse`` holds the forces [N]; apart from errors these forces do no work.
+    Held points get g̈ = 0 for the clearance g, sticking elements t·a = 0 along t. Afterwards
+    ``d.rigid.impulse`` holds the forces [N]; apart from errors these forces do no work.
     """
     rigid = d.rigid
     take_factors(d, joints_loaded(d))
@@ -134,9 +135,9 @@ def add_constraint_forces(d, y, rate):
 def project_state(d, y):
     """Project the located state y onto the constraints, so that no drift accumulates.
 
-    Held contacts get g = 0 and ġ = 0. A sticking element moves to its anchor along t and loses its tangential
-    speed. The contacts with a force law resist the change, because a change of a clearance at a stiff wall
-    would act as an impact.
+    Held contacts get the clearance g = 0 and its rate ġ = 0. A sticking element moves to its anchor along t
+    and loses its tangential speed. The contacts with a force law resist the change, because a change of a
+    clearance at a stiff wall would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
     size. If walls would pull more than the errors explain, the points that leave the walls keep their rate ġ
@@ -160,10 +161,11 @@ def project_state(d, y):
     if d.channels > 0:
         y[supplied_at(d.links)] += work_of_impulses(d)
     for k in range(constraint_rows(d)):
-        # the dissipated energy −½ p (u⁻ + u⁺) of a constraint's impulse p
+        # the energy that a constraint's impulse p dissipates: −½ p (u⁻ + u⁺), with the speeds u⁻ before and
+        # u⁺ after it
         y[lost] -= 0.5 * rigid.impulse[k] * (rigid.start[k] + rigid.reached[k])
     for k in range(d.touch.compliant_count):
-        # the impulse −D (u⁺ − u⁻) of the resistance D also changes the energy
+        # the impulse −D (u⁺ − u⁻) of the resistance D of a contact also changes the energy
         squares = rigid.reached[k] * rigid.reached[k] - rigid.start[k] * rigid.start[k]
         y[lost] += 0.5 * rigid.resistance[k] * squares
         rigid.resistance[k] = 0.0
@@ -172,8 +174,8 @@ def project_state(d, y):
 def power_of_motion(d, y, rate):
     """Return the power [W] of moving walls and a moving base, for a state y and its rate ẏ with all forces.
 
-    The power of a wall's force F is F w, with the wall's speed w. The force on the base follows from Newton's
-    law for the whole chain, with the accelerations in ẏ. The function sets the accelerations of the points.
+    The power of a wall is its force times its speed. The force on the base follows from Newton's law for the
+    whole chain, with the accelerations in ẏ. The function sets the accelerations of the points.
     """
     power, fx, fy = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
@@ -193,7 +195,8 @@ def power_of_motion(d, y, rate):
     total = 0.0
     for i in range(d.links):
         total += d.model.mass[i]
-    # F₀ = Σ m (a_C − g) − Σ F
+    # the force F₀ on the base, from the links' masses m and accelerations a_C, gravity g and the other forces
+    # F: F₀ = Σ m (a_C − g) − Σ F
     px, py = momentum(d, d.work.acceleration)
     fx = px - total * d.model.gravity[0] - d.inputs.tip_force[0] - fx
     fy = py - total * d.model.gravity[1] - d.inputs.tip_force[1] - fy
@@ -201,7 +204,7 @@ def power_of_motion(d, y, rate):
 
 
 def work_of_impulses(d):
-    """Return the work [J] of moving walls and base while the impulses found last change the velocities."""
+    """Return the work [J] of moving walls and base in a jump of velocities by the impulses in ``d.rigid``."""
     rigid, work, px, py = d.rigid, 0.0, 0.0, 0.0
     for k in range(constraint_rows(d)):
         sticks = k >= d.touch.active_count
@@ -221,7 +224,10 @@ def work_of_impulses(d):
 
 
 def momentum(d, vectors):
-    """Return Σ m v_C, with ``vectors`` as v: velocities, changes of velocities, or accelerations."""
+    """Return the sum of each mass times the vector at its centre of mass, Σ m v_C.
+
+    ``vectors`` are velocities, changes of velocities, or accelerations of the points.
+    """
     x, y = 0.0, 0.0
     for i in range(d.links):
         cx, cy = at_center(d, vectors, i)
@@ -235,7 +241,7 @@ def contact_resistance(d):
 
 
 def solve_positions(d):
-    """Find the change of the coordinates that brings the active set to its targets, g = target.
+    """Find the change of the coordinates that brings the clearances g of the active set to their targets.
 
     If the change is larger than residuals and errors explain, a motion can hardly be constrained. Then only
     candidates with g < target are moved, and without a rigid wall nothing is moved. Nothing is moved either

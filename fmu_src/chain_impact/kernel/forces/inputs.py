@@ -47,7 +47,7 @@ TOUCH_OFF = 1e-9
 # The largest change of an acceleration that counts as round-off, relative to the largest position divided by
 # the squared step.
 ACCELERATION_ROUND_OFF = 1e-14
-# `change_rate` of a cubic motion that lasts h, relative to 1/h; small, because a cubic has no sixth
+# `change_rate` of a cubic motion that lasts a time h, relative to 1/h; small, because a cubic has no sixth
 # derivative
 CUBIC_CHANGE = 0.5
 # the largest time from the end of a step to the end of the piece with which the step ends, relative to the
@@ -332,7 +332,7 @@ def note_given(d, j, now):
     moved.given_at[j], moved.mean[j], moved.from_position[j], moved.from_velocity[j] = now, 0.0, s, v
     moved.anchored[j] = 1
     if as_before:
-        # the position continues from its present value; a velocity that is not given anew stays the same
+        # the position continues from its present value; a velocity that is not given again stays the same
         moved.from_position[j], moved.anchored[j] = moved.position[j], 0
         moved.from_velocity[j] = v if v_anew else moved.velocity[j]
         return True

@@ -179,13 +179,14 @@ def zhang_sharf(e):
     if e >= 1.0:
         return 0.0
     u = 1.0 - e
-    # near e = 1 the root is a difference of nearly equal numbers; this series is accurate up to u⁵
+    # near e = 1 the root is a difference of nearly equal numbers; this series in u = 1 − e is accurate up to
+    # u⁵
     if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
-    # With d = λe = 1 − e^{−s} the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The equation is well
-    # conditioned in s, but not in d: below e ≈ 0.03, d is 1 to double precision. The left side falls from 0,
-    # then rises through its only positive root, and is convex. From a start above the root, Newton's method
-    # decreases monotonically to the root.
+    # With d = λe = 1 − e^{−s}, λ the damping, the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The
+    # equation is well conditioned in s, but not in d: below e ≈ 0.03, d is 1 to double precision. The left
+    # side falls from 0, then rises through its only positive root, and is convex. From a start above the
+    # root, Newton's method decreases monotonically to the root.
     s, before = 2.0 + 2.0 / e, math.inf
     while s < before:
         d = -expm1(-s)

@@ -78,7 +78,7 @@ def sine(angle):
 @inlined
 def cosine_and_sine(angle):
     """Return the cosine and sine of an angle below LARGEST_ANGLE."""
-    # φ = k π/2 + r
+    # the angle φ is k quarter turns and a remainder r: φ = k π/2 + r
     k = (angle * TWO_OVER_PI + ROUND) - ROUND
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2
     # number of quarter turns k mod 4, from −2 to 2
@@ -105,7 +105,7 @@ def far_reduction(angle):
     Bits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """
     pattern = bits(abs(angle))
-    # |φ| = m 2^e, m = a 2²⁷ + b, with integers m, e, a and b
+    # the size of the angle as integers m, e, a and b: |φ| = m 2^e, m = a 2²⁷ + b
     e = (pattern >> FRACTION) - 1075
     m = double((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
     a = float(math.floor(m * 2.0**-27))

@@ -33,7 +33,7 @@ def _table():
     patterns, rests = [], []
     for j in range(SIZE):
         power, root = 1 << FIXED, 2 << FIXED
-        for bit in reversed(range(SIZE_BITS)):  # a factor √2, √√2, … for each bit of j
+        for bit in reversed(range(SIZE_BITS)):  # a factor √2, √√2, … for each bit of the index j in the table
             root = math.isqrt(root << FIXED)
             power = power * root >> FIXED if j >> bit & 1 else power
         high, low = in_two(power, FRACTION)

@@ -48,7 +48,7 @@ def _table():
     rows = []
     for i in range(SIZE):
         m = double(FIRST + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))
-        # c has 9 bits, so r is exact
+        # c has 9 bits, so r = m c − 1 is exact
         unit = 512 if m > 1.0 else 256
         c = unit if i == MIDDLE else round(unit / m)
         rows.append((c / unit, *in_two(fixed_logarithm(unit, c), PLACES)))
@@ -70,7 +70,7 @@ def parts(pattern):
     k = (pattern - FIRST) >> FRACTION
     i = ((pattern - FIRST) >> WIDTH_BITS) & (SIZE - 1)
     m, c = double(pattern - (k << FRACTION)), float(INVERSE[i])
-    # u and v are exact, and so are r = u + v and u²
+    # r = m c − 1 is the sum of u and v; u, v, r and u² are exact
     m_front = front(m)
     u, v = m_front * c - 1.0, (m - m_front) * c
     r = u + v
@@ -79,7 +79,7 @@ def parts(pattern):
     first, half_square = base + r, 0.5 * (u * u)
     high = first - half_square
     rounded = ((base - first) + r) + ((first - high) - half_square)
-    # r² − u² = v (u + r)
+    # the part of −r²/2 that −u²/2 lacks: r² − u² = v (u + r)
     small = (float(k) * LN_2_LOW + float(LOG_LOW[i])) - 0.5 * v * (u + r)
     r2 = r * r
     tail = r * r2 * ((P[0] + r * P[1]) + r2 * ((P[2] + r * P[3]) + r2 * P[4]))

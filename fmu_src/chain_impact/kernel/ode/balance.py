@@ -1,18 +1,18 @@
 """The energy check of a step: the energy balance shows errors that the error estimate does not detect.
 
 The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
-error. A step that keeps the tolerance changes the balance by about the tolerance times a scale S, or less. To
-first order, with the scales of control.py for the errors of the components of the state,
+error. A step that keeps the tolerance changes the balance by about the tolerance times a scale S of the
+energy, or less. To first order, with the scales of control.py for the errors of the components of the state,
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,
 
-where T is the kinetic energy. E₁ is twice the kinetic energy of the stretched chain when it moves by the
-longest link s per second and rotates by 1 rad per second. E₂ = M s² per second squared, M is the mass, k |φ|
-are the moments of springs, times 1 rad, and s_δ, v₀ and m are the scale of the penetration, the impact speed
-and the effective mass of each active contact. A step that changes the balance much more is rejected: its
-error estimate misses something, such as a motion that decays within the first stage. The errors of all steps
-in one second of simulated time must not add up to much more either.
+where T is the kinetic energy and g gravity. E₁ is twice the kinetic energy of the stretched chain when it
+moves by the longest link s per second and rotates by 1 rad per second. E₂ = M s² per second squared, M is the
+mass, k |φ| are the moments of springs, times 1 rad, and s_δ, v₀ and m are the scale of the penetration, the
+impact speed and the effective mass of each active contact. A step that changes the balance much more is
+rejected: its error estimate misses something, such as a motion that decays within the first stage. The errors
+of all steps in one second of simulated time must not add up to much more either.
 
 S grows with energy that errors have added, and stiff springs make it far larger than the energy itself. So
 all steps since the start together must not add more than a tenth of the energy available to motion, springs,
@@ -60,12 +60,13 @@ from chain_impact.kernel.ode.methods import STABLE, joints_over
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
-# The allowed change of the energy balance in a step, relative to the tolerance times S. In 1500 random scenes
-# the largest change in a step had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
+# The allowed change of the energy balance in a step, relative to the tolerance times the scale S of the
+# energy. In 1500 random scenes the largest change in a step had a median of 0.0015, and exceeded 1 in 1 % of
+# the scenes.
 OF_A_STEP = 3.0
 # The allowed change of the energy balance by all steps in a window of time, relative to the tolerance times
-# S. The errors of steps have a common sign only where a point rests: then their sum reaches 230 in 100,000
-# steps. A run that exceeds the limit ends with an error status.
+# the scale S of the energy. The errors of steps have a common sign only where a point rests: then their sum
+# reaches 230 in 100,000 steps. A run that exceeds the limit ends with an error status.
 OF_A_WINDOW = 100.0
 WINDOW = 1.0  # [s] length of a window of time, equal to the window of the work limit
 # the energy that the errors of all steps together may add, relative to the available energy
@@ -98,7 +99,8 @@ def start_balance(d, time):
     for i in range(d.links):
         total += model.mass[i]
         reach += model.length[i]
-        # E₁: twice ½ m (s + Σ L)² + ½ I, summed over the links of the stretched chain
+        # E₁, twice the kinetic energy of the stretched chain: twice ½ m (s + Σ L)² + ½ I, summed over its
+        # links
         square += model.mass[i] * reach * reach + (model.inertia[i] + model.joint_armature[i])
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
@@ -223,7 +225,10 @@ def loss_allowed(d, there):
 
 
 def loss_budget(d, there):
-    """Return B [J] at the end of the last step; ``there`` is the available energy at this end."""
+    """Return the energy B [J] that all steps may lose until the end of the last step.
+
+    ``there`` is the available energy at this end.
+    """
     balance, speed = d.balance, math.sqrt(2.0 * there)
     most = LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
     return most * (1.0 + (d.step.end - balance.since) / LASTING)
@@ -277,7 +282,10 @@ def round_off(d, y):
 
 
 def scales(d, y):
-    """Return S, and the energies [J] whose round-off enters the balance, for state y and located points."""
+    """Return the scale S of the energy balance, and the energies [J] whose round-off enters the balance.
+
+    Both belong to state y; its points must be located.
+    """
     kinetic, potential = mechanical_energy(d, y)
     # the potential energy may be a small difference of large energies; their round-off counts
     summed = d.balance.weight * (abs(d.work.position.x[0]) + abs(d.work.position.y[0])) + abs(potential)

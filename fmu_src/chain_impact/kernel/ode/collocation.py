@@ -4,12 +4,13 @@ The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = 
 the polynomial is the result. extended.py has the equations and their linear systems; radau.py has the
 coefficients of the method and the iteration for the values at the nodes.
 
-Two estimates of the error compare f with the polynomials through its values F at the nodes,
+Two estimates of the error compare the rate f with polynomials through its values F at the nodes,
 
     E = (1 − h μ A)⁻¹ h μ (f(z_0) − P(0)),   E′ = (1 − h μ A)⁻¹ h μ (F_5 − P′(1)),
 
-where P goes through all F, P′ through all F except the last, and μ is the real eigenvalue. The order of E′ is
-one less than the order of E, and |E|²/|E′| is of order 7, closer to the order of the result.
+where P goes through all F, P′ through all F except the last, h the step size, A the Jacobian, and μ is the
+real eigenvalue. The order of E′ is one less than the order of E, and |E|²/|E′| is of order 7, closer to the
+order of the result.
 
 The dense output is the polynomial, with an error of h⁶. The first five functions of dense.py span the
 polynomials of degree 5 that are 0 at the start of the step. The last two functions are zero at both ends;
@@ -76,8 +77,8 @@ FORETOLD = (1.2, 2.0, 3.0)
 # complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
 # solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-# The size of a step over the predicted time to the end of a contact. The prediction has an error of some
-# hundredths, so a smaller value would leave a tiny step before the end.
+# The size of a step divided by the predicted time to the end of a contact. The prediction has an error of
+# some hundredths, so a smaller value would leave a tiny step before the end.
 PAST_END = 1.04
 FORCELESS = 1e-3  # a contact that ends within this part of a step has practically no force left
 # the length of the first step after an event at a tolerance of 1, in time constants of a fast motion
@@ -140,7 +141,7 @@ def can_extrapolate(d):
 
 
 def set_jacobian(d, z):
-    """Evaluate A in the middle of the step, where f was just evaluated, if the prediction is accurate.
+    """Evaluate the Jacobian A in the middle of the step, if the prediction of the stages is accurate.
 
     Otherwise A of the start of the step is kept, which is accurate for a fast motion at the start.
     """
@@ -163,7 +164,7 @@ def prepare(d, h):
 
 
 def set_weights(d):
-    """Set the weights 1/(tolerance × scale) of errors in the components of z.
+    """Set the weights 1/(tolerance × scale) of errors in the components of z (extended.py).
 
     Components without error control have a weight of 0.
     """
@@ -179,8 +180,7 @@ def toward_end(d, h):
     """Return a size ≤ h that does not go far beyond the end of a contact, where the force is not smooth."""
     for k in range(compliant(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # −g/ġ is the time to the end, because the force is almost zero; a contact that ends within the part
-        # FORCELESS of the step is ignored
+        # time to the end: −g/ġ, as the force is almost 0; an end in the part FORCELESS of h is ignored
         if gap_rate > 0.0 and FORCELESS * h * gap_rate < -gap < h * gap_rate / PAST_END:
             h = PAST_END * -gap / gap_rate
     return h
@@ -208,7 +208,7 @@ def first_size(d, h):
         most, remains = max(most, abs(fast[j]) * weight[j]), max(remains, abs(left[j]) * weight[j])
     if not (math.isfinite(most) and most > remains > 0.0):
         return h
-    # the factor 1/(1 + ρ h μ) remains of a motion that decays with the rate ρ
+    # (1 − h μ A)⁻¹ leaves the part 1/(1 + ρ h μ) of a motion that decays with the rate ρ
     rho = (most / remains - 1.0) / shift
     if rho * h > 1.0 and most > rho:
         return min(h, DECAY_TIMES / rho * power(rho / most, 1.0 / (ORDER[IMPLICIT] - 1)))
@@ -282,7 +282,7 @@ def cost_factor(implicit):
 
 
 def set_result(d, h):
-    """Set z and the state at the end of the step, and locate the points there."""
+    """Set the extended state z and the state at the end of the step, and locate the points there."""
     implicit, y = d.implicit, d.trial.state
     for j in range(extended_size(d)):
         implicit.z[j] = implicit.start[j] + implicit.stages[LAST, j]
@@ -310,8 +310,8 @@ def estimate(d, h, size):
         return math.inf
     if any_constraint(d):
         # The projection onto rigid walls keeps a fast motion of stiff joints at the start of the step, which
-        # decays within the step. E would contain all of this motion, however long the step is. So the system
-        # is solved a second time, which removes it.
+        # decays within the step. The error estimate would contain all of this motion, however long the step
+        # is. So the system is solved a second time, which removes it.
         solve_real(d, shift, implicit.parts[0])
         count_other_work(d, 1)
         for j in range(dissipated_at(d.links)):
@@ -377,13 +377,13 @@ def keep_clearances(d):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
     for j in range(dissipated_at(d.links)):
         at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
-        # 8/729 F₅ + 8/2187 F₆ is the change at one third, and 8/729 F₅ + 16/2187 F₆ the change at two thirds
+        # 8/729 F₅ + 8/2187 F₆ is the change of the output at one third, 8/729 F₅ + 16/2187 F₆ at two thirds
         dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)
         dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
 
 
 def interpolated(d, j, theta):
-    """Return component j of z at the fraction θ of the last step."""
+    """Return component j of the extended state z at the fraction θ of the last step."""
     total = d.implicit.start[j]
     for m in range(1, RADAU_STAGES + 1):
         total += lagrange(0, m, theta) * d.implicit.last[m - 1, j]
@@ -391,7 +391,7 @@ def interpolated(d, j, theta):
 
 
 def curvatures(d, h):
-    """Bound |g̈| [m/s²] of the active contacts over the last step, with their integrated clearances."""
+    """Bound |g̈| [m/s²] of the integrated clearances g of active contacts over the last step."""
     for k in range(compliant(d)):
         bound = 0.0
         for m in range(RADAU_STAGES):

@@ -37,7 +37,7 @@ SOLVER_METHODS = ("auto", "explicit", "implicit")
 """The choices of `solver.method`, counted from 1; with the first one the solver chooses."""
 AUTO = 1
 
-# Constants of the two methods, by the number of the method. The error of a step over its length is
+# Constants of the two methods, by the number of the method. The error of a step divided by its length is
 # proportional to h to the ORDER. SAFETY is a factor on the size of the next step that the last error
 # suggests. The first step of a contact has ONSET_SIZE times the contact's time scale, at a tolerance of 1;
 # the error of this step is proportional to its size to the ONSET_ORDER.
@@ -64,9 +64,9 @@ ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 # LATE        Newton's iteration converges too slowly
 # DIVERGED    Newton's iteration diverges
 ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
-# For each outcome from SPOILED on, the error over the tolerance that gives the same next size. After SPOILED
-# the next try is a seventh as long, or an eighth in the implicit method; after RUNS_BACK and LATE it is half
-# as long, and after DIVERGED a third.
+# For each outcome from SPOILED on, the error, relative to the tolerance, that gives the same next size. After
+# SPOILED the next try is a seventh as long, or an eighth in the implicit method; after RUNS_BACK and LATE it
+# is half as long, and after DIVERGED a third.
 SAME_AS_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
 # the least error of a step for the choice of the next size; a smaller error counts as LEAST_ERROR
 LEAST_ERROR = 1e-16
@@ -139,7 +139,7 @@ def resume_flight(d):
 
 
 def factor(d):
-    """Return the next size over the size of the tried step, from the outcome, the error and the cost."""
+    """Return the ratio of the next size to the size of the tried step, from the outcome, error and cost."""
     outcome, method = d.trial.outcome, d.step.method
     if outcome == INFINITE:
         return SHRINK
@@ -167,7 +167,10 @@ def at_onset_beside(d, c):
 
 
 def time_scale(d, c):
-    """Return the time [s], at most δ*/v₀, in which the force of candidate c rises after its onset."""
+    """Return the time [s] in which the force of candidate c rises after its onset.
+
+    The time is at most δ*/v₀, the expected penetration divided by the impact speed.
+    """
     share, exponent = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
     # damping that stops the point makes this time shorter
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + share, -exponent)
@@ -179,7 +182,7 @@ LARGEST_ERROR = 0.01
 
 
 def set_scales(d, y, scale, contacts):
-    """Set the scales of errors in state y over the tolerance, for the points located there.
+    """Set the scales of errors in state y, to which the tolerance is relative, for the points located there.
 
     The scales are 1 rad for angles and one link length for positions, whatever the values are, so a rotation
     or a shift of the scene has no effect. The scale of a speed is the speed itself plus 1 rad or one link
@@ -187,7 +190,7 @@ def set_scales(d, y, scale, contacts):
     each of the first active ``contacts`` the scale may be a millionth of a link length; these scales are
     stored from the index of u on, as in z of extended.py. The supplied energy is controlled if base or walls
     move, because its power then changes with them, however slow the chain is; the power of other inputs
-    depends on controlled components. The components u and t of a step, whose errors are far smaller than
+    depends on controlled components. The components u and t of the state, whose errors are far smaller than
     those of the motion, the rates of clearances and the quadratures are not controlled: their scales are not
     set.
     """
@@ -265,9 +268,10 @@ def scaled_errors(d):
 
 
 def moment_error(d, row):
-    """Return the largest error of a joint's damper and spring moment over the moments that move the chain.
+    """Return the largest error of a joint's damper and spring moment.
 
-    The forces of rigid walls depend on these moments, and the signs of the forces decide on releases.
+    It is relative to the moments that move the chain. The forces of rigid walls depend on the moments of
+    joints, and the signs of these forces decide on releases.
     """
     error, first, worst = d.work.error[row], omega_at(d.links), 0.0
     turn, spin = 0.0, 0.0
@@ -280,7 +284,10 @@ def moment_error(d, row):
 
 
 def impact_energy(d):
-    """Return the kinetic energy [J] with which the active contacts began: the sum of ½ m v₀²."""
+    """Return the kinetic energy [J] with which the active contacts began: the sum of ½ m v₀².
+
+    m is the effective mass and v₀ the impact speed.
+    """
     energy = 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -301,9 +308,9 @@ def penetration_scale(d, c):
     """Return the scale [m] of errors in the penetration of an active candidate, at the located points.
 
     An error Δδ soon causes an error of about ω Δδ in the speed, with ω the contact's frequency, so Δδ may be
-    as large as the error of speeds over ω. With ω ≈ v₀ over the expected depth the scale is the depth itself
-    for a fast impact, and larger for a slow impact, but never so large that the error exceeds 1 % of the
-    depth.
+    as large as the error of speeds divided by ω. With ω ≈ v₀/δ*, the impact speed divided by the expected
+    depth, the scale is the depth itself for a fast impact, and larger for a slow impact, but never so large
+    that the error exceeds 1 % of the depth.
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)

@@ -3,11 +3,11 @@
 Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them. They
 advance with the stages and the dense output of the state, have no effect on the motion, and are ignored by
 the error control. The momentum of the chain changes in a step by what gravity, inputs and the impulses give,
-to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value at the time when
-contacts last began or ended. The quadratures that are integrated in a step are packed: the fields ``state``,
-``state_end``, ``tried``, ``stage`` and ``dense`` of ``quadrature`` have the same meaning as these fields have
-for y, and ``quadrature.index`` has their indices in ``quadrature.total``. Quadratures cost nothing in a scene
-that does not request them.
+to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value at the most
+recent time at which contacts began or ended. The quadratures that are integrated in a step are packed: the
+fields ``state``, ``state_end``, ``tried``, ``stage`` and ``dense`` of ``quadrature`` have the same meaning as
+these fields have for y, and ``quadrature.index`` has their indices in ``quadrature.total``. Quadratures cost
+nothing in a scene that does not request them.
 """
 
 import numpy as np
@@ -106,7 +106,10 @@ BASIS_BOUND, SLOPE_BOUND = _basis_bounds()
 
 
 def rate_bounds(step, j):
-    """Return bounds on |y_j| and |ẏ_j| over the last step, from the interpolant's coefficients."""
+    """Return bounds on the size |y_j| and the rate |ẏ_j| of component j of the state over the last step.
+
+    They follow from the coefficients of the interpolant.
+    """
     value, slope = abs(step.state[j]), 0.0
     for m in range(DENSE_COEFFICIENTS):
         f = abs(step.dense[m, j])
@@ -191,7 +194,10 @@ def keep_end_rates(d):
 
 
 def set_quadrature_stage(d, i):
-    """Set stage i, dq/ds = q̇ dt/ds; the rate of the state must have just been evaluated."""
+    """Set stage i of the quadratures, their rate in the step's variable s: dq/ds = q̇ dt/ds.
+
+    The rate of the state must have just been evaluated.
+    """
     quadrature_rates(d, d.work.stage[i, time_at(d.links)], d.quadrature.stage[i])
 
 
@@ -319,7 +325,7 @@ def maximum_of(value_at):
         """Return the maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
 
         The search uses three parabolas, each through three points around the maximum of the parabola before.
-        The result is the last maximum, or a larger sample.
+        The result is the maximum of the third parabola, or a larger sample.
 
         Args:
             d: the instance.

@@ -67,11 +67,11 @@ A: tuple[dict[int, float], ...] = (
      14: -9.15095847217987},
 )
 
-# weights of the method of order 8, y + h Σ_j B[j] k_j. Stage 12 is evaluated at this end of the step, so
-# A[12] is B
+# weights of the method of order 8, y + h Σ_j B[j] k_j with the stages k_j. Stage 12 is evaluated at this end
+# of the step, so A[12] is B
 B = A[STEP_STAGES]
 
-# error estimates h Σ_j E[j] k_j of orders 5 and 3
+# error estimates h Σ_j E[j] k_j of orders 5 and 3, with the stages k_j
 E5 = {0: 0.01312004499419488, 5: -1.2251564463762044, 6: -0.4957589496572502,
        7: 1.6643771824549864, 8: -0.35032884874997366, 9: 0.3341791187130175,
        10: 0.08192320648511571, 11: -0.022355307863886294}
@@ -79,7 +79,7 @@ E3 = {0: -0.18980075407240762, 5: 4.450312892752409, 6: 1.8915178993145003, 7: -
        8: -0.4226823213237919, 9: -0.1521609496625161, 10: 0.20136540080403034,
        11: 0.02265179219836082}
 
-# the four highest coefficients of the interpolant, h Σ_j D[i][j] k_j
+# the four highest coefficients of the interpolant, h Σ_j D[i][j] k_j with the stages k_j
 D: tuple[dict[int, float], ...] = (
     {0: -8.428938276109013, 5: 0.5667149535193777, 6: -3.0689499459498917, 7: 2.38466765651207,
      8: 2.117034582445028, 9: -0.871391583777973, 10: 2.2404374302607883, 11: 0.6315787787694688,
@@ -202,7 +202,7 @@ def toward_end(d, h):
     if u + 2.0 * slope * h >= 0.0:
         return h
     accelerate_points(d, d.step.state_end, d.work.rate_start)
-    # u + u′ s + ½ u″ s² = 0
+    # the contact ends where u, the root of the penetration, is zero: u + u′ s + ½ u″ s² = 0
     square = slope * slope - 2.0 * u * root_curve(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
     return up_to(h, left)
@@ -219,7 +219,7 @@ def toward_ends(d, h):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         if gap < 0.0 < gap_rate:
-            # g + ġ t + ½ g̈ t² = 0
+            # the clearance g is zero after the time t: g + ġ t + ½ g̈ t² = 0
             square = gap_rate * gap_rate - 2.0 * gap * gap_acceleration(d, c)
             left = min(left, -2.0 * gap / (gap_rate + math.sqrt(max(0.0, square))))
     return up_to(h, left)
@@ -260,7 +260,8 @@ def estimate(d, h):
         return error_5
     if max(error_5, error_3) > SQUARE_OVERFLOWS:
         return math.inf
-    # the error e₅²/√(e₅² + e₃²/100) is of order 8, because e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
+    # the error e₅²/√(e₅² + e₃²/100), from the estimates e₅ and e₃ of orders 5 and 3, is of order 8, because
+    # e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d) else 1.0)
 
@@ -269,7 +270,7 @@ def is_smooth(d):
     """Return whether the error of a step is estimated with order 9, as in a regularized contact.
 
     In flight the estimate of order 8 remains, as a margin. It also remains where a force rises as steeply as
-    a root of u, because the step then loses its order.
+    a root of u, itself the root of the penetration, because the step then loses its order.
     """
     c = d.step.regularized
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5

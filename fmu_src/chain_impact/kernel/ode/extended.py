@@ -2,24 +2,26 @@
 
 As the links turn, the clearance that follows from the coordinates of a stage has an error of ½ h² J̇ẏ. This
 error is small, but often larger than the penetration of a stiff wall. So the clearances g of the active
-contacts and their rates are integrated together with y, z = (y, g, ġ, q), with g̈ the acceleration of the
-point along the normal and q the quadratures. The forces are evaluated at g and ġ; apart from the force law,
+contacts and their rates are integrated together with y, z = (y, g, ġ, Q), with g̈ the acceleration of the
+point along the normal and Q the quadratures. The forces are evaluated at g and ġ; apart from the force law,
 the fast motions are linear in g and ġ.
 
 A rigid wall has no force law and constrains its points as in an explicit step (forces/holding.py), so z has
 no entries for these points.
 
 The linear systems of an implicit step are (1 − s A) x = r, for a real and for complex shifts s. A is the
-stiff part of the Jacobian. A point resting on a stiff wall makes the equations stiff: the contact's own
-motions are far faster than the chain's, and decay. Joints with dampers or springs make the equations stiff,
-too; their moments are −C v − S q, up to constants, with C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and g_i the
-gradient of ω_i − ω_{i−1}. All other terms are left out of A; Newton's iteration takes account of them. For z
-as above
+stiff part of the Jacobian. The coordinates of the chain are q, their rates v, and x_q, x_v, x_g, x_ġ and r_q,
+r_v, r_g, r_ġ are the parts of x and r for these and for g and ġ. A point resting on a stiff wall makes the
+equations stiff: the contact's own motions are far faster than the chain's, and decay. Joints with dampers or
+springs make the equations stiff, too; their moments are −C v − S q, up to constants, with the damping c_i and
+the stiffness k_i of joint i, C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and g_i the gradient of ω_i − ω_{i−1}.
+All other terms are left out of A; Newton's iteration takes account of them. For z as above
 
-    ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
+    ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(q̇, ġ)/∂(v, ġ) = 1,
 
-k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. The solution needs no linear algebra except the
-recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = s (Jᵀ (k x_g + c x_ġ) + C x_v + S x_q), hence
+k = ∂F/∂δ, c = ∂F/∂δ̇ of the contact force F by the penetration δ, M the mass matrix, J the gradient of the
+clearances. The solution needs no linear algebra except the recursion. With x_v = r_v − Δ the rows of v̇ are M
+Δ = s (Jᵀ (k x_g + c x_ġ) + C x_v + S x_q), hence
 
     (M + Jᵀ D J + K) Δ = Jᵀ (D r_ġ + s k r_g) + K r_v + s S r_q,   D = s c + s² k,   K = s C + s² S,
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + s x_v,   x_g = r_g + s x_ġ,
@@ -73,7 +75,7 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def gap_at(d, k):
-    """Return the index in z of the clearance of the k-th active contact.
+    """Return the index in the extended state z of the clearance of the k-th active contact.
 
     The clearances begin at the index of u in y, because an implicit step does not need u.
     """
@@ -86,12 +88,12 @@ def compliant(d):
 
 
 def rate_at(d, k):
-    """Return the index in z of the rate of the k-th active contact's clearance."""
+    """Return the index in the extended state z of the rate of the k-th active contact's clearance."""
     return gap_at(d, compliant(d) + k)
 
 
 def quadrature_at(d, k):
-    """Return the index in z of the k-th quadrature.
+    """Return the index in the extended state z of the k-th quadrature.
 
     If impulses are requested, the impulses of the contacts in z come first.
     """
@@ -99,12 +101,12 @@ def quadrature_at(d, k):
 
 
 def extended_size(d):
-    """Return the length of z."""
+    """Return the length of the extended state z."""
     return quadrature_at(d, d.quadrature.count)
 
 
 def extend_start(d):
-    """Set z and ż at the start of the next step, from the state and the rate there."""
+    """Set the extended state z and its rate ż at the start of the next step, from state and rate there."""
     work, implicit, n = d.work, d.implicit, d.links
     if not work.at_end:
         locate_points(d, d.step.state_end)
@@ -120,14 +122,14 @@ def extend_start(d):
 
 
 def clearance_rates(d, z, rate):
-    """Set the rates of g and ġ in the rate of z, for accelerated points."""
+    """Set the rates of the clearances g and of their rates ġ in the rate of z, for accelerated points."""
     for k in range(compliant(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
 
 
 def extended_rate(d, z, elapsed, rate):
-    """Set rate = ż at ``elapsed`` [s] after the start, with the contact forces at the g and ġ in z."""
+    """Set the rate ż ``elapsed`` [s] after the start, with the contact forces at the clearances in z."""
     if d.inputs.course.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
@@ -149,7 +151,7 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and store the link vectors of z."""
+    """Set ∂F/∂δ and ∂F/∂δ̇ of the forces of active contacts for z, and store the link vectors of z."""
     implicit, link = d.implicit, d.work.link
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
@@ -160,12 +162,15 @@ def extended_slopes(d, z):
 
 
 def contact_impedance(d, k, s):
-    """Return D = s c + s² k [kg] of the k-th contact whose clearance is in z."""
+    """Return the impedance D = s c + s² k [kg] of the k-th contact, from its slopes c = ∂F/∂δ̇ and k = ∂F/∂δ.
+
+    The clearance of this contact must be in z.
+    """
     return s * (d.implicit.damping[k] + s * d.implicit.stiffness[k])
 
 
 def factorize_shift(d, s, space, row):
-    """Eliminate M + Jᵀ D J + K for a shift s [s]."""
+    """Eliminate M + Jᵀ D J + K of the linear systems for a shift s [s]."""
     no_impedance(d, space.impedance)
     for k in range(compliant(d)):
         add_impedance(constraint(d, k), space.impedance, contact_impedance(d, k, s))
@@ -181,17 +186,18 @@ def solve_shift(d, s, space, row, x):
     clear_loads_of(d, space.load)
     if d.model.resisting:
         for i in range(n):
-            # K r_v + s S r_q
+            # angular impulse of damper and spring of joint i: its part of K r_v + s S r_q
             turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)
             moment = joint_resistance(d, i, s) * turning + s * spring_stiffness(d, i) * turned
             space.load.joint[i] = moment
     if d.slides:
-        # κ u·r_v + s k u·r_q of the slider's damper and spring
+        # impulse of the slider's damper and spring along its direction u, with the resistance κ and the
+        # stiffness k: κ u·r_v + s k u·r_q
         sliding, slid = slide_along(d, x[velocity_at(n)], x[velocity_at(n) + 1]), slide_along(d, x[0], x[1])
         push = slider_resistance(d, s) * sliding + s * slider_stiffness(d) * slid
         add_along((0, d.slider.ux, d.slider.uy), space.load, push)
     for k in range(compliant(d)):
-        # D r_ġ + s k r_g
+        # impulse of the contact, with the impedance D and the stiffness k: D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]
         add_along(constraint(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, row, change)
@@ -216,7 +222,7 @@ def relative(r, first, i):
 
 
 def factorize_real(d, s):
-    """Eliminate for a real shift s [s]."""
+    """Eliminate M + Jᵀ D J + K of the linear systems for a real shift s [s]."""
     d.implicit.shift = s
     factorize_shift(d, s, d.work, SHIFTED)
 
@@ -227,7 +233,7 @@ def solve_real(d, s, x):
 
 
 def factorize_complex(d, s, pair):
-    """Eliminate for a complex shift s [s] of a ``pair`` of conjugate shifts."""
+    """Eliminate M + Jᵀ D J + K for a complex shift s [s] of a ``pair`` of conjugate shifts."""
     factorize_shift(d, s, d.implicit.pairs, pair)
 
 
@@ -271,7 +277,7 @@ def project_coordinates(d, y, derivative, change):
 
 
 def project_clearances(d, z, y):
-    """Move y, whose points are located, to the clearances and rates in z.
+    """Move the state y, whose points are located, to the clearances and rates in the extended state z.
 
     Returns:
         The largest weighted change, relative to the tolerance; and the difference between the clearances of

@@ -2,12 +2,13 @@
 
 The explicit method is better as long as accuracy limits its step: in flight and in impacts. In sustained
 contact the stability or the loss of order of the explicit method limits the step. The fastest motion of a
-contact has the rate ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is
-stable for about hρ < 6. Impacts are resolved with hρ below 1, so explicit steps with hρ above STIFF show, at
-no cost, that the contact is sustained. A sustained contact may still oscillate, with shorter steps; implicit
-steps may be cheaper for such a contact, too. An implicit step costs two or three explicit ones, so it must be
-longer than the last explicit step by the same factor. The size of an implicit step for this comparison is the
-size of the next step, because the first implicit steps after an event grow fast.
+contact has the rate ρ = max(c/m, √(k/m)), with its damping c, its stiffness k and the effective mass m at its
+onset; with the step size h, the explicit method is stable for about hρ < 6. Impacts are resolved with hρ
+below 1, so explicit steps with hρ above STIFF show, at no cost, that the contact is sustained. A sustained
+contact may still oscillate, with shorter steps; implicit steps may be cheaper for such a contact, too. An
+implicit step costs two or three explicit ones, so it must be longer than the last explicit step by the same
+factor. The size of an implicit step for this comparison is the size of the next step, because the first
+implicit steps after an event grow fast.
 
 A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A
 spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
@@ -33,8 +34,8 @@ from chain_impact.kernel.ode.control import (
     propose,
 )
 
-# The hρ of explicit steps above which implicit steps could be cheaper. Impacts are resolved with less than 1,
-# and DOP853 is stable up to about 6.
+# The product hρ of the size and the fastest rate of explicit steps above which implicit steps could be
+# cheaper. Impacts are resolved with less than 1, and DOP853 is stable up to about 6.
 STIFF = 2.0
 # RINGS: the hρ of explicit steps in sustained contacts above which implicit steps could be cheaper. LASTS:
 # the duration, in time scales of the contact, after which a contact counts as sustained; an impact takes
@@ -103,7 +104,7 @@ def keep_stable(d):
     At rest the errors do not show that a step is too long: the state stays correct, but derivatives grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z belongs to the part of the last step that was kept
+    if z > 0.0:  # z = hρ belongs to the part of the last step that was kept
         limit(d, d.step.size * d.step.kept * STABLE / z)
 
 
@@ -165,13 +166,13 @@ def reset_stiff_count(d):
 
 
 def stiffness_number(d, h):
-    """Return hρ of a step of size h [s]; ρ is the fastest rate of active contacts and of joints."""
+    """Return the product hρ for a step of size h [s]; ρ is the fastest rate of contacts and of joints."""
     z = h * fastest_contact(d)
     return max(z, joints_over(d, h)) if d.model.resisting else z
 
 
 def joints_over(d, h):
-    """Return hρ of a step of size h [s] for joints with dampers or springs.
+    """Return the product hρ for a step of size h [s], ρ the fastest rate of joints with dampers or springs.
 
     If a bound on hρ is at most STIFF, the function returns this bound, which takes no computation.
     """
@@ -183,7 +184,10 @@ def joints_over(d, h):
 
 
 def fastest_contact(d):
-    """Return the largest max(c/m, √(k/m)) [1/s] of active contacts with a force law, for located points."""
+    """Return the fastest rate [1/s] of active contacts with a force law, for located points.
+
+    The rate of a contact is max(c/m, √(k/m)), with c = ∂F/∂δ̇, k = ∂F/∂δ and the effective mass m.
+    """
     fastest = 0.0
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]

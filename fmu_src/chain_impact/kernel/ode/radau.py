@@ -91,7 +91,7 @@ FARTHEST = 1e20  # the largest correction, relative to the tolerance; beyond thi
 
 
 def _transformed(i):
-    """Return a function for row i of LEFT · R."""
+    """Return a function for row i of LEFT · R, the residuals R in the left eigenvectors."""
     of_rates, of_stages = LEFT_Q[i], LEFT[i]
 
     def transformed(d, h, size):
@@ -107,7 +107,10 @@ def _transformed(i):
 
 
 def _corrected(i):
-    """Return a function that corrects stage i by row i of RIGHT · W, and records the largest component."""
+    """Return a function that corrects stage i by row i of RIGHT · W, and records the largest component.
+
+    W are the solutions of the linear systems.
+    """
     row = RIGHT[i]
 
     def corrected(d, _h, size):
@@ -179,8 +182,8 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
                 return False
             theta = implicit.correction / before if before > 0.0 else 0.0
             before, implicit.contraction = implicit.correction, theta
-            # The first correction does not show θ. At rest it is small, but it may still have a large
-            # relative error.
+            # The first correction does not show the convergence rate. At rest it is small, but it may still
+            # have a large relative error.
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0

@@ -25,11 +25,12 @@ from chain_impact.kernel.ode.dense import time_rate
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
 NO_CONTACT = -1  # value of step.regularized if the integration variable of the step is time
-# A step to a smaller u is refused. Where u < 0 the step has passed the end of the contact, and time
-# decreases.
+# The least u, the root of the penetration, to which a step may go. Where u < 0 the step has passed the end of
+# the contact, and time decreases.
 BACK = -0.5
-# The largest sum u + |δ̇|/v₀ with which a point counts as resting on a wall, not as hitting it. The step then
-# runs in time: with s as the variable, time would hardly advance, because p is almost 0.
+# The largest sum u + |δ̇|/v₀ with which a point counts as resting on a wall, not as hitting it: u is the root
+# of its penetration, and |δ̇|/v₀ its speed relative to the impact speed. The step then runs in time: with s
+# as the variable, time would hardly advance, because p is almost 0.
 RESTING = 0.1
 
 
@@ -58,13 +59,16 @@ def to_fictitious_time(d, y, rate):
 
 
 def root_rate(d, u):
-    """Return u′ = du/ds = δ̇/(2 δ* (1 + u²)) of the contact, for the located points."""
+    """Return u′ = du/ds = δ̇/(2 δ* (1 + u²)) of the contact, the rate of the root of the penetration.
+
+    The points must be located.
+    """
     _, gap_rate = clearance(d, d.step.regularized)
     return -0.5 * gap_rate / (d.touch.depth_scale[d.step.regularized] * (1.0 + u * u))
 
 
 def root_curve(d, u, slope):
-    """Return u″ of the contact, for the located and accelerated points and u′."""
+    """Return u″ = d²u/ds² of the contact, for the located and accelerated points and the rate u′."""
     quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
     # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²)
     curve = 0.5 * time_rate(u) * -gap_acceleration(d, c) / d.touch.depth_scale[c]
@@ -78,7 +82,7 @@ def time_rate_change(u, slope):
 
 
 def time_rate_of(d, u):
-    """Return dt/ds; 1 without a regularized contact."""
+    """Return dt/ds, the rate of time in the variable of the step; 1 without a regularized contact."""
     return 1.0 if d.step.regularized == NO_CONTACT else time_rate(u)
 
 
@@ -95,7 +99,7 @@ def runs_back(d, y):
 
 
 def lone_contact(d):
-    """Return the active contact and its u, if it is the only contact and not at rest; else NO_CONTACT and 1.
+    """Return the active contact and its u if it is the only one and not at rest; else NO_CONTACT and 1.
 
     Several contacts end at different times, and the fictitious time of one contact does not suit the others.
     """

@@ -44,15 +44,17 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("onset", REAL, (candidates,)),  # s, time of the onset
         # m/s, approach speed of the point along the normal at the onset
         ("onset_speed", REAL, (candidates,)),
-        ("impact_speed", REAL, (candidates,)),  # m/s, v₀ of the force law
+        ("impact_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the force law
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
         ("depth_scale", REAL, (candidates,)),  # m, expected penetration
-        ("damping", REAL, (candidates,)),  # N·s/m^(p+1), d of the force law
-        ("speed", REAL, (candidates,)),  # m/s, δ̇ at the start of the step, for the search for peaks
+        ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
+        # m/s, rate of the penetration at the start of the step, for the search for peaks
+        ("speed", REAL, (candidates,)),
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, for the search for peaks
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of the rate
         ("beyond_kink", INTEGER, (candidates,)),  # 1: the force is continued from the side beyond its kink
-        # m/s, how far δ̇ may be on the wrong side of the kink; 0 if the law damps in both directions
+        # m/s, how far the rate of the penetration may be on the wrong side of the kink; 0 if the law damps in
+        # both directions
         ("kink_margin", REAL, (candidates,)),
         # 1: a stage of the tried step was on the other side of the kink
         ("kink_crossed", INTEGER, (candidates,)),
@@ -139,7 +141,7 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (rows,)),  # kg, impedance D of the constraint
         # kg, resistance of a contact with a force law to a projection; else 0
         ("resistance", REAL, (rows,)),
-        ("sample", REAL, (2, candidates)),  # N, the last two sampled forces of the constraint
+        ("sample", REAL, (2, candidates)),  # N, the two most recent samples of the force of the constraint
         # N, the smallest force of a candidate in the stages of the step; not packed
         ("least_force", REAL, (candidates,)),
     )
@@ -154,12 +156,14 @@ def share_dtype(links: int, elements: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),  # change of the coordinates' rates, m/s² or rad/s²
         ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them
         ("at_limit", INTEGER, (elements,)),  # ±1: the sign of a sticking element's force at its limit, packed
-        ("impulse", REAL, (rows,)),  # N, the force p⁺ after the iteration
-        ("center", REAL, (rows,)),  # N, the force p before the iteration
+        ("impulse", REAL, (rows,)),  # N, the force p⁺ after an iteration
+        ("center", REAL, (rows,)),  # N, the force p before an iteration
         ("residual", REAL, (rows,)),  # m/s², the missing part of the required motion with the forces p
-        ("wanted", REAL, (rows,)),  # N, p + D m⁺
-        ("impedance", REAL, (rows,)),  # kg, D inside the limits, else 0
-        ("push", REAL, (rows,)),  # N, D m for a row inside the limits, else the change of p
+        # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺
+        ("wanted", REAL, (rows,)),
+        ("impedance", REAL, (rows,)),  # kg, the impedance D of a row inside the limits, else 0
+        # N, impedance times residual of a row inside the limits, else the change of its force p
+        ("push", REAL, (rows,)),
     )
 
 
@@ -174,7 +178,8 @@ def finished_dtype(candidates: int) -> np.dtype:
     log = LOG_SIZE + candidates
     return record(
         ("count", INTEGER),  # number of contacts that have ended since the start
-        ("collected", INTEGER),  # value of ``count`` when the caller collected the ended contacts last
+        # value of ``count`` when the caller most recently collected the ended contacts
+        ("collected", INTEGER),
         ("point", INTEGER, (log,)),
         ("wall", INTEGER, (log,)),
         ("onset", REAL, (log,)),  # s, time of the onset
@@ -212,9 +217,10 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     return record(
         ("wanted", INTEGER),  # 1: the quadratures are computed
         ("onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact
-        # value of each quadrature since the start, at the time when contacts last began or ended
+        # value of each quadrature since the start, at the most recent time at which contacts began or ended
         ("total", REAL, (places,)),
-        ("rate", REAL, (places,)),  # rate of each quadrature at the time when contacts last began or ended
+        # rate of each quadrature at the most recent time at which contacts began or ended
+        ("rate", REAL, (places,)),
         ("count", INTEGER),
         ("index", INTEGER, (places,)),  # indices in ``total`` of the quadratures that are integrated, packed
         ("state", REAL, (places,)),  # values at the start of the last step
@@ -222,7 +228,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
         ("rate_end", REAL, (places,)),  # rates at the end of the last step
         ("tried", REAL, (places,)),  # values at the end of the tried step
         ("dense", REAL, (DENSE_COEFFICIENTS, places)),  # coefficients of the dense output of the last step
-        ("stage", REAL, (STAGES, places)),  # dq/ds at the stages
+        ("stage", REAL, (STAGES, places)),  # rates dq/ds at the stages, in the step's variable s
     )
 
 

@@ -56,8 +56,9 @@ def model_dtype(links: int) -> np.dtype:
         ("resisting", INTEGER),  # 1: some joint has damping or a spring
         # 1/s, upper bound on the rates of the motions that dampers and springs of joints cause
         ("joint_bound", REAL),
-        ("center_of_mass_ratio", REAL, (links,)),  # centre of mass over length
-        ("offset_ratio", REAL, (links,)),  # offset of the centre of mass over length
+        # distance of the centre of mass from the proximal joint, divided by the length
+        ("center_of_mass_ratio", REAL, (links,)),
+        ("offset_ratio", REAL, (links,)),  # offset of the centre of mass, divided by the length
         ("proximal_inertia", REAL, (links,)),  # kg·m², inertia about the proximal joint
         ("distal_inertia", REAL, (links,)),  # kg·m², inertia about the distal joint
         ("first_site", INTEGER, (links + 1,)),  # first site of each link; entry N is the number of sites
@@ -104,7 +105,8 @@ def stops_dtype() -> np.dtype:
         ("minimum_impact_speed", REAL),  # rad/s
         # ---- derived at initialization
         ("exponent", REAL),
-        ("restitution", REAL),  # restitution, for readers of the record; the laws have it for each candidate
+        # restitution in use, only for readers of the record: `law` has the restitution of each candidate
+        ("restitution", REAL),
     )
 
 
@@ -160,17 +162,18 @@ def course_dtype(links: int) -> np.dtype:
     """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
         ("order", INTEGER),  # 0: the inputs are constant
+        # row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x
         ("middle", REAL),  # s, the time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of change of the argument x
         ("until", REAL),  # s, the end of the piece
         ("change_rate", REAL),  # 1/s, how fast the inputs change
-        ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of the powers of x
-        ("joint_target_angle", REAL, (DEGREE + 1, links)),  # rad, coefficients of the powers of x
-        ("joint_target_velocity", REAL, (DEGREE + 1, links)),  # rad/s, coefficients of the powers of x
-        ("tip_force", REAL, (DEGREE + 1, 2)),  # N, coefficients of the powers of x
-        ("slider_force", REAL, (DEGREE + 1, 1)),  # N, coefficients of the powers of x
-        ("slider_target_position", REAL, (DEGREE + 1, 1)),  # m, coefficients of the powers of x
-        ("slider_target_velocity", REAL, (DEGREE + 1, 1)),  # m/s, coefficients of the powers of x
+        ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of polynomials
+        ("joint_target_angle", REAL, (DEGREE + 1, links)),  # rad, coefficients of polynomials
+        ("joint_target_velocity", REAL, (DEGREE + 1, links)),  # rad/s, coefficients of polynomials
+        ("tip_force", REAL, (DEGREE + 1, 2)),  # N, coefficients of polynomials
+        ("slider_force", REAL, (DEGREE + 1, 1)),  # N, coefficients of polynomials
+        ("slider_target_position", REAL, (DEGREE + 1, 1)),  # m, coefficients of polynomials
+        ("slider_target_velocity", REAL, (DEGREE + 1, 1)),  # m/s, coefficients of polynomials
     )
 
 
@@ -239,7 +242,7 @@ def motion_dtype(channels: int) -> np.dtype:
         ("position", REAL, (channels,)),  # m; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s
         ("acceleration", REAL, (channels,)),  # m/s²; 0 for a belt
-        ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of the powers of x
+        ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of polynomials
     )
 
 
@@ -258,12 +261,12 @@ def moved_dtype(channels: int) -> np.dtype:
         ("position", REAL, (channels,)),  # m, position at the time of the located points
         ("velocity", REAL, (channels,)),  # m/s, velocity at the time of the located points
         ("acceleration", REAL, (channels,)),  # m/s², acceleration at the time of the located points
-        ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of the powers of x
-        # the given values of a channel when they changed last
+        ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of polynomials
+        # the given values of a channel after their most recent change
         ("given_position", REAL, (channels,)),  # m, given position
         ("given_velocity", REAL, (channels,)),  # m/s, given velocity
         ("given_acceleration", REAL, (channels,)),  # m/s², given acceleration
-        ("given_at", REAL, (channels,)),  # s, time at which the given values changed last
+        ("given_at", REAL, (channels,)),  # s, time of the most recent change of the given values
         # m, position from which the motion continues since the last change
         ("from_position", REAL, (channels,)),
         # m/s, velocity from which the motion continues since the last change
@@ -298,7 +301,7 @@ def candidate_dtype(candidates: int) -> np.dtype:
         ("radius", REAL),  # m, radius of the point
         ("normal_x", REAL),  # x of the inward normal n of the wall
         ("normal_y", REAL),
-        ("offset", REAL),  # m, n·p of the points p on the wall
+        ("offset", REAL),  # m, offset of the wall: n·p for the points p on the wall
     )
 
 
@@ -318,8 +321,8 @@ def site_dtype(sites: int) -> np.dtype:
         ("given_radius", REAL, (sites,)),  # m; DERIVED: the radius of `contact`
         # ---- derived at initialization
         ("radius", REAL, (sites,)),  # m
-        ("along", REAL, (sites,)),  # x / length
-        ("beside", REAL, (sites,)),  # y / length
+        ("along", REAL, (sites,)),  # x divided by the link's length
+        ("beside", REAL, (sites,)),  # y divided by the link's length
     )
 
 
@@ -357,8 +360,8 @@ def law_dtype(candidates: int) -> np.dtype:
         # coefficient of static friction, not less than the coefficient of sliding friction
         ("static_friction", REAL),
         # ---- derived from the parameters
-        ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
-        ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
+        ("damping_factor", REAL),  # factor f(e) of the damping; λ of the Hunt–Crossley family
+        ("rate_exponent", REAL),  # exponent p of the penetration in the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped during compression only
         ("impulsive", INTEGER),  # 1: the wall is rigid, with impulses instead of a force law
         ("harmless_depth", REAL),  # m, depth in the wall up to which a point counts as apart

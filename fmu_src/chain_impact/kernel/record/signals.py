@@ -44,7 +44,7 @@ def signal_dtype(signals: int) -> np.dtype:
         # m, constant that is added to an integral: the base's position at the start
         ("begin", REAL, (signals,)),
         ("segment", INTEGER, (signals,)),  # knot in use
-        ("lap", INTEGER, (signals,)),  # number of times that the table has been repeated before
+        ("lap", INTEGER, (signals,)),  # number of times that the table has been repeated
     )
 
 

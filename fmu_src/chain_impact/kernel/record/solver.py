@@ -45,7 +45,8 @@ def step_dtype(links: int) -> np.dtype:
         # J, the parts of the dissipated energy at `start` and at `end` that are below its last digit in y
         ("remainder", REAL),
         ("remainder_end", REAL),
-        ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # coefficients of the dense output over `size`
+        # coefficients of the dense output of the whole step of `size`
+        ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
         ("dense_for", INTEGER),  # the user of the dense output, see kernel/ode/last_step.py
         ("last_method", INTEGER),  # the method of the last step, see kernel/ode/control.py
@@ -77,7 +78,8 @@ def trial_dtype(links: int) -> np.dtype:
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
     """Return the layout of the reason for a refusal."""
-    # number of the reason: candidates from 1, then links, then the base at the candidates' walls; 0: none
+    # number of the part that is the reason: first the candidates, from 1, then the links, then the base at
+    # the wall of each candidate; 0: none
     return record(("place", INTEGER))
 
 
@@ -112,7 +114,7 @@ def balance_dtype() -> np.dtype:
     return record(
         ("at_end", REAL),  # J, energy balance at the end of the last step
         ("at_start", REAL),  # J, energy balance at the start of the last step
-        ("breaks", INTEGER),  # value of `step.breaks` when the balance was last evaluated again
+        ("breaks", INTEGER),  # value of `step.breaks` at the most recent renewed evaluation of the balance
         ("start", REAL),  # s, start of the window of time
         # J, energy balance at the start of the window, plus later changes by parameters
         ("reference", REAL),
@@ -122,8 +124,8 @@ def balance_dtype() -> np.dtype:
         ("origin", REAL),  # J, energy balance at the start of the run, plus later changes by parameters
         ("available_at_start", REAL),  # J, the available energy at the start of the last step
         ("available", REAL),  # J, available energy at the end of the last step
-        ("unit_motion", REAL),  # √J, square root of E₁
-        ("unit_scale", REAL),  # J, the constant part of S
+        ("unit_motion", REAL),  # √J, square root of E₁, see kernel/ode/balance.py
+        ("unit_scale", REAL),  # J, the constant part of the scale S of the energy
         ("weight", REAL),  # N, weight of the chain
     )
 
@@ -131,18 +133,19 @@ def balance_dtype() -> np.dtype:
 def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
     """Return the layout of the factors of M + Jᵀ D J + K, with several rows."""
     return record(
-        # h/(H + κ), 1/(H + κ), κ/(H + κ) and H/(H + κ) of each link
+        # h/(H + κ), 1/(H + κ), κ/(H + κ) and H/(H + κ) of each link, see kernel/chain/response.py
         *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "rest")),
         ("coupled", INTEGER, (rows,)),  # 1: joints transmit moments; 0: ``share`` and ``rest`` are not used
-        ("middle_mobility", scalar, (rows, 3)),  # 1/kg, A⁻¹ of the joint at which the arms meet: xx, xy, yy
+        # 1/kg, inverse articulated inertia at the joint where the arms meet: xx, xy, yy
+        ("middle_mobility", scalar, (rows, 3)),
     )
 
 
 def elimination_dtype(links: int) -> np.dtype:
-    """Return the layout of the recursion's results for each link: h/H, 1/H and h₀/H."""
+    """Return the layout of the results h/H, 1/H and h₀/H of chain/tree.py for each link."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
-        # kg, A of the joint at which the arms of a free chain meet
+        # kg, articulated inertia at the joint where the arms of a free chain meet
         *((name, REAL) for name in ("middle_xx", "middle_xy", "middle_yy")),
     )
 
@@ -174,11 +177,11 @@ def work_dtype(links: int, sites: int) -> np.dtype:
         ("y", REAL, (state,)),  # a state that is being evaluated
         ("rate", REAL, (state,)),  # ẏ of ``y``, for an evaluation outside of a step
         ("error", REAL, (2, state)),  # the two embedded error estimates
-        ("link", vectors_dtype(points)),  # m, L_i; entry N is not used
+        ("link", vectors_dtype(points)),  # m, link vectors L_i; entry N is not used
         ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint
         ("moment", REAL, (links,)),  # N·m, moment on each link from its joints
         ("thrust", REAL),  # N, force of motor, spring and damper on the carriage
-        ("impedance", impedance),  # impedances: kg, D of each place; kg·m², of each joint
+        ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
         ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/response.py
         ("elimination", elimination_dtype(links)),  # results of the recursion for the accelerations
         ("position", places),  # m, positions of all places: points, joints in a scene with stops, and sites
@@ -207,12 +210,15 @@ def search_dtype(candidates: int) -> np.dtype:
         # number of candidates that the search follows; the other candidates have no event in the step
         ("suspect_count", INTEGER),
         ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search follows, packed
-        ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step
-        ("clear_start", REAL, (candidates,)),  # m, φ of each candidate at the start of the interval
+        # m/s², bound on |g̈| of each candidate's clearance g over the step
+        ("curvature", REAL, (candidates,)),
+        ("clear_start", REAL, (candidates,)),  # m, clearance φ of each candidate at the start of the interval
         ("clear_end", REAL, (candidates,)),
-        ("clear_start_rate", REAL, (candidates,)),  # φ′ of each candidate at the start of the interval
+        # rate φ′ of each candidate's clearance at the start of the interval
+        ("clear_start_rate", REAL, (candidates,)),
         ("clear_end_rate", REAL, (candidates,)),
-        ("clear_start_curve", REAL, (candidates,)),  # φ″ of each candidate at the start of the step
+        # second derivative φ″ of each candidate's clearance at the start of the step
+        ("clear_start_curve", REAL, (candidates,)),
         ("clear_end_curve", REAL, (candidates,)),
     )
 
@@ -245,20 +251,21 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("x", COMPLEX, (extended,)),  # right-hand side of a system, later the solution
     )
     return record(
-        ("start", REAL, (extended,)),  # z at the start of a step
-        ("start_rate", REAL, (extended,)),  # ż at the start of a step
+        ("start", REAL, (extended,)),  # extended state z at the start of a step
+        ("start_rate", REAL, (extended,)),  # rate ż of the extended state at the start of a step
         ("z", REAL, (extended,)),
         ("weight", REAL, (extended,)),  # weights of errors in z, relative to the tolerance
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start to the nodes
-        ("rates", REAL, (RADAU_STAGES, extended)),  # ż at the nodes
-        ("parts", REAL, (RADAU_STAGES, extended)),  # residuals in the eigenvectors of Q, later corrections
+        ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
+        # residuals in the eigenvectors of the matrix Q, later corrections (kernel/ode/radau.py)
+        ("parts", REAL, (RADAU_STAGES, extended)),
         ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step
-        ("listing", INTEGER),  # value of `touch.listings` for which ``last`` can be extrapolated
+        ("listing", INTEGER),  # ``last`` can be extrapolated while `touch.listings` has this value
         ("iterations", INTEGER),  # number of iterations in the tried step
         ("correction", REAL),  # largest component of the last correction, relative to the tolerance
         ("contraction", REAL),  # last convergence rate θ of the iteration
         ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
-        ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where A was evaluated
+        ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed
         ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of the active contacts, packed
         # m or m/s, clearances or their rates to which the coordinates are moved

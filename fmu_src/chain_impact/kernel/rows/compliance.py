@@ -36,8 +36,8 @@ LEAST_MOBILITY = 1e-6
 # fixed, because a varying number would let the forces jump.
 SWEEPS = 5
 # The impedance D of a held point, relative to the mean mass of a link. An iteration in constraints.py leaves
-# 1/(D W) of the residual, so two or three iterations suffice. A larger D would lose digits of the chain's
-# inertia, a smaller D needs more iterations.
+# 1/(D W) of the residual, with W the mobility of the point, so two or three iterations suffice. A larger D
+# would lose digits of the chain's inertia, a smaller D needs more iterations.
 HELD_STIFFNESS = 1e6
 
 
@@ -52,11 +52,11 @@ def holding_impedance(d):
 
 
 def held_mobility(d, mobility):
-    """Return W′ [1/kg] for a single constraint: SWEEPS iterations find the impulse m/W′ for a residual m.
+    """Return the mobility W′ [1/kg] for a single constraint: m/W′ is the impulse of SWEEPS iterations.
 
-    With n = SWEEPS, the iterations leave the residual m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′
-    equals W, except for a motion that can hardly be constrained: in a toggle position, where W = 0, W′ is
-    1/(n D).
+    With n = SWEEPS, the mobility W and the impedance D, the iterations reduce a residual m to m/(1 + D W)ⁿ,
+    so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can hardly be constrained: in a
+    toggle position, where W = 0, W′ is 1/(n D).
     """
     compliance = 1.0 / holding_impedance(d)
     left = compliance / (compliance + max(0.0, mobility))
@@ -67,9 +67,9 @@ def held_mobility(d, mobility):
 
 
 def factorize_contacts(d, row, impedance):
-    """Eliminate M + Jᵀ D J and store it in a row of ``work.factors``.
+    """Eliminate M + Jᵀ D J, mass matrix and impedances, and store it in a row of ``work.factors``.
 
-    ``impedance`` holds D_k [kg], packed.
+    ``impedance`` holds D_k [kg] of each constraint, packed.
     """
     no_impedance(d, d.work.impedance)
     for k in range(constraint_rows(d)):
@@ -124,13 +124,15 @@ def geared_accelerations(d, y, rate):
     for i in range(n):
         ratio, omega = d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
         w2x, w2y = omega * omega * link.x[i], omega * omega * link.y[i]
-        # a_C = a − ω² c
+        # acceleration of the centre of mass at constant angular velocity ω, at c from the joint with
+        # acceleration a: a_C = a − ω² c
         cx, cy = ax - ratio * w2x, ay - ratio * w2y
         if d.skewed:
             cx, cy = cx + d.model.offset_ratio[i] * w2y, cy - d.model.offset_ratio[i] * w2x
         fx = d.model.mass[i] * (d.model.gravity[0] - cx)
         fy = d.model.mass[i] * (d.model.gravity[1] - cy)
         if d.skewed:
+            # moment of the force F on a centre of mass at o to the left of the line, in a link of length ℓ:
             # (o/ℓ) L⊥ × F
             load.link[i] -= d.model.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
         load.x[i] += (1.0 - ratio) * fx

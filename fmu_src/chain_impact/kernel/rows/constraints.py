@@ -1,8 +1,8 @@
 """Constraints: the impulses or forces that bring touching points to a target motion.
 
-A rigid wall has no force law. The touching candidates k have normal motions u_k, rates or accelerations, and
-impulses p_k change them by the recursion's response: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻ + W p, W = J M⁻¹ Jᵀ. Two
-problems come up:
+A rigid wall has no force law. The touching candidates k have normal motions u_k, which are positions, rates
+or accelerations, and impulses p_k change them by the response of the recursion: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻
++ W p, W = J M⁻¹ Jᵀ. Two problems come up:
 
     equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
     complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
@@ -48,17 +48,18 @@ from chain_impact.kernel.rows.geometry import (
 )
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
-# The limits on the growth of D near a toggle position, where 1/W is far larger than the mass of a link. If an
-# iteration leaves more than SLOW_DECREASE of the residual, D is multiplied by STIFFER, but D is at most
-# STIFFEST times that mass; with a larger D the residual would only be round-off.
+# The limits on the growth of the impedance D near a toggle position, where the effective mass 1/W is far
+# larger than the mass of a link. If an iteration leaves more than SLOW_DECREASE of the residual, D is
+# multiplied by STIFFER, but D is at most STIFFEST times that mass; with a larger D the residual would only be
+# round-off.
 STIFFEST, STIFFER, SLOW_DECREASE = 1e12, 1e3, 0.1
 # The impedance D of the first iteration for sticking elements without a rigid wall, relative to the mean mass
 # of a link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the
 # whole motion, times the large D of the other iterations, would remain in the forces against motions that can
 # hardly be constrained, and steps at tight tolerances would be short.
 GENTLE = 1e3
-# The least W for which a single constraint is solved directly, relative to 1/(mean mass of a link). A smaller
-# W, as near a toggle position, has lost digits, and the iteration is used instead.
+# The least mobility W for which a single constraint is solved directly, relative to 1/(mean mass of a link).
+# A smaller W, as near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
 # The residual of a constrained motion that may be round-off, relative to the largest motion. If NOISE is much
@@ -95,7 +96,7 @@ def set_impedance(d, amount):
 
 
 def share_impedance(d):
-    """Scale the impedances of sticking elements by their limits of friction over the largest limit."""
+    """Scale the impedances of sticking elements by their limits of friction relative to the largest limit."""
     friction, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
@@ -170,8 +171,9 @@ def iterate(d, scale, impedance):
 def leave_free(d, share, noise):
     """Remove a ``share`` of the impulses against motions that the iteration leaves free.
 
-    If D W ≪ 1, each of the SWEEPS iterations adds D m to such an impulse. A residual m below the ``noise``
-    may be the round-off of a constrained motion, and its impulse stays.
+    Along such a motion the product of impedance D and mobility W is far below 1, and each of the SWEEPS
+    iterations adds D m to the impulse. A residual m below the ``noise`` may be the round-off of a constrained
+    motion, and its impulse stays.
     """
     rigid = d.rigid
     for k in range(constraint_rows(d)):
@@ -234,7 +236,7 @@ def clear_impulses(d):
 
 
 def find_residual(d):
-    """Set the residuals m = target − u of the active set, and return the largest |m|."""
+    """Set the residual target − motion of each constraint in the active set; return the largest size."""
     rigid, worst = d.rigid, 0.0
     for k in range(constraint_rows(d)):
         rigid.residual[k] = rigid.target[k] - rigid.reached[k] if rigid.in_active_set[k] else 0.0
@@ -245,7 +247,7 @@ def find_residual(d):
 def correct_impulses(d):
     """Correct the impulses for the residuals, and find the motion with the corrected impulses."""
     rigid, motion = d.rigid, d.work.motion
-    # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
+    # with impulses p, residuals m and impedances D: (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
     for k in range(constraint_rows(d)):
         rigid.residual[k] *= rigid.impedance[k]
     solve_contacts(d, HELD, rigid.residual, rigid.change)
@@ -267,13 +269,13 @@ def move_by_impulses(d):
 
 
 def solve_lcp(d, scale):
-    """Find p ≥ 0, u ≥ target, p·(u − target) = 0, starting from the active set in ``in_active_set``.
+    """Find impulses p ≥ 0 and motions u ≥ target with p·(u − target) = 0, from the set in ``in_active_set``.
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): candidates with p < 0 leave
     the active set and those with u < target enter it. All of these candidates change at once as long as their
-    number falls; otherwise only the last one changes, which terminates if W is positive definite (Murty 1974,
-    Linear Algebra Appl 9:65). If the search does not terminate, the problem is recorded as unsolved. The
-    arguments are those of ``solve_equality``.
+    number falls; otherwise only the one with the highest number changes, which terminates if W is positive
+    definite (Murty 1974, Linear Algebra Appl 9:65). If the search does not terminate, the problem is recorded
+    as unsolved. The arguments are those of ``solve_equality``.
     """
     rigid, first = d.rigid, d.touch.compliant_count
     count = d.touch.active_count - first
@@ -325,7 +327,7 @@ def count_stalls(wrong, fewest, stalls_left):
 
 
 def count_violations(d, scale):
-    """Mark the candidates whose p < 0 or u < target exceeds round-off.
+    """Mark the candidates with an impulse p < 0 or a motion u < target by more than round-off.
 
     Return the number of these candidates.
     """
@@ -352,7 +354,7 @@ def any_constraint(d):
 
 
 def activate_all(d):
-    """Put each contact without a force law and each sticking element into the active set, with target 0."""
+    """Put contacts without a force law, and sticking elements, into the active set, with target motion 0."""
     for k in range(d.touch.compliant_count):
         release(d, k)
     for k in range(d.touch.compliant_count, constraint_rows(d)):

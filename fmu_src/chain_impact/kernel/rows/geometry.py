@@ -137,7 +137,7 @@ def constraint(d, k):
 
 
 def along(row, vectors):
-    """Return J v of a row: the component along the row of the vectors v of all places."""
+    """Return the component J v of the vectors v of all places along a row."""
     place, nx, ny = row
     return nx * vectors.x[place] + ny * vectors.y[place]
 

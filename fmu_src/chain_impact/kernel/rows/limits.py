@@ -2,8 +2,8 @@
 
 Where constraints depend on each other, their forces are not unique. The forces that constraints.py finds,
 with the least Σ p²/D, may exceed a limit of friction although other forces satisfy the same constraints
-within all limits. The forces within the limits that satisfy the constraints as well as possible are the
-solution of
+within all limits. With W the inverse of the mass matrix along the rows, the forces p within the limits that
+satisfy the constraints as well as possible are the solution of
 
     ½ pᵀ W p − pᵀ (target − start) = min,    least ≤ p ≤ most,
 
@@ -13,7 +13,7 @@ Control 4:153): an element whose force is below its limit is held, and a moving 
 limit, against the motion.
 
 The method of multipliers finds the solution also where W is singular (Rockafellar 1976, SIAM J Control Optim
-14:877). From p = 0, each of a few iterations solves
+14:877). With the impedances D, from p = 0, each of a few iterations solves
 
     p⁺ = clip(p + D m⁺),    m⁺ = target − u(p⁺),
 
@@ -102,7 +102,7 @@ def minimize(d, scale):
 
     All forces move toward the solution for the rows inside their limits. The first force that reaches a limit
     stays there. When the solution is reached, the row at a limit whose force tends inward most is released.
-    The function decreases, so no set of rows occurs twice, and the search ends.
+    The minimized function decreases with each change, so no set of rows occurs twice, and the search ends.
     """
     share, end = d.share, constraint_rows(d)
     for _ in range(ROUNDS + 4 * end):
@@ -149,7 +149,10 @@ def most_inside(d, scale):
 
 
 def solve_inside(d):
-    """Find p + D m⁺ of all rows in ``wanted``; the rows that are not inside stay at their limits."""
+    """Find the forces of all rows before they are limited, p + D m⁺, and store them in ``wanted``.
+
+    The rows that are not inside their limits stay at their limits.
+    """
     share, motion = d.share, d.work.motion
     for k in range(constraint_rows(d)):
         moves = k < d.touch.compliant_count

@@ -12,7 +12,7 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import GIVEN
 
-# [1/s] the least rate of which a reciprocal is computed: 1 over a smaller rate may overflow
+# [1/s] the least rate of which a reciprocal is computed: 1 divided by a smaller rate may overflow
 LEAST_RATE = 1e-300
 DIRECTIONS = 4  # number of directions of one instance of dual numbers; more directions need several instances
 

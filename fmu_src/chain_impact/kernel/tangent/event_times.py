@@ -1,7 +1,8 @@
 """The derivatives of event times: the time at which a function φ of the motion is zero depends on parameters.
 
-With the derivatives φ′ at a fixed time, the event time changes by the delay −φ′/φ̇. For clearances and their
-rates, φ̇ is known; for other functions φ̇ is found by differences along the motion.
+With φ′ the derivatives by the parameters at a fixed time, and φ̇ the rate of φ in time, the event time
+changes by the delay −φ′/φ̇. For clearances and their rates, φ̇ is known; for other functions φ̇ is found by
+differences along the motion.
 """
 
 import math
@@ -28,12 +29,12 @@ def lasted(t):
 
 
 def along_motion(function):
-    """Return two functions for φ of (t, c) along the motion; φ uses located points and known forces.
+    """Return two functions for ``function``, a function φ of (t, c), along the motion.
 
     Returns:
         A function of (t, c, time) that returns φ at a ``time`` [s], a dual number, after the end of the last
         step; and a function of (t, c) that returns φ̇ at that end. Both functions leave the points located at
-        another time.
+        another time. φ uses located points and known forces.
     """
 
     def after(t, c, time):
@@ -55,7 +56,8 @@ def along_motion(function):
 def delay_along_motion(after):
     """Return a function of (t, c, rate) for the delay [s] of a zero of φ; ``rate`` is φ̇ at the zero.
 
-    Afterwards points and forces are again those at the end of the last step.
+    ``after`` is the first function that ``along_motion`` returns for φ. Afterwards points and forces are
+    again those at the end of the last step.
     """
 
     def delay(t, c, rate):
@@ -87,7 +89,7 @@ def delay_of_crossing(t, c, kind):
     """Return the delay [s] of an onset, an end or a new v₀ of candidate c, as a dual number of value 0."""
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
-        # φ = −ġ − 2 v₀
+        # a new impact speed v₀: φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀
         change, rate = -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c], -gap_acceleration(t, c)
     else:
         change, rate = gap, gap_rate

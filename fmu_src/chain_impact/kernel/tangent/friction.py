@@ -1,8 +1,9 @@
 """Derivatives of dry friction: the times of mode changes, and modes that rounding or tolerance leave open.
 
-The tangent instance takes the modes of the primal run. Sliding ends where t·v = 0, sticking where µ_s F_n −
-|F_t| = 0; these times depend on the parameters. If friction does not jump at the end of sticking, the time of
-this end has no effect, except for the small excess of the force at which the end is found
+The tangent instance takes the modes of the primal run. Sliding ends where the tangential speed t·v is 0.
+Sticking ends where µ_s F_n − |F_t| = 0, with µ_s the coefficient of static friction, F_n the normal and F_t
+the friction force. These times depend on the parameters. If friction does not jump at the end of sticking,
+the time of this end has no effect, except for the small excess of the force at which the end is found
 (events/sampled.py).
 
 Derivatives do not exist where a small change of the parameters changes the order of such events, or decides
@@ -76,7 +77,7 @@ def delay_of_change(t):
 
 
 def delay_of_rest(t, e):
-    """Return −φ′/φ̇ of φ = t·v: the delay [s] of the time at which the sliding of element e ends.
+    """Return the delay −φ′/φ̇ [s] of the time at which the sliding of element e ends, with φ the speed t·v.
 
     The delay is 0 if the sliding ends slowly.
     """
@@ -97,7 +98,8 @@ def slow_acceleration(t, e):
     return math.sqrt(value(t.solver.tolerance)) * t.element.limit[e] / mean_mass(t)
 
 
-# the margin φ = µ_s F_n − |F_t| as a function of time, and the rate of φ, for ``delay_of_sliding``
+# the margin φ = µ_s F_n − |F_t| of static friction as a function of time, and the rate of φ, for
+# ``delay_of_sliding``
 margin_after, margin_rate = along_motion(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
 delay_of_margin = delay_along_motion(margin_after)
 
@@ -223,7 +225,7 @@ def largest_slope(vectors, direction):
 
 
 def largest_turn(t, direction):
-    """Return the largest derivative of a position in a direction, over a link length."""
+    """Return the largest derivative of a position in a direction, divided by a link length."""
     return largest_slope(t.work.position, direction) / value(t.model.size)
 
 

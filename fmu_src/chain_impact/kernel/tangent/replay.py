@@ -14,11 +14,11 @@ the event time affects only a peak at the kink, not the motion. The dense output
 the end of the step moves, so its derivatives are those at fixed times.
 
 An implicit step repeats the iteration, started from the stages that d has found. The result does not depend
-on A, so the derivatives in each direction are solved with the linear systems of d, in the work space of d.
-The derivatives of the stages are first extrapolated from the last step, and converge with another factor θ
-than the values: where d is at rest, the values converge at once, however long the step is, but the
-derivatives do not. So the iteration goes on until the derivatives have converged, relative to the state's
-derivatives in the same direction.
+on the approximate Jacobian A, so the derivatives in each direction are solved with the linear systems of d,
+in the work space of d. The derivatives of the stages are first extrapolated from the last step, and converge
+with another factor θ than the values: where d is at rest, the values converge at once, however long the step
+is, but the derivatives do not. So the iteration goes on until the derivatives have converged, relative to the
+state's derivatives in the same direction.
 
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
@@ -249,7 +249,7 @@ def last_correction(d, t, size):
 
 
 def speed_by_friction(d, t, direction):
-    """Return the weighted derivative of the speed that limits of sticking friction could give in the step."""
+    """Return the weighted derivative of the speed that friction at its limits could give in the step."""
     force, weight = 0.0, 0.0
     if d.friction.stuck_count == 0:
         return 0.0
@@ -373,7 +373,7 @@ def move_end(t):
 def is_crossing(t, c):
     """Return whether candidate c has an event at the end of the last step whose time changes the motion."""
     kind = t.touch.event[c]
-    # at the end of a regularized contact dt/ds = 0, so a delay in s changes neither time nor state
+    # at the end of a regularized contact dt/ds = 0, so a delay in s, the step's variable, changes nothing
     if kind == END:
         return c != t.step.regularized
     return kind == ONSET or (kind == RELATCH and lasted(t) > 0.0)

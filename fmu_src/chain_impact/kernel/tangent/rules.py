@@ -54,7 +54,7 @@ def power(x, y):
 
 
 def power_of_depth(depth, exponent):
-    """Return δ^n with derivatives with respect to δ and n.
+    """Return δ^n of a penetration δ, with derivatives with respect to δ and n.
 
     The replaced function has special cases of n without derivatives with respect to n. For n < 1 the slope at
     δ = 0 is infinite.
@@ -126,7 +126,8 @@ def fraction(t, time):
         value(dense.interpolate_component(step, theta, sundman_u_at(t.links)))
     )
     error = dense.interpolate_component(step, theta, clock) - elapsed
-    # θ = θ₀ − (t(θ₀) − t)/ṫ; where a contact begins or ends ṫ = 0, and θ has no derivatives
+    # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ; where a
+    # contact begins or ends ṫ = 0, and θ has no derivatives
     return carried(theta, -reciprocal(max(0.0, rate)), error)
 
 
@@ -163,7 +164,7 @@ def slope_along(argument, h, at):
     """Return the derivative of the user's law along one argument, by central differences of order 4."""
     if h == 0.0:
         return 0.0
-    # (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
+    # central difference of the forces F_j at j times the increment h: (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
     near = moved(argument, h, at) - moved(argument, -h, at)
     far = moved(argument, 2.0 * h, at) - moved(argument, -2.0 * h, at)
     return (8.0 * near - far) / (12.0 * h)

@@ -8,10 +8,10 @@
 
 #pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
 
-/* The largest difference of the importer's clock, over the step: importers may round their clock to 1 us. With a much
-   larger tolerance, a step that the importer skips or repeats would not be noticed. */
+/* The largest difference of the importer's clock, relative to the step: importers may round their clock to 1 us. With
+   a much larger tolerance, a step that the importer skips or repeats would not be noticed. */
 static const double TIME_TOLERANCE = 1e-2;
-/* The round-off of a clock that adds up the steps, over the time. */
+/* The round-off of a clock that adds up the steps, relative to the time. */
 static const double ROUND_OFF = 1e-12;
 
 static void back_to_the_start(Instance *instance) {
