@@ -44,7 +44,13 @@ RUN = """async ({ module, file, kit, values, stop, step }) => {
 
 SCENE = ("scene/changes.js", "scene/changed_file.js", "scene/model.js")
 """The modules that read, change and write a scene file."""
-RECORDING = ("recording/frames.js", "solver/outlines.js", "charts/curve_charts.js", "base/ticks.js")
+RECORDING = (
+    "solver/motion.js",
+    "player/packed_recording.js",
+    "drawing/arrow_scale.js",
+    "charts/curve_charts.js",
+    "base/ticks.js",
+)
 """Further modules that need no browser to be run."""
 MODULES = ("solver/motion.js", "base/base64.js", *SCENE)
 """The modules that read a scene file, and compute a motion."""

@@ -9,12 +9,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from chain_impact import Recording, SceneWarning, load_scene, record_slowly
-from chain_impact.pictures.arrow_scale import LONGEST, ArrowScale
+from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
-from chain_impact.pictures.film_figure import CHAIN, ENERGIES, FORCE, STYLE, Film, rate_text
+from chain_impact.pictures.film_figure import CHAIN, ENERGIES, FORCE, STYLE, Film
 from chain_impact.pictures.style import LOAD, force_text
-from chain_impact.recording.pacing import frame_times, slow_spans
+from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
+from chain_impact.recording.view import LONGEST_ARROW
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.tiers import needs_interop
 
@@ -231,8 +232,8 @@ def test_rates_as_text(rate, text):
 
 def test_arrows_have_lengths_by_the_cube_root_of_the_force_and_the_ruler_has_round_forces():
     scale = ArrowScale(2000.0, 1.0)
-    assert scale.length(2000.0) == pytest.approx(LONGEST)
-    assert scale.length(250.0) == pytest.approx(LONGEST / 2.0)
+    assert scale.length(2000.0) == pytest.approx(LONGEST_ARROW)
+    assert scale.length(250.0) == pytest.approx(LONGEST_ARROW / 2.0)
     assert not scale.shows(1e-3)
     marks = scale.marks()
     assert [text for _, text in marks] == ["1 kN", "100 N"]

@@ -24,11 +24,9 @@ from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.signals import signal_dtype
-from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.pages.signals import kit_of_signals
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.recording.joint_stops import OPEN
 from chain_impact.scene.contents import PARALLEL
 from chain_impact.scene.limits import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
@@ -97,11 +95,9 @@ def kit(scene: Scene) -> dict[str, Any]:
         "constants": {
             "derived": DERIVED,
             "noContact": NO_CONTACT,
-            "openArc": OPEN,
             "inputsJump": AT_ONCE,
             "parallel": PARALLEL,
         },
-        "boxWalls": WALLS,
         "rigidWithFriction": FRICTION_WITH_RIGID_WALLS,
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
     }

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.pages.encoding import encoded
+from chain_impact.pages.shared import FINEST, declaration
 from chain_impact.recording.joint_stops import JointRange
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
@@ -32,7 +33,6 @@ FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
-FINEST = 65535  # the largest integer of 16 bits, to which the largest value is scaled
 MOST_ROWS = 80_000  # the largest number of rows of a page; of a longer recording some rows are left out
 
 
@@ -74,7 +74,8 @@ def styles() -> list[str]:
 
 def program(*names: str) -> str:
     """Return modules and all modules that they import, joined to one program without imports."""
-    return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
+    texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
+    return "\n".join([declaration(), *texts])
 
 
 def modules(*names: str) -> list[str]:

@@ -13,8 +13,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
-LONGEST, LEAST = 0.26, 0.02  # the longest and the shortest arrow, relative to the smaller side of the scene
-DECADES = 6  # the largest number of powers of ten on the ruler
+from chain_impact.recording.view import DECADES, LONGEST_ARROW
+
+LEAST = 0.02  # the shortest arrow, relative to the smaller side of the scene
 # FROM: the least distance of a mark from the left end of the ruler; APART: the least distance of two marks;
 # both relative to the length of the ruler
 FROM, APART = 0.1, 0.3
@@ -31,8 +32,8 @@ class ArrowScale:
 
     def length(self, force: float) -> float:
         """Return the length of the arrow of a force [N], at least LEAST times the side [m]."""
-        # l = LONGEST · side · ∛(F / F_max)
-        return self.side * max(LEAST, LONGEST * math.cbrt(force / self.peak))
+        # l = LONGEST_ARROW · side · ∛(F / F_max)
+        return self.side * max(LEAST, LONGEST_ARROW * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
         """Return whether a force [N] is large enough for the scale; small forces have the shortest arrow."""
@@ -41,7 +42,7 @@ class ArrowScale:
     def marks(self) -> list[tuple[float, str]]:
         """Return the place [m] and the text of each power of ten that has room, the largest first."""
         found: list[tuple[float, str]] = []
-        highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST * self.side
+        highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side
         for force in 10.0 ** (highest - np.arange(DECADES)):
             at = self.length(float(force))
             if at < FROM * whole:
@@ -56,7 +57,7 @@ class ArrowScale:
         left, y = corner
         look: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 7}
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
-        end = left + LONGEST * self.side
+        end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
         axes.annotate("force", (end, y), (4.0, 0.0), ha="left", va="center", **look)
         free = math.inf

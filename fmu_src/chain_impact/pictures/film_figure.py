@@ -31,6 +31,7 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.pictures.trace import trace_of
 from chain_impact.recording.joint_stops import range_lines, touching_place
+from chain_impact.recording.pacing import SLOW, TAIL, rate_text
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import framed, pin_mark, places_of, radius_of, size_of
 from chain_impact.scene.bodies import placed
@@ -54,11 +55,7 @@ SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.06, 0.96, 0.72), (0.02, 0.84), (
 # the scene
 BAR, CORNER = 0.035, 0.035
 STEEP = 0.5  # if |x| of an arrow's unit vector is larger, its number is beside the head, else above or below
-# TAIL: [s] the simulated time in which the trace of the tip fades; TAIL_PARTS: the number of its pieces
-TAIL, TAIL_PARTS = 0.3, 40
-# The rate is simulated seconds per second on the screen. REAL: a rate that differs less from 1 is called real
-# time; SLOW: a smaller rate has a dark text; TENS: a factor from this one on is written without decimals.
-REAL, SLOW, TENS = 0.02, 0.5, 9.95
+TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
 
 class Film:
@@ -307,12 +304,3 @@ class Film:
         look: dict[str, Any] = {"color": colour, "fontweight": "bold", "ha": ha, "va": "center"}
         outline = [withStroke(linewidth=3.0, foreground="white")]
         self.moving.append(self.scene.text(place[0], place[1], words, path_effects=outline, **look))
-
-
-def rate_text(rate: float) -> str:
-    """Return how many times slower or faster than real time a film runs, for example: 480 × slower."""
-    if abs(rate - 1.0) < REAL:
-        return "real time"
-    times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")
-    number = f"{times:.1f}".removesuffix(".0") if times < TENS else f"{float(f'{times:.2g}'):.0f}"
-    return f"{number} × {word}"

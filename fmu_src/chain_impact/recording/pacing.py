@@ -1,6 +1,6 @@
 """The ratio of simulated time to time on the screen in a film: smaller during impacts, to show them slowly.
 
-``pages/browser/recording/pacing.js`` computes the same ratio for pages.
+``pages/browser/recording/pacing.js`` computes the same ratio for pages, with the constants of this module.
 """
 
 from __future__ import annotations
@@ -33,6 +33,11 @@ LONGEST_IMPACT = 5.0
 # [m/s] the least v in δ/v; a point that rests at a wall from the onset on has v = 0, and δ/v would be
 # infinite
 SLOWEST = 1e-6
+MOST_FRAMES = 20_000  # the largest number of frames of a film
+TAIL = 0.3  # [s] the simulated time in which the trace of the tip fades
+# The rate is simulated seconds per second on the screen. REAL: a rate that differs less from 1 is called real
+# time; SLOW: a smaller rate has a dark text; TENS: a factor from this one on is written without decimals.
+REAL, SLOW, TENS = 0.02, 0.5, 9.95
 
 Span = tuple[float, float]
 
@@ -102,7 +107,7 @@ def frame_times(
     stop: float,
     spans: Sequence[Span],
     impact_time: float = IMPACT_TIME,
-    most: int = 20_000,
+    most: int = MOST_FRAMES,
     *,
     usual: float = FRAME_RATE,
 ) -> tuple[np.ndarray, float]:
@@ -120,7 +125,7 @@ def frame_times(
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.
     """
     shown = [(a, a + min(max(b - a, SHORTEST), LONGEST)) for a, b in spans] if impact_time > 0.0 else []
-    parts = [np.linspace(start, stop, 2 + int((stop - start) / FLIGHT_STEP))]
+    parts = [np.linspace(start, stop, 2 + min(int((stop - start) / FLIGHT_STEP), 2 * most))]
     for onset, end in shown:
         parts += [onset - RAMP * NEAR, onset + (end - onset) * WITHIN, end + RAMP * NEAR]
     grid = np.unique(np.concatenate(parts).clip(start, stop))
@@ -129,3 +134,12 @@ def frame_times(
     screen = np.concatenate([[0.0], np.cumsum(np.diff(grid) * (slowness[1:] + slowness[:-1]) / 2)])
     frames = min(most, 2 + int(screen[-1] * usual))
     return np.interp(np.linspace(0.0, screen[-1], frames), screen, grid), (frames - 1) / screen[-1]
+
+
+def rate_text(rate: float) -> str:
+    """Return how many times slower or faster than real time a film runs, for example: 480 × slower."""
+    if abs(rate - 1.0) < REAL:
+        return "real time"
+    times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")
+    number = f"{times:.1f}".removesuffix(".0") if times < TENS else f"{float(f'{times:.2g}'):.0f}"
+    return f"{number} × {word}"

@@ -23,10 +23,14 @@ PIN = 0.08  # the height of the ground mark of a pinned base, relative to the wi
 # the corners of the support, relative to the height of the mark
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
+HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
+PIN_LINES = [SUPPORT, GROUND, *HATCHES]
+# the length of the arrow of the largest force, relative to the smaller side of a film; the largest number of
+# powers of ten on the ruler of forces
+LONGEST_ARROW, DECADES = 0.26, 6
 Key = TypeVar("Key", bound=Hashable)
 """The type of the keys of a dict of walls: names of walls; for a wall that moves, one key for each of several
 positions."""
-HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 
 
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
@@ -43,7 +47,7 @@ def pin_mark(points: np.ndarray) -> list[np.ndarray]:
     base = points[0, 0]
     side = 1.0 if points[:, 1:, 1].mean() < points[:, 0, 1].mean() else -1.0
     size = PIN * np.ptp(points, axis=(0, 1)).max()
-    return [base + size * line * [1.0, side] for line in (SUPPORT, GROUND, *HATCHES)]
+    return [base + size * line * [1.0, side] for line in PIN_LINES]
 
 
 def seen(

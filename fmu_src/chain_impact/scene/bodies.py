@@ -18,6 +18,8 @@ TICK = 0.06
 # how far a line without a stop is drawn beyond the positions of the carriage, relative to the size of the
 # drawing
 AHEAD = 0.12
+# the corners of the carriage, along the line and to its left, relative to half its length
+CARRIAGE = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
 Disc = tuple[float, float, float]
 """A disc: the coordinates of its centre along a link and to the left of the link, and its radius [m]."""
 
@@ -121,8 +123,7 @@ class Rail:
     def carriage(self, base: np.ndarray, size: float) -> np.ndarray:
         """Return the corners of the carriage for a position of the base, shape (4, 2) [m]."""
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
-        sides = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
-        return np.asarray(base + TICK * size * sides @ [along, across])
+        return np.asarray(base + TICK * size * CARRIAGE @ [along, across])
 
 
 def rail_of(scene: Contents) -> Rail | None:

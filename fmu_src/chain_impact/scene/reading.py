@@ -18,7 +18,7 @@ from chain_impact.scene.unit_text import number_hint
 
 # the least similarity, 0 to 1, of a name that a message proposes; with less, proposals are useless
 ALIKE = 0.7
-_SHOWN = 60  # largest number of characters of a value that a message shows
+SHOWN = 60  # largest number of characters of a value that a message shows
 
 
 class SceneError(ValueError):
@@ -326,4 +326,4 @@ def shown(value: Any) -> str:
     # the value is an integer of too many digits, or a list of too many levels
     except (ValueError, RecursionError):
         text = f"<{type(value).__name__}>"
-    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
+    return text if len(text) <= SHOWN else text[:SHOWN] + "..."

@@ -1,10 +1,11 @@
 // Functions that turn numbers into text.
 
+const [PRODUCT, SQUARE] = [SHARED.units.PRODUCT, SHARED.units.SQUARE].map((pattern) => new RegExp(pattern, "g"));
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
 
 /** Return a unit as a reader sees it, as `unit_text.py` does; "" for a pure number. */
 export function unitText(unit) {
-  return unit === "1" ? "" : unit.replaceAll(/(?<=[a-zA-Z])\.(?=[a-zA-Z])/g, "·").replaceAll(/(?<=[a-zA-Z])2\b/g, "²");
+  return unit === "1" ? "" : unit.replaceAll(PRODUCT, "·").replaceAll(SQUARE, "²");
 }
 
 /** Return the unit of a stiffness, a force over a power of a penetration, as `of_power` does: N/m^1.5, or N/m. */
@@ -56,9 +57,9 @@ export function durationText(seconds, count = 3) {
 
 /** Return how many times slower or faster than real time a rate is, for example: 480 × slower. */
 export function rateText(value) {
-  if (Math.abs(value - 1) < 0.02) return "real time";
+  if (Math.abs(value - 1) < SHARED.pacing.REAL) return "real time";
   const [times, word] = value < 1 ? [1 / value, "slower"] : [value, "faster"];
-  const rounded = times < 9.95 ? String(Number(times.toFixed(1))) : Number(times.toPrecision(2)).toFixed(0);
+  const rounded = times < SHARED.pacing.TENS ? String(Number(times.toFixed(1))) : Number(times.toPrecision(2)).toFixed(0);
   return `${rounded} × ${word}`;
 }
 

@@ -10,7 +10,6 @@ const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
 const DASHES = [undefined, [6, 3], [2, 3]]; // dashes of the curves after the first INPUT_COLOURS curves
 /** The largest number of curves in a chart, and of charts, that a reader can distinguish. */
 export const [MOST_CURVES, MOST_UNITS] = [INPUT_COLOURS * DASHES.length, 8];
-const BESIDE_IMPACT = 0.5; // shown time before and after an impact, over the duration of the impact
 const DIGITS = 4; // number of digits of a value
 const ROUND_OFF = 1e-12; // size below which a value is shown as 0, over the largest value of its unit
 
@@ -107,7 +106,7 @@ export class CurveCharts {
   draw(frame, contact) {
     Object.assign(this, { frame, contact });
     const isClose = contact && this.zoomButton?.getAttribute("aria-pressed") === "true";
-    const margin = isClose && (BESIDE_IMPACT * (contact.impactEnd - contact.onset) || MOMENT);
+    const margin = isClose && (SHARED.curves.BEFORE * (contact.impactEnd - contact.onset) || MOMENT);
     const close = isClose ? [contact.onset - margin, contact.impactEnd + margin] : undefined;
     this.charts.forEach((chart) => chart.draw(this.recording.timeAt(frame), close));
   }

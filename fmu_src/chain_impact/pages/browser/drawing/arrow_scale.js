@@ -3,7 +3,8 @@
 
 import { forceText } from "../base/format.js";
 
-const LONGEST_ARROW = 0.26; // length of the arrow of the largest force, over the smaller side of the scene
+// length of the arrow of the largest force, over the smaller side of the scene; largest number of powers of ten on the ruler
+const { DECADES, LONGEST_ARROW } = SHARED.view;
 const LEAST_ARROW = 9; // [pixels] least length of an arrow, so that a small force is visible
 const MARKS_FROM = 6; // [pixels] least distance of a mark from the foot of the ruler
 const LETTER = 6.5; // [pixels] approximate width of a letter of the ruler's numbers
@@ -34,7 +35,7 @@ export class ArrowScale {
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));
     let free = Infinity;
-    return [0, 1, 2, 3, 4, 5].map((k) => 10 ** (highest - k)).flatMap((force) => {
+    return Array.from({ length: DECADES }, (_, k) => 10 ** (highest - k)).flatMap((force) => {
       const at = this.#lengthOnScale(force);
       if (at < MARKS_FROM) return [];
       const text = forceText(force, 0);

@@ -13,7 +13,7 @@ import { traceOf } from "./trace.js";
 
 const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
 const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of forces and of numbers
-const TAIL = 0.3; // [s] simulated time in which the bright end of the trace fades
+const { TAIL } = SHARED.pacing; // [s] simulated time in which the bright end of the trace fades
 const TAIL_PARTS = 10;
 const RING_TIME = 0.25; // [s] simulated time for which the position of an impact is marked
 // [pixels] width of a ring, and difference in width between successive rings at one position
@@ -24,9 +24,8 @@ const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond w
 const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
 const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
-const ARC = 0.25; // radius of the arc of a joint's range, over the length of the link
-const TICK = 0.3; // length of the mark of a stop, over the radius of the arc
-const ARC_CORNERS = 33;
+// radius of the arc of a joint's range, over the length of the link; number of its corners; length of the mark of a stop, over the radius
+const { ARC, CORNERS: ARC_CORNERS, TICK } = SHARED.jointStops;
 const BESIDE = 18; // [pixels] distance from a point to its number
 const NUMBERED = 12; // largest number of links with which points have numbers
 const MANY_LINKS = 60; // number of links from which on the chain is one line, without joints

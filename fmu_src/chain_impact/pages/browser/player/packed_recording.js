@@ -2,11 +2,10 @@
 
 import { bytesIn, numbersIn } from "../base/base64.js";
 
-const FINEST = 65535; // largest number of 16 bits
 
-/** Return the numbers low + (high − low) · integer / 65535. */
+/** Return the numbers low + (high − low) · integer / FINEST. */
 function numbers({ low, high, values }) {
-  const scale = (high - low) / FINEST;
+  const scale = (high - low) / SHARED.packed.FINEST;
   return Float64Array.from(new Uint16Array(bytesIn(values).buffer), (value) => low + scale * value);
 }
 

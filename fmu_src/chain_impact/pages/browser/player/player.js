@@ -12,7 +12,6 @@ import { ImpactList, impactText } from "./impact_list.js";
 
 // [s] longest step of the animation: after a pause of the browser, the animation continues where it was
 const LONGEST_FRAME = 0.1;
-const SLOW = 0.5; // rate, over the chosen speed, below which the clock says slow motion
 
 export class Player {
   layers = []; // further objects that draw at each frame
@@ -95,7 +94,7 @@ export class Player {
     this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
     [this.drawing, this.impacts, ...this.layers].forEach((part) => part.draw(frame, contact));
     find("time").textContent = `${time.toFixed(5)} s`;
-    const slow = clock.slow && recording.rateAt(frame) < SLOW;
+    const slow = clock.slow && recording.rateAt(frame) < SHARED.pacing.SLOW;
     find("rate").textContent = rateText(clock.rate);
     document.body.classList.toggle("slow-motion", slow);
     document.body.classList.toggle("playing", clock.playing);

@@ -1,28 +1,23 @@
 // The frames of a recording: the parts of a `Recording`, computed from rows of numbers.
 
-import { frameTimes, slowSpans } from "./pacing.js";
+import { frameTimes, PACING, slowSpans } from "./pacing.js";
 import { viewOf } from "./view.js";
 
-// the longest duration of an impact, over penetration divided by impact speed; after it the chain rests at the wall
-const LONGEST_IMPACT = 5;
-const SLOWEST = 1e-6; // [m/s] the least impact speed for this ratio
 const COORDINATES = 2_000_000; // largest number of coordinates in all frames
 const FEWEST_FRAMES = 200; // smallest number of frames
-const MOST_FRAMES = 20_000;
-const ENERGIES = ["kinetic", "potential", "elastic", "dissipated", "friction", "supplied", "total"];
 
 /** Return the impacts in the form of the page, for a recording that ends at `stop`; unknown values are null. */
 export function contactsOf(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
     const until = end ?? stop;
-    const lasting = (LONGEST_IMPACT * depth) / Math.max(impact.speed, SLOWEST);
+    const lasting = (PACING.LONGEST_IMPACT * depth) / Math.max(impact.speed, PACING.SLOWEST);
     return { ...impact, end: until, impactEnd: Math.min(until, impact.onset + lasting), peak: peak > 0 ? peak : null };
   });
 }
 
 /** Return the simulated times of the frames, and the number of frames per second on the screen. */
 export function timesOf(contacts, start, stop, pointCount, impactTime, rate) {
-  const most = Math.min(MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
+  const most = Math.min(PACING.MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
   return frameTimes(start, stop, slowSpans(contacts), impactTime, most, rate);
 }
 
@@ -85,8 +80,9 @@ export function framesOf(rows, { times, frameRate }) {
   const stuckJoints = rows.touches
     .filter(({ wall }) => !wall)
     .map(({ point, sticking }) => ({ joint: point, spans: spansAbove(sticking) }));
-  const energies = ENERGIES.filter((key) => rows.energies[key]?.some((value) => value !== 0))
-    .map((key) => [key, at(rows.energies[key])]);
+  const energies = Object.entries(rows.energies).filter(([, values]) => values.some((value) => value !== 0))
+    .map(([key, values]) => [key, at(values)])
+    .sort(([a], [b]) => (a === "total") - (b === "total")); // the total is drawn last, above the others
   const peaks = [
     ...contacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
     ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ force }) => largest(force)),
@@ -97,6 +93,6 @@ export function framesOf(rows, { times, frameRate }) {
     walls, stops, radius, touching, pointNames, bodies, rail,
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: Math.max(largest(peaks), 1e-300),
-    ...viewOf(x, y, pointCount, walls, radius, rows.pinned),
+    ...viewOf(x, y, pointCount, walls, radius, rows.pinned, rail?.carriage),
   };
 }

@@ -1,38 +1,30 @@
 // The ratio of simulated time to time on the screen: smaller during impacts, to show them slowly. `pacing.py` computes the
-// same ratio for films. In an impact the ratio is such that the impact takes a given time. Before and after the impact the
-// ratio is proportional to the distance in time from the impact.
+// same ratio for films, and has the constants. In an impact the ratio is such that the impact takes a given time. Before and
+// after the impact the ratio is proportional to the distance in time from the impact.
 
-const RAMP = 0.05; // [s] simulated time before an impact at which the player begins to slow down
-const LONGEST = 0.1; // [s] longest part of a contact that is shown slowly
-const SHORTEST = 1e-4; // [s] assumed duration of a contact without a duration
-export const FRAME_RATE = 60; // number of frames per second on the screen
-const FLIGHT_STEP = 1 / 240; // [s] step, far from impacts, of the grid of times on which the ratio is computed
-const SLOW_SPEED = 0.05; // least speed of an impact that is shown slowly, over the speed of the fastest impact
-const SLOW_COUNT = 100; // largest number of impacts that are shown slowly
-const NEAR = Array.from({ length: 48 }, (_, k) => 1e-3 ** (1 - k / 47));
-const WITHIN = Array.from({ length: 25 }, (_, k) => k / 24);
+export const PACING = SHARED.pacing;
 
 /** Return onset and end [s] of the impacts that are shown slowly, from all impacts with their speeds. */
 export function slowSpans(impacts) {
-  const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, SLOW_COUNT);
+  const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, PACING.SLOW_COUNT);
   return fastest
-    .filter(({ endSpeed }) => endSpeed >= SLOW_SPEED * fastest[0].endSpeed)
+    .filter(({ endSpeed }) => endSpeed >= PACING.SLOW_SPEED * fastest[0].endSpeed)
     .map(({ onset, impactEnd }) => [onset, impactEnd])
     .sort((a, b) => a[0] - b[0]);
 }
 
 /** Return equally spaced numbers between two numbers. */
 function between(from, to, count) {
-  return Array.from({ length: count }, (_, k) => from + ((to - from) * k) / (count - 1));
+  const step = (to - from) / (count - 1);
+  return Array.from({ length: count }, (_, k) => (k < count - 1 ? from + k * step : to));
 }
 
 /** Return the values at some x of a curve through nodes, which increase; x increase, too. */
 function interpolated(allX, nodes, values) {
   let at = 0;
   return allX.map((x) => {
-    while (at < nodes.length - 2 && nodes[at + 1] < x) at += 1;
-    const share = (x - nodes[at]) / (nodes[at + 1] - nodes[at] || 1);
-    return values[at] + Math.min(Math.max(share, 0), 1) * (values[at + 1] - values[at]);
+    while (at < nodes.length - 2 && nodes[at + 1] <= x) at += 1;
+    return values[at] + ((values[at + 1] - values[at]) / (nodes[at + 1] - nodes[at])) * (x - nodes[at]);
   });
 }
 
@@ -40,18 +32,18 @@ function interpolated(allX, nodes, values) {
  * Return the simulated times of the frames, which follow each other evenly on the screen, and the frames per second: `rate`,
  * if there are not too many frames.
  */
-export function frameTimes(start, stop, spans, impactTime, most, rate = FRAME_RATE) {
-  const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, SHORTEST), LONGEST)]) : [];
-  const moments = between(start, stop, 2 + Math.min(Math.floor((stop - start) / FLIGHT_STEP), 2 * most));
+export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
+  const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, PACING.SHORTEST), PACING.LONGEST)]) : [];
+  const moments = between(start, stop, 2 + Math.min(Math.floor((stop - start) / PACING.FLIGHT_STEP), 2 * most));
   for (const [onset, end] of shown) {
-    for (const near of NEAR) moments.push(onset - RAMP * near, end + RAMP * near);
-    for (const share of WITHIN) moments.push(onset + (end - onset) * share);
+    for (const near of PACING.NEAR) moments.push(onset - PACING.RAMP * near, end + PACING.RAMP * near);
+    for (const share of PACING.WITHIN) moments.push(onset + (end - onset) * share);
   }
   const clipped = Float64Array.from(moments, (time) => Math.min(Math.max(time, start), stop)).sort();
   const grid = clipped.filter((time, k) => k === 0 || time > clipped[k - 1]);
   const slowness = grid.map((time) => 1 / shown.reduce((slowest, [onset, end]) => {
     const distance = Math.max(0, onset - time, time - end);
-    return Math.min(slowest, Math.min(1, (end - onset) / impactTime) + distance / RAMP);
+    return Math.min(slowest, Math.min(1, (end - onset) / impactTime) + distance / PACING.RAMP);
   }, 1));
   // the time on the screen: ∫ dt / rate, by the trapezoidal rule
   const screen = new Float64Array(grid.length);

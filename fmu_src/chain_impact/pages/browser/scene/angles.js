@@ -2,21 +2,21 @@
 
 import { numberText } from "../base/format.js";
 
-const IN_DEGREES = { rad: "deg", "rad/s": "deg/s" };
-const DEGREES_TEXT = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg(?:\/s)?)\s*$/;
+// unit of an angle → its word in degrees, and the pattern of a text in degrees
+const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern]]) => [unit, { word, text: new RegExp(`^${pattern}$`) }]));
 const DEGREE = Math.PI / 180; // [rad]
 const DEGREE_DIGITS = 12; // number of digits of degrees, which round-off leaves right
 
 /** Return a text such as "90 deg" in radians; return other values unchanged. */
 export function inRadians(value, unit) {
-  const [, number, given] = (typeof value === "string" && DEGREES_TEXT.exec(value)) || [];
-  return given && given === IN_DEGREES[unit] ? Number(number) * DEGREE : value;
+  const [, number] = (typeof value === "string" && IN_DEGREES[unit]?.text.exec(value)) || [];
+  return number ? Number(number) * DEGREE : value;
 }
 
 /** Return a value as text: in degrees if it is an angle, and this is shorter and stands for the same number. */
 export function valueText(value, unit) {
   const text = numberText(value);
   if (!(unit in IN_DEGREES)) return text;
-  const degrees = `${numberText(Number((value / DEGREE).toPrecision(DEGREE_DIGITS)))} ${IN_DEGREES[unit]}`;
+  const degrees = `${numberText(Number((value / DEGREE).toPrecision(DEGREE_DIGITS)))} ${IN_DEGREES[unit].word}`;
   return degrees.length < text.length && inRadians(degrees, unit) === value ? degrees : text;
 }

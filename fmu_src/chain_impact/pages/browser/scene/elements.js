@@ -1,6 +1,6 @@
 // The elements of a scene, as in `shape.py`: points, walls, contacts and others, with the conditions for variables.
 
-import { NORMALS, STOPS } from "./geometry.js";
+import { BOX_WALLS, NORMALS, STOPS } from "./geometry.js";
 import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
@@ -18,7 +18,7 @@ function keepsDistance({ chain: { slider, links }, walls }, sites, point, name, 
 }
 
 /** Return the parts of a scene on which its variables and its record depend. */
-export function partsOf(file, { boxWalls, signals, constants }) {
+export function partsOf(file, { signals, constants }) {
   const { chain: { base, links, slider }, walls, contact, inputs } = file;
   const count = links.length;
   const [points, stops, existingWalls] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
@@ -28,7 +28,7 @@ export function partsOf(file, { boxWalls, signals, constants }) {
   const reaches = (point, name) => !keepsDistance(file, sites, point, name, constants.parallel);
   const mayTouch = existingWalls.length > 0 && (slider || sites.length > 0)
     ? touching.some((point) => existingWalls.some((name) => reaches(point, name))) : touching.length > 0;
-  const wallNames = [...boxWalls, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
+  const wallNames = [...BOX_WALLS, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
   const numbers = wallNames.flatMap((name, number) => (existingWalls.includes(name) ? [number] : []));
   const pairs = touching.flatMap((point) => numbers.map((wall) => [point, wall])).filter(([point, wall]) => reaches(point, wallNames[wall]));
   const materials = Object.values(contact.wall);

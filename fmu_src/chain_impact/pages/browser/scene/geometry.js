@@ -1,11 +1,12 @@
 // The geometry of a scene for given values of its parameters: walls, points of links, names of stops.
 
-/** The inward normals of the walls of the box. */
-export const NORMALS = { x_min: [1, 0], x_max: [-1, 0], y_min: [0, 1], y_max: [0, -1] };
-/** The stops of a joint: keys of a link, which are also names among the walls. */
-export const STOPS = ["joint_min", "joint_max"];
-/** The stops of a slider: name among the walls → key. */
-export const SLIDER_STOPS = { slider_min: "min", slider_max: "max" };
+/**
+ * The inward normals of the walls of the box; the stops of a joint, which are keys of a link and names among the walls; the stops
+ * of a slider: name among the walls → key.
+ */
+export const { NORMALS, STOPS, SLIDER_STOPS } = SHARED.names;
+/** The names of the walls of the box, in the order of their numbers. */
+export const BOX_WALLS = Object.keys(NORMALS);
 
 /**
  * Return the coordinates of a point of a link, along the link and to its left, and its radius [m]; corners of a box are

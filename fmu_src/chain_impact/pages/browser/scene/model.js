@@ -119,7 +119,6 @@ export function describe(kit, file, command) {
     wallNames,
     walls: wallsAt({ walls: Object.fromEntries(existingWalls.map((name) => [name, null])) }, (name) => values.get(name)?.number),
     stops: [...new Set(stops.map(([joint]) => joint))],
-    openArc: kit.constants.openArc,
     inputsJump: kit.constants.inputsJump,
     sites: parts.sites,
     sliderStops: parts.sliderStops,

@@ -1,10 +1,8 @@
 // The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
 
 import { anyOnChain, range } from "./elements.js";
-import { STOPS } from "./geometry.js";
+import { BOX_WALLS, STOPS } from "./geometry.js";
 import { putSignals } from "./signals.js";
-
-const BYTES = 8; // [bytes] size of a word
 
 /** Return the index of a word in a record of these sizes: a constant, and a slope for each size and for the index. */
 export function wordIndex([constant, ...slopes], sizes, index = 0) {
@@ -26,7 +24,7 @@ function actingOf({ acts: [number, index], element: { at } }) {
 export function recordOf(kit, parts, rows, values, byName) {
   const { file, sizes, candidates, pairs, sites, sliderStops, stops, hasFriction, movingWalls, wallNames, mayTouch, facts } = parts;
   const { inputs, outputs, chain } = file;
-  const bytes = new Uint8Array(wordIndex(kit.size, sizes) * BYTES);
+  const bytes = new Uint8Array(wordIndex(kit.size, sizes) * SHARED.record.WORD);
   const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
   const write = (words, value, isReal, index = 0) => {
     const at = wordIndex(words, sizes, index);
@@ -57,7 +55,7 @@ export function recordOf(kit, parts, rows, values, byName) {
   put("kept", outputs.impacts);
   put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));
   ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
-    each(name, range(kit.boxWalls.length + sizes[1]).map(() => -1)));
+    each(name, range(BOX_WALLS.length + sizes[1]).map(() => -1)));
   const laws = kit.laws.map(({ name }) => name);
   put("stop_law", laws.indexOf(file.stops.model) + 1);
   for (const { name, of, word, given, givenIf, type, element, missing } of rows) {

@@ -3,17 +3,15 @@
 
 import { unitText } from "../base/format.js";
 import { inRadians } from "./angles.js";
-import { SLIDER_STOPS, STOPS } from "./geometry.js";
+import { BOX_WALLS, SLIDER_STOPS, STOPS } from "./geometry.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
-
-const LONGEST_VALUE = 60; // largest number of characters of a value in a message
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
 /** Return a value for a message. */
 function quotedValue(value) {
   const text = JSON.stringify(value) ?? String(value);
-  return text.length > LONGEST_VALUE ? `${text.slice(0, LONGEST_VALUE)}…` : text;
+  return text.length > SHARED.file.SHOWN ? `${text.slice(0, SHARED.file.SHOWN)}…` : text;
 }
 
 /** Refuse the value at a path of the file. */
@@ -141,7 +139,7 @@ export function complete(data, kit) {
   setAngles(file);
   setStops(file, kit.keys.stops.keys);
   completeSignals(file.signals, kit.signals);
-  checkContents(file, kit.boxWalls);
+  checkContents(file);
   file.outputs.sensitivities = []; // the page computes no derivatives
   return file;
 }
@@ -206,13 +204,13 @@ function setStops(file, keys) {
 }
 
 /** Refuse contents from which the page cannot make a record. */
-function checkContents(file, boxWalls) {
+function checkContents(file) {
   const { contact, inputs, initial, chain, walls } = file;
   const movable = movablePoints(file);
   const strange = contact.points?.find((point, k) => !movable.includes(point) || contact.points.indexOf(point) !== k);
   if (strange !== undefined) refuse("contact.points", `holds ${strange}, must hold ${movable[0]} to ${movable.at(-1)}, each once`);
   walls.forEach(({ name }, k) => {
-    const others = [...boxWalls, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...walls.slice(0, k).map((wall) => wall.name)];
+    const others = [...BOX_WALLS, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...walls.slice(0, k).map((wall) => wall.name)];
     if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
   });
   const existingWalls = wallsOf(file);

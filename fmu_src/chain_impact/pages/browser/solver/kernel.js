@@ -1,7 +1,7 @@
 // The kernel: the WebAssembly module with one instance in its memory, and runs of this instance. `model.js` has the indices
 // of values in the record of the instance.
 
-const WORD = 8; // [bytes] size of a word
+const { WORD } = SHARED.record; // [bytes] size of a word
 const ROWS = 256; // number of rows of outputs that the kernel fills in one call
 const RUNS = 41; // number of runs of a study in one call
 const PAGE = 65536; // [bytes] size of a page of WebAssembly's memory

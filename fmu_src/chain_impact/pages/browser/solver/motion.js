@@ -2,22 +2,19 @@
 // run has rows at the frames, which are dense where the motion is shown slowly. Rows do not change the solution.
 
 import { contactsOf, framesOf, timesOf } from "../recording/frames.js";
-import { FRAME_RATE } from "../recording/pacing.js";
+import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
-import { viewOf } from "../recording/view.js";
+import { sizeOf, VIEW } from "../recording/view.js";
 import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./outlines.js";
 
-const IMPACT_TIME = 0.6; // [s] time on the screen that an impact takes
 const PARTS = 100; // number of parts of the first run, between which the run can be stopped
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if signals drive inputs
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
-const FRAMES_OF_A_PERIOD = 16; // least number of frames in a period of the fastest sine that drives an input
 // largest number of impacts with additional rows of chosen outputs, and number of these rows
-const [FOLLOWED, ROWS_OF_IMPACT] = [400, 50];
+const { FOLLOWED, WITHIN } = SHARED.curves;
 const FEW_FRAMES = 20; // number of frames in an impact below which additional rows show the course of the force
-const ALONE = 1e-3; // largest radius that is not drawn, over the size of the motion
 
 /** Return the impacts of a run in the form of a recording. */
 function impactsOf(impacts, scene, valueOf) {
@@ -33,8 +30,8 @@ function impactsOf(impacts, scene, valueOf) {
 function rangesOf(scene, valueOf) {
   return scene.stops.map((joint) => {
     const [low, high] = STOPS.map((stop) => valueOf(`link[${joint}].${stop}`));
-    const from = low ?? high - scene.openArc;
-    const to = Math.min(high ?? low + scene.openArc, from + 2 * Math.PI);
+    const from = low ?? high - SHARED.jointStops.OPEN;
+    const to = Math.min(high ?? low + SHARED.jointStops.OPEN, from + 2 * Math.PI);
     return { joint, arc: [from, to], marks: [low, high].filter((end) => end !== undefined) };
   });
 }
@@ -65,8 +62,7 @@ function drawnWords({ drawn: { points, energies, touches, loads }, moved }) {
 function rowsOf(scene, valueOf, { time, contacts, column }) {
   const { drawn: { points, energies, touches, loads }, moved } = scene;
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
-  const [low, high] = viewOf(x, y, points.length, {}, 0, false).view;
-  const size = Math.max(high[0] - low[0], high[1] - low[1]);
+  const size = sizeOf(x, y);
   const touching = scene.contactPoints.map((point) => [point, radiusOf(scene, valueOf, point)]);
   const largest = Math.max(0, ...touching.map(([, radius]) => radius));
   return {
@@ -90,7 +86,7 @@ function rowsOf(scene, valueOf, { time, contacts, column }) {
     walls: wallsAt(scene, valueOf),
     moved: Object.fromEntries(moved.map(({ name, word }) => [name.split(".")[1], column(word)])),
     stops: rangesOf(scene, valueOf),
-    radius: largest > ALONE * size ? largest : 0,
+    radius: largest > VIEW.ALONE * size ? largest : 0,
     touching,
     pointNames: scene.pointNames,
     bodies: bodiesOf(scene, valueOf),
@@ -140,7 +136,7 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
 
   const contacts = contactsOf(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
-  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, IMPACT_TIME, frameRateOf(scene, valueOf, stop));
+  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, PACING.IMPACT_TIME, frameRateOf(scene, valueOf, stop));
   const sparse = contacts.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
   const dense = sparse.length ? withImpacts(times, sparse) : times;
   const words = drawnWords(scene);
@@ -171,7 +167,7 @@ export function stepsForKernel(kernel, inputSteps) {
 function withImpacts(times, contacts) {
   const inside = contacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
     [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
-      Array.from({ length: ROWS_OF_IMPACT }, (_, k) => from + ((to - from) * k) / (ROWS_OF_IMPACT - 1))));
+      Array.from({ length: WITHIN }, (_, k) => from + ((to - from) * k) / (WITHIN - 1))));
   const all = Float64Array.from([...times, ...inside.filter((time) => time < times.at(-1))]).sort();
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
@@ -183,7 +179,7 @@ function frameRateOf({ parameters }, valueOf, stop) {
     if (lasting <= 0 || valueOf(name.replace(/frequency$/, "amplitude")) === 0) return [];
     return [valueOf(name), valueOf(name) + lasting * valueOf(`${name}_rate`)].map(Math.abs);
   });
-  return Math.max(FRAME_RATE, FRAMES_OF_A_PERIOD * Math.max(0, ...sines));
+  return Math.max(PACING.FRAME_RATE, PACING.FRAMES_OF_A_PERIOD * Math.max(0, ...sines));
 }
 
 /**

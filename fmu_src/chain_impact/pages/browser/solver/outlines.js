@@ -3,9 +3,7 @@
 
 import { discOf } from "../scene/geometry.js";
 
-const ROUND = 24; // number of corners of the polygon that is drawn for a circle
-const TICK = 0.06; // length of a stop's mark, and half the length of the carriage, over the size of the drawing
-const AHEAD = 0.12; // how far a line without a stop is drawn beyond the carriage, over the size of the drawing
+const { AHEAD, CARRIAGE, ROUND, TICK } = SHARED.bodies;
 
 /** Return the part of a hull from the first of sorted points to the last point, which is left out (Andrew, 1979). */
 function halfHull(points) {
@@ -58,7 +56,7 @@ export function railOf(bases, size, valueOf) {
   const start = x0 * c + y0 * s;
   return {
     lines: [ends.map((end) => at(end, 0)), ...ticks],
-    carriage: [[-1, -0.5], [1, -0.5], [1, 0.5], [-1, 0.5]].map(([along, left]) =>
+    carriage: CARRIAGE.map(([along, left]) =>
       [TICK * size * (c * along - s * left), TICK * size * (s * along + c * left)]),
     stops: {
       ...(low === undefined ? {} : { slider_min: { normal: [c, s], offset: start + low } }),

@@ -1,0 +1,61 @@
+"""Numbers, names and words that stand in Python and that the pages need, too.
+
+The program of each page begins with them, as the constant ``SHARED``. A page computes some things again that
+Python computes for pictures and films, because the reader of the page changes the scene. For these things,
+tests/pages/test_twins.py compares the values of both languages.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.rows.geometry import NORMALS, WALLS
+from chain_impact.recording import curves, joint_stops, pacing, view
+from chain_impact.scene import angles, bodies, names, reading, tables, unit_text
+from chain_impact.variables import indices
+
+FINEST = 65535  # the largest integer of 16 bits, to which the largest value of packed numbers is scaled
+
+
+def shared() -> dict[str, Any]:
+    """Return the constants by the name of their part, and by their names in Python; JSON can hold them."""
+    return {
+        "pacing": _constants(pacing),
+        "view": _constants(view),
+        "jointStops": _constants(joint_stops),
+        "bodies": _constants(bodies),
+        "curves": {"BEFORE": curves.BEFORE, "FOLLOWED": curves.FOLLOWED, "WITHIN": curves.WITHIN},
+        "names": {
+            "STOPS": names.STOPS,
+            "SLIDER_STOPS": {stop: stop.removeprefix("slider_") for stop in names.SLIDER_STOPS},
+            "NORMALS": dict(zip(WALLS, NORMALS, strict=True)),
+        },
+        "degrees": {unit: [word, angles.degrees_pattern(unit)] for unit, word in angles.DEGREES.items()},
+        "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
+        "file": {"CORNERS": tables.CORNERS, "SHOWN": reading.SHOWN},
+        "record": {"WORD": indices.WORD},
+        "packed": {"FINEST": FINEST},
+    }
+
+
+@cache
+def declaration() -> str:
+    """Return the line of JavaScript that declares the constants."""
+    return f"const SHARED = {json.dumps(shared(), separators=(',', ':'))};"
+
+
+def _constants(module: ModuleType) -> dict[str, Any]:
+    """Return all constants of a module by their names."""
+    return {name: _plain(value) for name, value in vars(module).items() if name.isupper()}
+
+
+def _plain(value: Any) -> Any:
+    """Return a value with lists in place of arrays."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return [_plain(each) for each in value] if isinstance(value, list | tuple) else value

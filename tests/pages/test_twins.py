@@ -1,0 +1,216 @@
+"""What a page computes again is what Python computes: the same inputs give the same values in both languages.
+
+The comparisons allow for a few last digits: a compiler may join a product and a sum, and mathematical
+libraries round sines differently.
+"""
+
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, model_names, simulate
+from chain_impact.pages.recorded import data, free_sides, impacts
+from chain_impact.pictures.arrow_scale import ArrowScale
+from chain_impact.recording.joint_stops import ranges_of
+from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
+from chain_impact.recording.view import framed, free_room, pin_mark, places_of, radius_of
+from chain_impact.scene.angles import in_radians
+from chain_impact.scene.bodies import outlines_of, rail_of
+from chain_impact.scene.half_planes import half_planes
+from chain_impact.scene.unit_text import of_power, unit_text
+from tests.helpers.campaigns import random_scenes
+from tests.pages.conftest import page_contents
+
+FRAMES = """([start, stop, spans, impactTime, most, rate]) => {
+  const { times, frameRate } = frameTimes(start, stop, spans, impactTime, most, rate);
+  return [[...times], frameRate]; }"""
+SPANS = "([impacts, stop]) => slowSpans(contactsOf(impacts, stop))"
+VIEW = """([points, walls, radius, pinned, carriage]) => {
+  const [x, y] = [0, 1].map((axis) => points.flatMap((row) => row.map((point) => point[axis])));
+  return viewOf(x, y, points[0].length, walls, radius, pinned, carriage); }"""
+ROOM = "([walls, around]) => freeRegionWithin(walls, around).corners"
+SHAPES = """([contents, bases, size]) => {
+  const scene = sceneOf(contents);
+  const valueOf = (name) => scene.parameters.find((parameter) => parameter.name === name)?.start;
+  const [walls, bodies] = [wallsAt(scene, valueOf), bodiesOf(scene, valueOf)];
+  const rail = railOf(bases, size, valueOf);
+  const rate = frameRateOf(scene, valueOf, valueOf("simulation.stop_time"));
+  return { walls, bodies, rail, ranges: rangesOf(scene, valueOf), rate }; }"""
+SHOWN = """([packed, impactTime]) => {
+  const rows = unpack(packed);
+  const [start, stop] = [rows.time[0], rows.time.at(-1)];
+  const contacts = contactsOf(packed.impacts, stop);
+  const frames = timesOf(contacts, start, stop, rows.pointCount, impactTime, packed.frameRate);
+  const { time, x, y, view, anchor, pin } = framesOf({ ...rows, contacts }, frames);
+  return { time: [...time], x: [...x], y: [...y], view, anchor, pin }; }"""
+ARROWS = "([peak, forces]) => forces.map((force) => new ArrowScale(peak, 1, 1).lengthOf(force))"
+
+
+def random(seed):
+    return np.random.default_rng(seed)
+
+
+def close(found, known, rel=1e-12, size=1.0):
+    np.testing.assert_allclose(found, known, rtol=rel, atol=rel * size)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_times_of_the_frames(script, seed):
+    chance = random(seed)
+    start, stop = chance.uniform(-1.0, 1.0), chance.uniform(1.1, 9.0)
+    onsets = np.sort(chance.uniform(start, stop, chance.integers(0, 12)))
+    spans = [(onset, onset + 10.0 ** chance.uniform(-6.0, 0.5)) for onset in onsets.tolist()]
+    impact_time, rate = chance.choice([0.0, 0.2, 0.6]), chance.choice([60.0, 640.0])
+    most = int(chance.choice([300, 20_000]))
+    times, per_second = frame_times(start, stop, spans, impact_time, most, usual=rate)
+    found, found_rate = script.evaluate(FRAMES, [start, stop, spans, impact_time, most, rate])
+    close(found, times)
+    close(found_rate, per_second)
+
+
+def test_a_very_long_motion_has_no_more_times_than_frames_need(script):
+    times, per_second = frame_times(0.0, 1e9, [(5.0, 5.1)])
+    found, found_rate = script.evaluate(FRAMES, [0.0, 1e9, [(5.0, 5.1)], 0.6, 20_000, 60.0])
+    assert len(times) == len(found) == 20_000
+    close(found, times)
+    close(found_rate, per_second)
+
+
+@cache
+def recorded(model):
+    return simulate(load_scene(model))
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "kneed_leg", "rod_drop", "rocking_block", "pinned_arm"])
+def test_the_impacts_that_are_shown_slowly(script, model):
+    result = recorded(model)
+    spans = script.evaluate(SPANS, [impacts(result), float(result.time[-1])])
+    assert len(spans) == len(slow_spans(result))
+    if spans:
+        close(spans, slow_spans(result))
+
+
+def some_walls(chance):
+    """Return walls of a box and at any angle around a motion of about 2 m."""
+    box = {
+        name: end * chance.uniform(0.5, 4.0)
+        for name, end in (("x_min", -1.0), ("x_max", 1.0), ("y_min", -1.0), ("y_max", 1.0))
+        if chance.random() < 0.6
+    }
+    slopes = {
+        f"slope{k}": (*(3.0 * np.array([np.sin(a), -np.cos(a)])).tolist(), a)
+        for k, a in enumerate(chance.uniform(-np.pi, np.pi, chance.integers(0, 4)).tolist())
+    }
+    return half_planes(box, slopes)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_view_of_a_motion(script, seed):
+    chance = random(seed)
+    points = np.cumsum(chance.normal(0.0, 0.1, (30, 4, 2)), axis=0) + chance.normal(0.0, 0.5, (4, 2))
+    walls, pinned, radius = some_walls(chance), bool(chance.random() < 0.5), float(chance.choice([0.0, 0.1]))
+    corners = chance.normal(0.0, 0.2, (4, 2)) if chance.random() < 0.3 and not pinned else np.zeros((0, 2))
+    places = np.concatenate([points, points[:, :1] + corners], axis=1)
+    found = script.evaluate(VIEW, [points.tolist(), free_sides(walls), radius, pinned, corners.tolist()])
+    view, anchor = framed(places, walls, radius, pinned=pinned)
+    close(found["view"], view, size=10.0)
+    assert found["anchor"] == anchor.tolist()
+    lines = pin_mark(points) if pinned else []
+    assert len(found["pin"]) == len(lines)
+    for here, there in zip(found["pin"], lines, strict=True):
+        close(here, there, size=10.0)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_free_region_between_walls(script, seed):
+    walls = some_walls(random(seed))
+    around = [[-5.0, -4.0], [6.0, 5.0]]
+    corners = script.evaluate(ROOM, [free_sides(walls), around])
+    known = free_room(walls.values(), np.array(around))
+    assert len(corners) == len(known)
+    if corners:
+        close(corners, known, size=10.0)
+
+
+RANDOM = [*range(20), *(random_scenes.SIGNALLED + seed for seed in range(10))]
+
+
+@pytest.mark.parametrize("source", [*model_names(), *RANDOM])
+def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
+    """Walls, outlines of bodies, the line of a slider, and ranges of joints."""
+    scene = load_scene(source) if isinstance(source, str) else random_scenes.scene(source)
+    bases = np.array(scene.initial.position) + np.zeros((3, 1)) * [1.0, 1.0]
+    rail = rail_of(scene)
+    if rail is not None:
+        bases = rail.origin + np.array([[0.0], [0.3], [-0.2]]) * rail.direction
+    found = script.evaluate(SHAPES, [page_contents(scene), bases.tolist(), 2.0])
+    walls = free_sides(scene.half_planes)
+    assert found["walls"].keys() == walls.keys()
+    for name, wall in walls.items():
+        close(found["walls"][name]["normal"], wall["normal"])
+        close(found["walls"][name]["offset"], wall["offset"], size=10.0)
+    bodies = outlines_of(scene)
+    assert [link for link, _ in found["bodies"]] == list(bodies)
+    for link, corners in found["bodies"]:
+        close(corners, bodies[link])
+    assert (found["rail"] is None) == (rail is None)
+    if rail is not None:
+        for here, there in zip(found["rail"]["lines"], rail.lines(bases, 2.0), strict=True):
+            close(here, there, size=10.0)
+        close(found["rail"]["carriage"], rail.carriage(np.zeros(2), 2.0))
+        stops = free_sides(rail.stops)
+        assert found["rail"]["stops"].keys() == stops.keys()
+        for name, stop in stops.items():
+            close(found["rail"]["stops"][name]["offset"], stop["offset"], size=10.0)
+    ranges = ranges_of(scene)
+    assert [one["joint"] for one in found["ranges"]] == list(ranges)
+    for one in found["ranges"]:
+        close(one["arc"], ranges[one["joint"]].arc)
+    known = {name: value for name, value in scene.values.items() if value is not None}
+    run = SimpleNamespace(parameters=known, time=np.array([0.0, scene.simulation.stop_time]))
+    close(found["rate"], frame_rate(run))
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "pinned_arm", "thrown_brick"])
+def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script, model):
+    result = recorded(model)
+    found = script.evaluate(SHOWN, [data(result), 0.6])
+    start, stop = float(result.time[0]), float(result.time[-1])
+    times, _ = frame_times(start, stop, slow_spans(result), 0.6, usual=frame_rate(result))
+    close(found["time"], times)
+    points = np.stack([found["x"], found["y"]], axis=-1).reshape(len(times), -1, 2)
+    known = [[np.interp(times, result.time, column) for column in rows] for rows in result.all_points.T]
+    np.testing.assert_allclose(points, np.array(known).transpose(2, 1, 0), atol=1e-3)
+    view, anchor = framed(places_of(result), result.walls, radius_of(result), pinned=result.pinned)
+    np.testing.assert_allclose(found["view"], view, atol=1e-3 * np.ptp(view))
+    assert found["anchor"] == anchor.tolist()
+
+
+def test_the_lengths_of_arrows(script):
+    forces = [3e3, 2e3, 500.0, 17.0]
+    found = script.evaluate(ARROWS, [3e3, forces])
+    scale = ArrowScale(3e3, 1.0)
+    known = [scale.length(force) for force in forces]
+    least = 9.0  # pixels: all arrows of a scene of one pixel are shorter
+    assert found == [least] * 4
+    large = script.evaluate(ARROWS.replace("1, 1", "1000, 2000"), [3e3, forces])
+    close(large, 1000.0 * np.array(known))
+
+
+def test_words_of_rates_units_and_angles(script):
+    rates = [*np.geomspace(1e-4, 30.0, 200).tolist(), 0.985, 1.0, 1.015, 0.1, 0.5]
+    found = script.evaluate("(rates) => rates.map(rateText)", rates)
+    assert found == [rate_text(rate) for rate in rates]
+    units = ["1", "m", "m/s2", "N.m", "kg.m2", "N.m.s", "rad/s2", "N/m^exponent", "N.s/m"]
+    assert script.evaluate("(units) => units.map(unitText)", units) == list(map(unit_text, units))
+    for exponent in (1.0, 1.5, 2.25):
+        text = script.evaluate('(exponent) => unitOfPower("N/m^exponent", exponent)', exponent)
+        assert text == of_power("N/m", exponent)
+    texts = ["90 deg", "-12.5deg/s", " +.5e1 deg ", "1 deg/s2", "deg", "90", "1 rad", "90 degs"]
+    for unit in ("rad", "rad/s", "rad/s2", "m"):
+        found = script.evaluate(
+            "([texts, unit]) => texts.map((text) => inRadians(text, unit))", [texts, unit]
+        )
+        assert found == [in_radians(text, unit) for text in texts]
