@@ -229,6 +229,25 @@ def test_derivatives_by_what_a_slider_is_are_those_of_differences(name):
         assert run.sensitivity(output, name)[-1] == pytest.approx(differences, rel=1e-5, abs=1e-6)
 
 
+def test_derivatives_of_a_carriage_at_its_limit_are_those_of_an_even_acceleration():
+    """The position is s = F t²/(2 m) with the limit F; a larger force has no effect."""
+    limit, mass = 3.0, 2.5
+    push = {"input": "slider.force", "form": "constant", "value": 10.0}
+    cart = on_slider(
+        {"mass": 0.5, "center_of_mass": 0.0},
+        {"mass": mass - 0.5, "force_limit": limit},
+        gravity=[0.0, 0.0],
+        initial={"angles": [0.3]},
+        inputs={"slider_force": True},
+        signals={"push": push},
+    )
+    exact = {"slider.force_limit": 0.5 / mass, "slider.mass": -0.5 * limit / mass**2, "signal.push.value": 0.0}
+    run = simulate(cart, stop_time=1.0, sensitivities=list(exact))
+    for name, expected in exact.items():
+        found = run.sensitivity("slider.position", name)[-1]
+        assert found == pytest.approx(expected, rel=1e-9, abs=1e-12), name
+
+
 @pytest.mark.parametrize(
     ("tables", "told"),
     [

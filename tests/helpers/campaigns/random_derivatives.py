@@ -52,6 +52,20 @@ PARAMETERS = (
     "link[2].joint_friction",
     "initial.angle[1]",
     "initial.vx",
+    "link[1].center_of_mass_offset",
+    "link[1].point[1].x",
+    "link[1].point[1].y",
+    "contact.radius",
+    "slider.angle",
+    "slider.mass",
+    "slider.damping",
+    "slider.stiffness",
+    "slider.rest_position",
+    "slider.friction",
+    "slider.force_limit",
+    "slider.min",
+    "signal.push.amplitude",
+    "signal.push.frequency",
 )
 Given = tuple[dict[str, Any], dict[str, Any]]  # a scene as a table, and inputs
 
@@ -148,6 +162,72 @@ def servos(draw: Draw) -> Given:
     }, {}
 
 
+def carts(draw: Draw) -> Given:
+    """Return a chain on a slider that a sine pushes, with stops, dry friction and a limit of its force."""
+    slider = {
+        "angle": draw.real(-0.5, 0.5),
+        "mass": draw.power(0.3, 4.0),
+        "damping": draw.power(0.1, 3.0),
+        "stiffness": draw.power(3.0, 100.0),
+        "rest_position": draw.real(-0.1, 0.1),
+        "friction": draw.real(0.1, 2.0) * draw.chance(0.4),
+        "force_limit": draw.power(1.0, 20.0),
+        "min": draw.real(-0.3, -0.05),
+        "max": draw.real(0.05, 0.3),
+    }
+    links = [_body(draw) for _ in range(draw.whole(1, 2))]
+    push = {"mean": draw.real(-2.0, 2.0), "amplitude": draw.power(1.0, 20.0), "frequency": draw.real(0.5, 4.0)}
+    return {
+        "name": "Cart",
+        "chain": {"base": "slider", "slider": slider, "links": links},
+        "box": {"y_min": -draw.real(0.2, 0.6)},
+        "contact": {"restitution": draw.real(0.3, 0.8), "stiffness": draw.power(1e4, 1e6), "radius": 0.01},
+        "inputs": {"slider_force": True},
+        "signals": {"push": {"input": "slider.force", "form": "sine", **push}},
+        "initial": {"angles": [draw.real(-0.1, 0.2) for _ in links], "slider_velocity": draw.real(-1.0, 1.0)},
+        "outputs": {"loads": True},
+        "solver": {"tolerance": 1e-10},
+        "simulation": {"stop_time": 0.8, "step_size": 2e-3},
+    }, {}
+
+
+def bodies(draw: Draw) -> Given:
+    """Return one or two links with offset centres of mass and more points, thrown on a floor."""
+    links = [_body(draw) for _ in range(draw.whole(1, 2))]
+    return {
+        "name": "Body",
+        "chain": {"links": links},
+        "box": {"y_min": 0.0},
+        "contact": {
+            "restitution": draw.real(0.3, 0.8),
+            "stiffness": draw.power(1e4, 1e6),
+            "radius": 0.01,
+            "friction": draw.real(0.1, 0.6) * draw.chance(0.4),
+        },
+        "initial": {
+            "position": [0.0, draw.real(0.5, 0.9)],
+            "velocity": [draw.real(-2.0, 2.0), 0.0],
+            "angles": [draw.real(-0.6, 0.6) for _ in links],
+            "angular_velocities": [draw.real(-3.0, 3.0) for _ in links],
+        },
+        "outputs": {"loads": True},
+        "solver": {"tolerance": 1e-10},
+        "simulation": {"stop_time": 0.8, "step_size": 2e-3},
+    }, {}
+
+
+def _body(draw: Draw) -> dict[str, Any]:
+    """Return a link with an offset centre of mass and two points beside its line."""
+    length = draw.real(0.2, 0.5)
+    return {
+        "length": length,
+        "mass": draw.real(0.3, 1.5),
+        "center_of_mass_offset": draw.real(-0.05, 0.05),
+        "joint_damping": draw.real(0.0, 0.05),
+        "points": [{"x": draw.real(0.0, length), "y": draw.real(-0.1, 0.1)} for _ in range(2)],
+    }
+
+
 KINDS: dict[str, Callable[[Draw], Given]] = {
     "soft": lambda draw: thrown(draw, 1e4),
     "stiff": thrown,
@@ -159,6 +239,8 @@ KINDS: dict[str, Callable[[Draw], Given]] = {
     "rigid stops": lambda draw: thrown(draw, rigid=True, stops=True),
     "driven": driven,
     "servos": servos,
+    "carts": carts,
+    "bodies": bodies,
 }
 
 

@@ -52,7 +52,7 @@ def model_dtype(links: int) -> np.dtype:
         ("rubbing", INTEGER),  # 1: some joint has dry friction
         ("jointed", INTEGER),  # 1: some joint has a stop or dry friction, so that all joints have places
         ("geared", INTEGER),  # 1: some joint has an armature
-        ("limited", INTEGER),  # 1: some joint has a limit of its torque
+        ("limited", INTEGER),  # 1: the torque of a joint, or the force of the slider, has a limit
         ("resisting", INTEGER),  # 1: some joint has damping or a spring
         # 1/s, upper bound on the rates of the motions that dampers and springs of joints cause
         ("joint_bound", REAL),
@@ -111,7 +111,7 @@ def stops_dtype() -> np.dtype:
 
 
 @given(AT_START)
-@written_by("initialize.py", mode="events/saturation.py")
+@written_by("initialize.py", mode="events/saturation.py", chosen="tangent/replay.py")
 def slider_dtype() -> np.dtype:
     """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py.
 
@@ -130,7 +130,7 @@ def slider_dtype() -> np.dtype:
         ("ux", REAL),  # x of u, the unit vector along the line
         ("uy", REAL),
         ("mode", INTEGER),  # mode of the slider's drive, as `drive.mode`
-        ("chosen", INTEGER),  # chosen mode of the slider's drive, as `drive.chosen`
+        ("chosen", INTEGER),  # in a tangent instance: the mode of the slider's drive in the primal run
     )
 
 

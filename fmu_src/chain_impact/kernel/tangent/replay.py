@@ -151,6 +151,7 @@ def copy_modes(d, t):
     if d.model.limited:
         for i in range(d.links):
             t.drive.chosen[i] = d.drive.mode[i]
+        t.slider.chosen = d.slider.mode
 
 
 # The iteration ends when the last correction of the derivatives, relative to the derivatives, is at most

@@ -97,6 +97,7 @@ def choose_saturation(t):
     """Take the modes of drives from the primal instance, in place of a choice."""
     for i in range(t.links):
         t.drive.mode[i] = t.drive.chosen[i]
+    t.slider.mode = t.slider.chosen
 
 
 def shift_start(t, delay):
