@@ -241,7 +241,8 @@ def test_derivatives_of_a_carriage_at_its_limit_are_those_of_an_even_acceleratio
         inputs={"slider_force": True},
         signals={"push": push},
     )
-    exact = {"slider.force_limit": 0.5 / mass, "slider.mass": -0.5 * limit / mass**2, "signal.push.value": 0.0}
+    by_mass = -0.5 * limit / mass**2
+    exact = {"slider.force_limit": 0.5 / mass, "slider.mass": by_mass, "signal.push.value": 0.0}
     run = simulate(cart, stop_time=1.0, sensitivities=list(exact))
     for name, expected in exact.items():
         found = run.sensitivity("slider.position", name)[-1]

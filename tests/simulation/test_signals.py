@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
 from chain_impact import Chain, SceneError, simulate
@@ -300,6 +301,31 @@ def test_a_base_follows_a_spline_of_its_position_and_integrals_of_the_others(tmp
         expected = spline(run.time) if k == 0 else spline.derivative(k)(run.time)
         np.testing.assert_allclose(run[name], expected, rtol=0.0, atol=1e-12 * 10.0**k)
     np.testing.assert_allclose(run["point[0].y"], run["base.y"], rtol=0.0, atol=1e-15)
+
+
+def test_a_table_moves_the_base_alike_in_runs_that_end_before_and_after_its_last_row(tmp_path):
+    columns = {"time": [0.1, 0.25, 0.4, 0.55, 0.7], "base.y": [0.0, -0.05, 0.02, 0.0, 0.03]}
+    scene = with_table(tmp_path, ["base.y"], columns, "")
+    spline = CubicSpline(*columns.values(), bc_type=("clamped", "not-a-knot"))
+    for stop, last in ((0.5, 0.5), (0.7, 0.7), (0.9, 0.55)):
+        run = simulate(scene, stop_time=stop)
+        before = run.time <= last
+        expected = spline(np.maximum(run.time, 0.1))
+        np.testing.assert_allclose(run["base.y"][before], expected[before], rtol=0.0, atol=1e-14)
+    assert run["base.y"][run.time >= 0.7] == pytest.approx(0.03, abs=1e-15)
+    assert run["base.vy"][run.time >= 0.7] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("begin", [-0.35, 0.0, 0.1, 0.45])
+@pytest.mark.parametrize("interpolation", ["linear", "spline"])
+def test_a_periodic_velocity_begins_with_a_position_of_zero(tmp_path, begin, interpolation):
+    times, speeds = begin + np.array([0.0, 0.1, 0.3]), [0.2, -0.1, 0.2]
+    numbers = f'period = 0.3\ninterpolation = "{interpolation}"'
+    scene = with_table(tmp_path, ["base.vy"], {"time": times, "base.vy": speeds}, numbers)
+    run = simulate(scene, output_step=1e-3)
+    assert run["base.y"][0] == pytest.approx(0.0, abs=1e-16)
+    integral = cumulative_trapezoid(run["base.vy"], x=run.time)
+    np.testing.assert_allclose(run["base.y"][1:], integral, rtol=0.0, atol=2e-6)
 
 
 def test_a_table_repeats_after_its_period(tmp_path):

@@ -99,13 +99,18 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
                 return None
             changed: dict[str, Any] = {key: (*numbers[:k], value, *numbers[k + 1 :])}
             return _with(scene, initial=_with(scene.initial, **changed))
-        case "contact", str(key) if value == 0.0 or ("stops", key) in scene.derived_paths:
-            return None
-        case str(table), str(key):
+        case str(table), str(key) if not _matters_elsewhere(scene, path, value):
             before = getattr(scene, table)
             same = getattr(before, key) == value
             return scene if same else _with(scene, **{table: _with(before, **{key: value})})
     return None
+
+
+def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
+    """Return whether other values of the scene follow from a number, or must be checked with it."""
+    if path == ("simulation", "stop_time"):  # the end of a table may depend on the end of the run
+        return any(signal.samples for signal in scene.signals.values())
+    return path[0] == "contact" and (value == 0.0 or ("stops", *path[1:]) in scene.derived_paths)
 
 
 def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | None:

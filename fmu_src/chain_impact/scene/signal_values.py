@@ -5,6 +5,7 @@ kernel/chain/signals.py evaluates the rows.
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -92,6 +93,11 @@ def is_closed(signal: Signal) -> bool:
     return abs(last) <= CLOSED * (signal.period or 0.0)
 
 
+def is_position(name: str) -> bool:
+    """Return whether an input is a coordinate of the base, or the displacement of a wall."""
+    return name in ("base.x", "base.y") or name.endswith(".displacement")
+
+
 def is_motion(name: str) -> bool:
     """Return whether an input moves the base or a wall; such an input must not jump."""
     return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
@@ -128,24 +134,31 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         powers = np.insert(powers / np.arange(1.0, powers.shape[1] + 1.0), 0, 0.0, axis=1)
         grown = np.cumsum(_at(powers, ends - at))
         powers[1:, 0], gain = grown[:-1], float(grown[-1])
-        # the integral must be 0 at t = 0, the start of the run
-        powers[:, 0] -= values_of(at, powers, np.zeros(1))
+        # the integral must be 0 at t = 0, the start of the run, which may be in another period than the table
+        periods = math.floor(-at[0] / period) if period else 0
+        powers[:, 0] -= values_of(at, powers, np.array([-periods * (period or 0.0)])) + periods * gain
     return at, powers, gain if period else 0.0
 
 
 def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float) -> np.ndarray:
     """Return the coefficients of the polynomials between rows, for powers of the time since the row."""
-    kind, moves = joined_by(signal, driven), is_motion(driven)
+    kind = joined_by(signal, driven)
     if kind == "hold" or len(at) == 1:
         return values[:-1, np.newaxis]
     if kind == "linear":
         return np.stack([values[:-1], np.diff(values) / np.diff(at)], axis=1)
     from scipy.interpolate import CubicSpline
 
-    # base and walls are at rest before and after a table that does not cover the whole run
-    ends = ["clamped" if moves and inside else "not-a-knot" for inside in (at[0] > 0.0, at[-1] < stop)]
-    spline = CubicSpline(at, values, bc_type="periodic" if signal.period else tuple(ends))
-    return np.asarray(spline.c[::-1].T)
+    if signal.period:
+        return np.asarray(CubicSpline(at, values, bc_type="periodic").c[::-1].T)
+    begin = "clamped" if is_position(driven) and at[0] > 0.0 else "not-a-knot"
+    powers = np.array(CubicSpline(at, values, bc_type=(begin, "not-a-knot")).c[::-1].T)
+    if is_position(driven) and at[-1] < stop:
+        # only the last piece, a cubic that ends at rest, may depend on the end of the run
+        x, v, h = powers[-1, 0], powers[-1, 1], at[-1] - at[-2]
+        mean = (values[-1] - x) / h
+        powers[-1] = x, v, (3.0 * mean - 2.0 * v) / h, (v - 2.0 * mean) / h**2
+    return powers
 
 
 def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right") -> np.ndarray:

@@ -176,14 +176,20 @@ def carts(draw: Draw) -> Given:
         "max": draw.real(0.05, 0.3),
     }
     links = [_body(draw) for _ in range(draw.whole(1, 2))]
-    push = {"mean": draw.real(-2.0, 2.0), "amplitude": draw.power(1.0, 20.0), "frequency": draw.real(0.5, 4.0)}
+    push = {
+        "input": "slider.force",
+        "form": "sine",
+        "mean": draw.real(-2.0, 2.0),
+        "amplitude": draw.power(1.0, 20.0),
+        "frequency": draw.real(0.5, 4.0),
+    }
     return {
         "name": "Cart",
         "chain": {"base": "slider", "slider": slider, "links": links},
         "box": {"y_min": -draw.real(0.2, 0.6)},
         "contact": {"restitution": draw.real(0.3, 0.8), "stiffness": draw.power(1e4, 1e6), "radius": 0.01},
         "inputs": {"slider_force": True},
-        "signals": {"push": {"input": "slider.force", "form": "sine", **push}},
+        "signals": {"push": push},
         "initial": {"angles": [draw.real(-0.1, 0.2) for _ in links], "slider_velocity": draw.real(-1.0, 1.0)},
         "outputs": {"loads": True},
         "solver": {"tolerance": 1e-10},
