@@ -262,6 +262,11 @@ REFUSED = [
     (("chain", "links"), [], "chain.links has 0 entries, must have 1 to 1000"),
     (("chain", "links"), None, "chain.links is missing (links from base to tip)"),
     (("chain", "base"), "free", "inputs.base_motion = true must be false for a free base"),
+    (
+        ("chain", "links", 0, "points"),
+        [{"x": 0.1, "name": "toe"}, {"x": 0.2, "name": "toe"}],
+        'chain.links[1].points two points have the name "toe"',
+    ),
     (("contact", "model"), "hert", 'contact.model = "hert" must be one of'),
     (("contact", "points"), [3, 4], "contact.points holds 4, must hold 1 to 3, each once"),
     (("contact", "wall", "slope"), {"friction": 0.1}, 'contact.wall.slope = "slope" is no wall of the scene'),

@@ -100,10 +100,17 @@ def test_an_error_about_a_point_of_a_box_has_the_number_and_the_line_of_the_poin
         parse_scene(text, "ball.toml")
 
 
+def test_two_points_of_a_link_have_different_names():
+    text = TEXT.replace("x = 0.1", 'x = 0.1\nname = "heel"').replace("x = 0.2", 'x = 0.2\nname = "heel"')
+    with pytest.raises(SceneError, match=r"^ball\.toml: link\[2\]\.points: .* name 'heel' \(at line \d+\)$"):
+        parse_scene(text, "ball.toml")
+    parse_scene(text.replace('"heel"', '"toe"', 1), "ball.toml")
+
+
 def test_a_reversed_wall_is_asked_about():
     text = TEXT + "[[walls]]\nname = 'ramp'\npoint = [0.0, 0.5]\nnormal = [0.0, -1.0]\n"
     with pytest.raises(
-        SceneError, match=r"in the wall ramp; must be outside; no point is: is its normal reversed\?$"
+        SceneError, match=r"in the wall ramp; must be outside; all points are inside: turn its normal\?$"
     ):
         parse_scene(text, "ball.toml")
     with pytest.raises(SceneError, match=r"in the wall x_min; must be outside$"):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.scene.names import input_key, name_of, nearest, parameter_hint, place_in_file
+from chain_impact.scene.names import input_key, longer, name_of, nearest, parameter_hint, place_in_file
 
 
 @pytest.mark.parametrize(
@@ -40,6 +40,21 @@ def test_only_what_is_alike_is_near():
     assert nearest("contact.stifness", names) == "contact.stiffness"
     assert nearest("mass", names) is None
     assert nearest("mass", names, at_least=0.0) in names
+
+
+def test_a_name_without_its_number_is_nearest_to_the_first_entry():
+    names = ["chain.slider.angle", "initial.angle[1]", "initial.angle[2]", "link[1].mass", "link[1].inertia"]
+    assert nearest("initial.angle", names) == "initial.angle[1]"
+    assert nearest("initial.angle[]", names) == "initial.angle[1]"
+    assert nearest("link.mass", names) == "link[1].mass"
+    assert nearest("link[7].mass", names) == "link[1].mass"
+
+
+def test_a_name_that_is_part_of_another_one():
+    names = ["clattering_rod", "rod_drop", "rodent"]
+    assert longer("rod", names) == "rod_drop"
+    assert [longer(name, names) for name in ("ro", "", "drop_rod")] == [None] * 3
+    assert longer("mass", ["link[1].mass", "link[1].center_of_mass"]) == "link[1].mass"
 
 
 def test_the_key_that_makes_an_input():

@@ -198,12 +198,18 @@ def test_every_value_has_a_name_by_which_it_can_be_set():
         ("link[0].mass", "links count from 1 to 4"),
         ("joint[1].torque", "it is an input: give it over time in Python, simulate(scene, inputs={"),
         ("chain.links[1].mas", "the nearest is "),
+        ("initial.angle", "the nearest is initial.angle[1]"),
+        ("mass", "the nearest is link[1].mass"),
         ("?", "`chain-impact info` lists the names"),
     ],
 )
 def test_an_unknown_name_is_refused_and_the_nearest_is_named(name, hint):
     message = refusal(load_scene("four_link_box").with_values, {name: 1.0})
     assert message.startswith(f"FourLinkBox: {name} is no parameter; {hint}")
+
+
+def test_a_part_of_a_models_name_is_told_the_model():
+    assert refusal(load_scene, "rod").endswith("or a model; the nearest is rod_drop")
 
 
 def test_an_unknown_name_is_a_key_that_is_missing():

@@ -1,5 +1,6 @@
 """Refused signals of a scene and their messages; a driven input is no longer an input."""
 
+import math
 import re
 import warnings
 
@@ -135,4 +136,5 @@ def test_a_base_that_starts_elsewhere_than_the_scene_says_is_told(tmp_path):
         warnings.simplefilter("error", SceneWarning)
         simulate(arm, stop_time=0.01, inputs={"base.y": lambda time: 0.1 * time**2})
         simulate(arm, stop_time=0.01, inputs={"base.vy": 0.1})
+        simulate(arm, stop_time=0.01, inputs={"base.y": lambda time: 1e-3 * math.sin(1e3 * math.pi * time)})
         moved.with_values({"initial.position": [0.0, 0.1]})

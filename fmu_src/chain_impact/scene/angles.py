@@ -40,3 +40,14 @@ def radians_hint(name: str, value: float, unit: str) -> str | None:
         return None
     turns = f"{name} = {value:g} rad is {abs(value) / (2.0 * math.pi):.3g} turns"
     return f'{turns}: if degrees are meant, write "{value:g} deg"'
+
+
+def turns_hint(joint: float, low: float, high: float) -> str:
+    """Return a hint: the angle within a joint's stops that has the same direction; "" if there is none."""
+    turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
+    same = joint + turns * math.tau
+    return (
+        f"; angles are not reduced to one turn, and {same:.6g} rad is the same direction"
+        if low <= same <= high
+        else ""
+    )

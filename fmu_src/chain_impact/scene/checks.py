@@ -15,7 +15,7 @@ from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
 from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
 from chain_impact.kernel.status import WITHOUT_FRICTION
-from chain_impact.scene.angles import radians_hint
+from chain_impact.scene.angles import radians_hint, turns_hint
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS
@@ -87,6 +87,11 @@ def check_together(scene: Contents) -> None:
         if wall.name in others:
             text = f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}"
             raise SceneError(text, ("walls", i, "name"))
+    for i, link in enumerate(scene.chain.links):
+        names = [point.name for point in link.points if point.name]
+        if twice := [name for name in names if names.count(name) > 1]:
+            text = f"link[{i + 1}].points: two points have the name {twice[0]!r}"
+            raise SceneError(text, ("chain", "links", i, "points"))
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius:.15g} [m], which is {axis}_min + 2 contact.radius"
@@ -252,7 +257,9 @@ def check_start(scene: Contents) -> None:
                 beyond = name not in WALLS and all(
                     wall.clearance(*at) < 0.0 for *at, _ in candidates.values()
                 )
-                asked = "; no point is: is its normal reversed?" if beyond and not angle_hints(scene) else ""
+                asked = (
+                    "; all points are inside: turn its normal?" if beyond and not angle_hints(scene) else ""
+                )
                 raise SceneError(f"initial: {subject} the wall {name}; must be outside{asked}")
 
 
@@ -271,18 +278,7 @@ def check_joint_angles(scene: Contents) -> None:
         if beyond > OVERLAP:
             stop = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"
             where = f"joint {i} at {joint:.6g} rad is {beyond:.6g} rad beyond its {stop} rad"
-            raise SceneError(f"initial: {where}; must be within{_turns_hint(joint, low, high)}")
-
-
-def _turns_hint(joint: float, low: float, high: float) -> str:
-    """Return a hint: the angle within a joint's stops that has the same direction; "" if there is none."""
-    turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
-    same = joint + turns * math.tau
-    return (
-        f"; angles are not reduced to one turn, and {same:.6g} rad is the same direction"
-        if low <= same <= high
-        else ""
-    )
+            raise SceneError(f"initial: {where}; must be within{turns_hint(joint, low, high)}")
 
 
 def angle_hints(scene: Contents) -> list[str]:

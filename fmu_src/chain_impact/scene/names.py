@@ -7,6 +7,7 @@ the base.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 
@@ -200,12 +201,17 @@ def signal_hint(name: str, signals: Collection[str]) -> str | None:
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
-    """Return the name that is most similar to ``name``; names with the same last part have priority.
+    """Return the name that is most similar to ``name``, or None.
 
-    For example ``contact[1].y_min.force`` for ``joint[1].force``. A similarity is a number from 0 to 1. A
-    name needs at least the similarity ``at_least``, or SAME_LAST if the last part is the same; else None.
+    Names that differ by their numbers only have priority, ``link[1].mass`` for ``link.mass``; then names with
+    the same last part, ``contact[1].y_min.force`` for ``joint[1].force``. A similarity is a number from 0 to
+    1. A name needs at least the similarity ``at_least``, or SAME_LAST if the last part is the same.
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
+    bare = NUMBER.sub("", name)
+    numbered = [one for one in every if one != name and NUMBER.sub("", one) == bare]
+    if numbered:
+        return numbered[0]
     same = [one for one in every if owner and len(last) > 1 and one.rpartition(".")[2] == last]
     found = get_close_matches(name, every, n=1, cutoff=at_least)
     if not found or found[0] not in same:
@@ -213,6 +219,13 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
     return next(iter(found), None)
 
 
+def longer(name: str, names: Iterable[str]) -> str | None:
+    """Return the shortest name that contains all words of ``name``, ``rod_drop`` for ``rod``; else None."""
+    words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
+    return min((one for one in names if name and words.search(one)), key=len, default=None)
+
+
+NUMBER = re.compile(r"\[\d*\]")
 SAME_LAST = 0.45
 """The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
@@ -13,7 +13,7 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names
+from chain_impact.scene.names import DataPath, fmu_name, longer, nearest, other_names
 from chain_impact.scene.unit_text import number_hint
 
 # the least similarity, 0 to 1, of a name that a message proposes; with less, proposals are useless
@@ -84,7 +84,8 @@ class UnknownNameError(SceneError, KeyError):
         similar.
         """
         if hint is None:
-            near = nearest(name, names) if isinstance(name, str) else None
+            names = list(names)
+            near = nearest(name, names) or longer(name, names) if isinstance(name, str) else None
             hint = f"the nearest is {near}" if near else otherwise
         text = name if isinstance(name, str) else shown(name)
         super().__init__(f"{source}: {text} is {what}; {hint}")
@@ -313,9 +314,9 @@ def decimal_comma(value: Any) -> str:
     return f"; a number has a decimal point: {match[1]}.{match[2]}" if match else ""
 
 
-def nearest_choice(value: Any, choices: Iterable[str] | None) -> str:
+def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
     """Return a hint that names the choice most similar to a wrong text; "" if none is similar."""
-    near = nearest(value, choices or ()) if isinstance(value, str) else None
+    near = nearest(value, choices) or longer(value, choices) if choices and isinstance(value, str) else None
     return f"; the nearest is {near}" if near else ""
 
 

@@ -23,7 +23,15 @@ from chain_impact.scene.derived import above, of_every_link, rule_at, rule_of, w
 from chain_impact.scene.limits import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
-from chain_impact.scene.names import DataPath, fmu_name, name_of, nearest, parameter_hint, place_in_file
+from chain_impact.scene.names import (
+    DataPath,
+    fmu_name,
+    longer,
+    name_of,
+    nearest,
+    parameter_hint,
+    place_in_file,
+)
 from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
 from chain_impact.scene.tables import Link
@@ -90,7 +98,7 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
         text = text_of(path)
     except (OSError, TypeError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
-        near = nearest(str(source), model_names())
+        near = nearest(str(source), model_names()) or longer(str(source), model_names())
         models = f"the nearest is {near}" if near else "`chain-impact info --list models` lists them"
         wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
         raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None

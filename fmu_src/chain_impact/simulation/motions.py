@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.kernel.rows.geometry import OVERLAP
 from chain_impact.scene.checks import start_hint
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.follower import Follower
@@ -29,6 +30,7 @@ JUMPS = 1e-9, 1e-6, 1e-4
 # a given speed contradicts the position if it differs by more than this from the position's derivative,
 # relative to the largest speed
 CONTRADICTS = 1e-3
+ROUND_OFF = 1e-12  # of a position at the start, relative to the largest position
 
 
 @dataclass(frozen=True)
@@ -232,8 +234,11 @@ def contradictions(
         names = [name for name in channel.names if name in signals]
         start = derivatives(pieces, 0)[0, 0, column]
         if channel.position in names and channel.position.startswith("base."):
-            off = abs(start - channel.start) > CONTRADICTS * max(abs(start), abs(channel.start))
-            texts += [start_hint(channel.position[-1], start, channel.start)] if off else []
+            positions = derivatives(pieces, 0)[0, :, column]
+            round_off = max(OVERLAP, ROUND_OFF * np.abs(positions).max())
+            off = abs(start - channel.start)
+            if off > max(CONTRADICTS * max(abs(start), abs(channel.start)), round_off):
+                texts.append(start_hint(channel.position[-1], start, channel.start))
         for name in names[1:]:
             order = channel.names.index(name)
             value, _ = as_function(name, signals[name], called, joined="spline")

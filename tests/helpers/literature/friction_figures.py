@@ -193,11 +193,11 @@ def rocking_block(tolerance: float) -> Problem:
     for restitution in shown:
         after, result, exact = rocked(tilt, restitution, tolerance)
         left.append(after / exact.before)
-        quantity = f"e = {restitution}: angular velocity after / before"
+        quantity = f"block of 1 × 1.5 m, e = {restitution}: angular velocity after / before"
         figures.append(unpublished(quantity, exact.after / exact.before, left[-1], 2e-7))
     (onset,) = result.impacts["onset"][result.impacts["point"] == 2]
     # the corner that hits sticks during the impact, so the spin after it is linear in e
-    plastic, quantity = 2.0 * left[0] - left[1], "extrapolated to e = 0: the same"
+    plastic, quantity = 2.0 * left[0] - left[1], "block of 1 × 1.5 m, extrapolated to e = 0: the same"
     figures = [
         # a block on a stiff floor stands a little deeper than on a rigid floor
         unpublished("other corner hits: time [s]", exact.onset, onset, 1e-8),

@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import SceneError, fit, load_scene, simulate
 from chain_impact.studies.fit import horizon
-from chain_impact.studies.fit.fit import _not_random
+from chain_impact.studies.fit.remarks import not_random
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
 from tests.helpers.tools.refusal import refusal
 
@@ -237,6 +237,35 @@ def test_impacts_that_are_not_there_are_left_out_and_said():
     )
 
 
+@pytest.mark.parametrize(("count", "wrong"), [(12, 9), (12, 3), (6, 4)])
+def test_an_impact_with_a_wrong_number_is_named(count, wrong):
+    rod = load_scene("rod_drop")
+    numbers, onsets = np.arange(count) + 1, simulate(rod).impacts["onset"][:count]
+    start, free = rod.with_values({"contact.restitution": 0.65}), ["contact.restitution"]
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(count)
+    found = fit(start, {"impact": numbers, "onset": onsets + noise}, free)
+    assert not any("impact" in note for note in found.notes)
+    numbers[1] = wrong
+    found = fit(start, {"impact": numbers, "onset": onsets + noise}, free)
+    named = [re.findall(r"impact (\d+)", note) for note in found.notes if "impact" in note]
+    assert named == [[str(wrong)]]
+    assert not any(
+        "impact" in note
+        for note in fit(
+            start, {"impact": numbers, "onset": onsets + noise}, free, sigma={"onset": 10.0}
+        ).notes
+    )
+
+
+def test_a_peak_force_cannot_be_fitted_to_rigid_walls():
+    rod = load_scene("rod_drop")
+    table, free = impacts(simulate(rod), ["onset", "peak_force"]), ["contact.restitution"]
+    rigid = rod.with_values({"contact.model": "newton_impact"})
+    with pytest.raises(SceneError, match=r"newton_impact, has no peak_force"):
+        fit(rigid, table, free)
+    assert fit(rigid, table, free, columns=["onset"]).used.any()
+
+
 def test_residuals_that_are_no_noise_are_said():
     columns, _ = motion(0.45)
     columns[TIP[1]] += 5e-3 * np.sin(40.0 * columns["time"])
@@ -258,7 +287,7 @@ def test_the_last_residual_of_a_data_set_is_no_neighbour_of_the_next_ones_first(
             used=np.full(count, True),
             columns={"point[1].y": np.full(count, True)},
         )
-        return list(_not_random(made))
+        return list(not_random(made))
 
     grows = np.linspace(-1.0, 1.0, 40)
     assert said(grows.reshape(40, 1)) == [], "single values have no neighbours"

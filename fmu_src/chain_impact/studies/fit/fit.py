@@ -9,32 +9,24 @@ from typing import cast
 
 import numpy as np
 
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.text import plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.scene.table_file import Source, is_table
 from chain_impact.simulation.inputs import Interpolation
-from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
+from chain_impact.studies.fit.data import QUANTITIES, Measurements, read_measurements, standard_deviation
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
+from chain_impact.studies.fit.remarks import not_random, outliers, unusual
 from chain_impact.studies.fit.result import Fit
-from chain_impact.studies.fit.uncertainty import exceeded, information, quantiles, small_sample
+from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-# correlations between residuals do not matter if the mean square of the residuals, in standard deviations, is
-# less than this number
-VISIBLE = 0.01
-# if the mean square of the residuals, in standard deviations, is less than this number, the data come from a
-# simulation: then a very small χ² needs no remark
-EXACT = 1e-6
-IMPROBABLE = 1e-3  # the probability of a χ² below which a remark says that σ and residuals do not agree
 LARGEST = 700.0  # the exponential of a larger number is infinite, so an interval ends at infinity there
 FEW = 10  # the estimated standard deviation of a column with fewer values is rough; a remark says so
-# a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; random
-# residuals exceed it in 2 % of all cases
-ALIKE = 2.0
 # if the data last longer than this number of times the scene's stop time, their times are probably not in
 # seconds
 LONG = 100.0
@@ -128,6 +120,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
     search_result = search(problem, progress)
     at = _on_bounds(problem, search_result)
     rows = at.usable
+    _check_rigid(problem, rows)
     if rows.sum() < len(problem.parameters):
         few = (
             f"{problem.scenes[0].name}: {plural(int(rows.sum()), 'value')} can be fitted, must be at least "
@@ -172,6 +165,20 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         models=at.runs,
     )
     return replace(result, notes=tuple(_notes(problem, result, at, search_result, reached)))
+
+
+def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
+    """Refuse a column that a rigid impact does not have, such as its peak force."""
+    scene = problem.scenes[0]
+    law = CONTACT_LAWS.get(scene.contact.model)
+    if not (law and law.impulsive):
+        return
+    for group, name in enumerate(problem.names):
+        if name in QUANTITIES and not usable[problem.group == group].any():
+            raise SceneError(
+                f"{scene.name}: a rigid impact, contact.model = {law.id}, has no {name}: leave the column "
+                "out, or choose a law with a force"
+            )
 
 
 def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
@@ -305,65 +312,15 @@ def _notes(
     for parameter in problem.parameters:
         if parameter.name not in problem.scenes[0].values:
             notes.append(f"{parameter.label} is an input: the fitted scene does not hold it.")
-    notes += _unusual(result)
-    return [*notes, *_not_random(result), *_few(problem, at)]
-
-
-def _unusual(result: Fit) -> Iterator[str]:
-    """Yield a remark if the χ² of the columns with a given σ is improbably large or small."""
-    given = result.used.copy()
-    for name in result.estimated:
-        given &= ~result.columns[name]
-    total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
-    least = most - len(result.parameters)
-    # If σ is given for all columns, χ² has `least` degrees of freedom. Otherwise other columns may determine
-    # some of the parameters; then the number is between `least` and `most`, and each test uses the safe one.
-    most = most if result.estimated else least
-    if least <= 0 or total < EXACT * least:
-        return
-    what = f"χ² is {total:.4g} for {most} degrees of freedom, p < {IMPROBABLE:g}"
-    if exceeded(total, most) < IMPROBABLE:
-        yield (
-            f"{what}: the model does not follow the data within their σ, so the standard "
-            "errors are too small."
-        )
-    elif exceeded(total, least) > 1.0 - IMPROBABLE:
-        yield (
-            f"{what}: the data follow the model more closely than their σ allow, so the "
-            "standard errors are too large."
-        )
-
-
-def _not_random(result: Fit) -> Iterator[str]:
-    """Yield a remark on columns with correlated residuals: lag-1 correlation r with √n r > ALIKE.
-
-    Neighbours belong to the same data set. For n pairs of independent residuals, √n r has about the standard
-    normal distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
-    """
-    texts = []
-    data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])
-    for name, mine in result.columns.items():
-        used = mine & result.used
-        residuals = (result.residuals / result.sigma)[used]
-        pairs = np.flatnonzero(np.diff(data_set[used]) == 0)
-        square = float((residuals**2).mean()) if len(pairs) else 0.0
-        if square <= VISIBLE:
-            continue
-        alike = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
-        if math.sqrt(len(pairs)) * alike > ALIKE:
-            texts.append(f"{name} ({alike:.2f})")
-    if texts:
-        yield (
-            f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(texts)}. The "
-            "model leaves something out, and the standard errors are too small."
-        )
+    notes += [*outliers(result, at.slopes), *unusual(result)]
+    return [*notes, *not_random(result), *_few(problem, at)]
 
 
 def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
     """Yield a remark on columns whose estimated standard deviation is rough, because they have few values."""
     for name in problem.estimated:
         count = int((at.usable & (problem.group == problem.names.index(name))).sum())
-        if count < FEW:
+        if 0 < count < FEW:
             yield (
                 f"{name} has {plural(count, 'value')}: a σ that is estimated from fewer than {FEW} is rough, "
                 "and so are the intervals. Give its sigma if you know it."

@@ -213,6 +213,11 @@ function checkContents(file) {
     const others = [...BOX_WALLS, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...walls.slice(0, k).map((wall) => wall.name)];
     if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
   });
+  chain.links.forEach(({ points }, i) => {
+    const names = points.map(({ name }) => name);
+    const twice = names.find((name, k) => name && names.indexOf(name) !== k);
+    if (twice) refuse(`chain.links[${i + 1}].points`, `two points have the name "${twice}"`);
+  });
   const existingWalls = wallsOf(file);
   const named = [
     ...Object.keys(contact.wall).map((name) => [`contact.wall.${name}`, name]),

@@ -1,0 +1,133 @@
+"""Remarks on the residuals of a fit: values far from the model, χ², and correlated residuals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from chain_impact.recording.text import plural
+from chain_impact.studies.fit.data import Measurements
+from chain_impact.studies.fit.estimates import Estimates
+from chain_impact.studies.fit.uncertainty import exceeded, information
+
+# a residual that is less than this part of the range of its column is too small for a remark
+SMALL = 1e-3
+# correlations between residuals do not matter if the mean square of the residuals, in standard deviations, is
+# less than this number
+VISIBLE = 0.01
+# if the mean square of the residuals, in standard deviations, is less than this number, the data come from a
+# simulation: then a very small χ² needs no remark
+EXACT = 1e-6
+IMPROBABLE = 1e-3  # the probability of a χ², or of the largest residual, below which a remark follows
+# a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; random
+# residuals exceed it in 2 % of all cases
+ALIKE = 2.0
+ALONE = 1e-9  # a smaller 1 − h is round-off of 0
+NAMED = 3  # the largest number of values that the remark names
+
+
+def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
+    """Yield a remark that names the values that the other values contradict, the largest contradiction first.
+
+    A fit without a value of residual r and leverage h differs from the value by r / (1 − h), to first order.
+    Its ratio to the other residuals has Student's t distribution (Cook & Weisberg 1982, *Residuals and
+    Influence in Regression*, 2.2). A test of n values takes the n-th part of the probability.
+
+    Args:
+        fit: the fit.
+        slopes: derivatives of the values on the scale of the search, shape (M, P).
+    """
+    from scipy import special  # this import takes long
+
+    rows = np.flatnonzero(fit.used)
+    value = np.concatenate([data_set.value for data_set in fit.data])
+    free = fit.freedom - 1
+    if free < 1:
+        return
+    whitened, off = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
+    covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
+    kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)  # 1 − h
+    alone = kept < ALONE  # without this value, nothing determines a parameter
+    kept[alone] = 1.0
+    others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
+    for name, mine in fit.columns.items():
+        of_column = mine[rows]
+        if not of_column.any():
+            continue
+        if name not in fit.estimated:
+            others[of_column] = np.maximum(others[of_column], 1.0)
+        alone |= of_column & (np.abs(fit.residuals[rows]) <= SMALL * np.ptp(value[rows][of_column]))
+    ratio = np.abs(off) / np.maximum(others * np.sqrt(kept), np.finfo(float).tiny)
+    far = ~alone & (ratio > special.stdtrit(free, 1.0 - 0.5 * IMPROBABLE / len(rows)))
+    order = rows[far][np.argsort(-ratio[far], kind="stable")]
+    if len(order):
+        places = [place for data_set in fit.data for place in places_of(data_set)]
+        named = [
+            f"{places[row]} is measured {value[row]:.6g}, the model has {value[row] + fit.residuals[row]:.6g}"
+            for row in order[:NAMED]
+        ]
+        more = f"; so are {plural(len(order) - NAMED, 'other value')}" if len(order) > NAMED else ""
+        yield f"Far from what the other values tell: {'; '.join(named)}{more}. Are these rows wrong?"
+
+
+def places_of(data_set: Measurements) -> Iterator[str]:
+    """Yield words for each value: its column, and its impact or time."""
+    for name, row, of_impact in zip(data_set.quantity, data_set.row, data_set.of_impact, strict=True):
+        if of_impact:
+            impact = data_set.impacts[row]
+            where = f"impact {impact.number}" + (" of its point and wall" if impact.alike else "")
+        else:
+            where = f"t = {data_set.times[row]:.6g} s"
+        yield f"{name} ({where})"
+
+
+def unusual(result: Estimates) -> Iterator[str]:
+    """Yield a remark if the χ² of the columns with a given σ is improbably large or small."""
+    given = result.used.copy()
+    for name in result.estimated:
+        given &= ~result.columns[name]
+    total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
+    least = most - len(result.parameters)
+    # If σ is given for all columns, χ² has `least` degrees of freedom. Otherwise other columns may determine
+    # some of the parameters; then the number is between `least` and `most`, and each test uses the safe one.
+    most = most if result.estimated else least
+    if least <= 0 or total < EXACT * least:
+        return
+    what = f"χ² is {total:.4g} for {most} degrees of freedom, p < {IMPROBABLE:g}"
+    if exceeded(total, most) < IMPROBABLE:
+        yield (
+            f"{what}: the model does not follow the data within their σ, so the standard "
+            "errors are too small."
+        )
+    elif exceeded(total, least) > 1.0 - IMPROBABLE:
+        yield (
+            f"{what}: the data follow the model more closely than their σ allow, so the "
+            "standard errors are too large."
+        )
+
+
+def not_random(result: Estimates) -> Iterator[str]:
+    """Yield a remark on columns with correlated residuals: lag-1 correlation r with √n r > ALIKE.
+
+    Neighbours belong to the same data set. For n pairs of independent residuals, √n r has about the standard
+    normal distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
+    """
+    texts = []
+    data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])
+    for name, mine in result.columns.items():
+        used = mine & result.used
+        residuals = (result.residuals / result.sigma)[used]
+        pairs = np.flatnonzero(np.diff(data_set[used]) == 0)
+        square = float((residuals**2).mean()) if len(pairs) else 0.0
+        if square <= VISIBLE:
+            continue
+        alike = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
+        if math.sqrt(len(pairs)) * alike > ALIKE:
+            texts.append(f"{name} ({alike:.2f})")
+    if texts:
+        yield (
+            f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(texts)}. The "
+            "model leaves something out, and the standard errors are too small."
+        )
