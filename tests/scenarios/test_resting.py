@@ -1,8 +1,12 @@
 """Random scenes at rest: the run reaches its end, and the state stays constant."""
 
+import math
+
 import pytest
 
+from chain_impact import simulate
 from chain_impact.kernel.status import OK
+from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.campaigns.resting import KINDS, LONG, SHORT, run
 
 RESTS = 1e-12  # allowed change of the energy balance over the energies in the last quarter of a run at rest
@@ -51,6 +55,27 @@ def test_friction_at_rest_does_no_work(kind):
 def test_friction_in_a_joint_does_no_work_in_an_hour():
     """Steps of a second, each with the same round-off, added up to more than the allowed change."""
     check_rest([run("pendulum", seed, LONG) for seed in (70, 207, 243, 295)])
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_straight_chain_slides_down_a_slope_for_half_an_hour(count):
+    """All points touch and the joints stick: more constraints than coordinates, 3000 km from the origin."""
+    angle, last = -0.19, 1800.0
+    links = [{"length": 0.3 + 0.1 * i, "mass": 1.0, "joint_friction": 1.0} for i in range(count)]
+    table = {
+        "name": "Slides",
+        "chain": {"base": "free", "links": links},
+        "walls": [{"name": "slope", "point": [0.0, 0.0], "angle": angle}],
+        "contact": {"model": "newton_impact"},
+        "initial": {"angles": [angle] * count},
+        "simulation": {"stop_time": last, "step_size": last},
+    }
+    result = simulate(scene_from_dict(table, "slides"))
+    for i in range(count):
+        # the round-off of positions, 5e-10 m, over the length
+        assert result[f"link[{i + 1}].angle"][-1] == pytest.approx(angle, abs=1e-8)
+    speed = math.hypot(result["point[0].vx"][-1], result["point[0].vy"][-1])
+    assert speed == pytest.approx(9.81 * math.sin(-angle) * last, rel=1e-12)
 
 
 @pytest.mark.full("more cases", but=1)

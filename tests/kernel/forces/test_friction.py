@@ -149,11 +149,11 @@ def test_an_anchor_moves_only_where_it_cannot_be_held():
     d.element.mode[c] = friction.STICKS
     friction.list_sticking(d)
     there = geometry.tangential_position(d, c)
-    near = there + 0.5 * friction.NOT_HELD * d.model.size
+    near = there + 0.5 * friction.NOT_HELD * geometry.farthest(d)
     d.element.anchor[c] = near
     friction.keep_anchors(d)
     assert d.element.anchor[c] == near
-    d.element.anchor[c] = there + 2.0 * friction.NOT_HELD * d.model.size
+    d.element.anchor[c] = there + 2.0 * friction.NOT_HELD * geometry.farthest(d)
     friction.keep_anchors(d)
     assert d.element.anchor[c] == there
 

@@ -156,7 +156,7 @@ def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths
     monkeypatch.setattr(holding, "solve_equality", solve_equality)
     monkeypatch.setattr(holding, "solve_lcp", lambda _, scale: called.append(scale))
     holding.solve_positions(d)
-    assert called == [size] * (1 + again)
+    assert called == [geometry.farthest(d)] * (1 + again)
 
 
 def stuck_chain(base, contacts, joints, stuck):

@@ -22,11 +22,17 @@ modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody 
 Contacts.
 """
 
-from chain_impact.kernel.rows.geometry import add_along, tangent, tangential_position, tangential_rate
+from chain_impact.kernel.rows.geometry import (
+    add_along,
+    farthest,
+    tangent,
+    tangential_position,
+    tangential_rate,
+)
 
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
 # The largest distance of a sticking element from its anchor that counts as round-off after a projection,
-# relative to a link length.
+# relative to the largest coordinate.
 NOT_HELD = 1e-13
 
 
@@ -213,10 +219,10 @@ def keep_anchors(d):
     The projection misses an anchor only where a motion can hardly be constrained (constraints.py). To correct
     such a motion in each step would do work, and change the energy of a chain at rest.
     """
-    friction = d.friction
+    friction, held = d.friction, NOT_HELD * farthest(d)
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
-        if abs(tangential_position(d, e) - d.element.anchor[e]) > NOT_HELD * d.model.size:
+        if abs(tangential_position(d, e) - d.element.anchor[e]) > held:
             set_anchor(d, e)
 
 

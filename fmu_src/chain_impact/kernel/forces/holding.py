@@ -35,6 +35,7 @@ from chain_impact.kernel.rows.geometry import (
     constraint,
     constraint_acceleration,
     constraint_rows,
+    farthest,
     fastest_of_all,
     largest_acceleration,
     tangent,
@@ -248,19 +249,19 @@ def solve_positions(d):
     where the change hardly reduces the residual of sticking elements, for example at two corners of a box.
     Otherwise each step would change the energy.
     """
-    rigid, size, asked, moved, left = d.rigid, d.model.size, 0.0, 0.0, 0.0
+    rigid, size, far, asked, moved, left = d.rigid, d.model.size, farthest(d), 0.0, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         asked = max(asked, abs(rigid.target[k] - rigid.start[k]))
     factorize_free(d)
-    solve_equality(d, size)
+    solve_equality(d, far)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         left = max(left, abs(rigid.target[k] - rigid.reached[k]))
     for j in range(coordinate_count(d.links)):
         moved = max(moved, abs(rigid.change[j]) / (size if j < ANGLES else 1.0))
-    in_vain = left > max(IN_VAIN * asked, NOT_HELD * size) and not any_point_held(d)
+    in_vain = left > max(IN_VAIN * asked, NOT_HELD * far) and not any_point_held(d)
     if in_vain or moved > MISPLACED * (d.solver.tolerance + asked / size):
         if any_point_held(d):
-            solve_lcp(d, size)
+            solve_lcp(d, far)
         else:
             clear_impulses(d)
 

@@ -235,6 +235,11 @@ def fastest_of_all(d):
     return fastest
 
 
+def farthest(d):
+    """Return the largest coordinate [m] of any place, at least a link length: the scale of round-off."""
+    return max(d.model.size, largest(d, d.work.position))
+
+
 def largest_acceleration(d):
     """Return the largest component [m/s²] of the accelerations of all places and moving walls."""
     most = largest(d, d.work.acceleration)
