@@ -97,8 +97,12 @@ def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
-def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method):
-    """Each step dissipates less than half of the last digit of 1e6 J; a refused step leaves nothing."""
+@pytest.mark.parametrize("cut", [False, True])
+def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method, cut):
+    """Each step dissipates less than half of the last digit of 1e6 J; a refused step leaves nothing.
+
+    A step that is cut at an event keeps its part.
+    """
     links = [
         {"length": 1.0, "mass": 1.0, "joint_friction": 1.0},
         {"length": 1.0, "mass": 1.0, "joint_damping": 0.1},
@@ -121,6 +125,8 @@ def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method
                 with_a_step(d, size)
                 if size != H:
                     last_step.roll_back(d)
+                elif cut:
+                    last_step.truncate_step(d, 0.6)
         found.append(d.step.state_end[lost] - before)
         assert found[0] / 12 < 0.5 * digit < 0.25 * found[0]
         assert abs(d.step.remainder_end) <= 0.5 * digit

@@ -49,7 +49,7 @@ def problem(rate, jacobian):
             parts[at], parts[at + 1] = x.real, x.imag
 
     find_residuals, correct_stages, converge = radau.simplified_newton(
-        lambda _d: None, fill, lambda _d, _z: None, lambda _d, _h: None, solve
+        lambda _d: None, fill, lambda _d, _stage: None, lambda _d, _z: None, lambda _d, _h: None, solve
     )
 
     def step(d, h):

@@ -54,7 +54,7 @@ from chain_impact.kernel.ode.extended import (
     solve_complex,
     solve_real,
 )
-from chain_impact.kernel.ode.friction_work import settle_friction
+from chain_impact.kernel.ode.friction_work import keep_friction, settle_friction, work_along
 from chain_impact.kernel.ode.radau import (
     AT_END,
     AT_START,
@@ -64,6 +64,7 @@ from chain_impact.kernel.ode.radau import (
     PAIRS,
     RADAU_STAGES,
     REAL_EIGENVALUE,
+    lagrange,
     simplified_newton,
 )
 from chain_impact.kernel.rows.constraints import any_constraint
@@ -83,7 +84,6 @@ PAST_END = 1.04
 FORCELESS = 1e-3  # a contact that ends within this part of a step has practically no force left
 # the length of the first step after an event at a tolerance of 1, in time constants of a fast motion
 DECAY_TIMES = 3.0
-WITH_START = (0.0, *NODES)
 
 
 def _coefficients():
@@ -150,7 +150,7 @@ def set_jacobian(d, z):
 
 
 find_residuals, correct_stages, _converge = simplified_newton(
-    clear_stage_notes, extended_rate, set_jacobian, factorize, solve
+    clear_stage_notes, extended_rate, keep_friction, set_jacobian, factorize, solve
 )
 
 
@@ -321,15 +321,6 @@ def estimate(d, h, size):
     return first * min(1.0, first / second) if second > 0.0 else first
 
 
-def lagrange(first, m, x):
-    """Return at x the m-th Lagrange polynomial on the points of WITH_START from index ``first`` on."""
-    value = 1.0
-    for k in range(first, RADAU_STAGES + 1):
-        if k != m:
-            value *= (x - WITH_START[k]) / (WITH_START[m] - WITH_START[k])
-    return value
-
-
 def coefficient(stages, m, j):
     """Return the coefficient of the m-th function of the dense output for component j of z."""
     total = 0.0
@@ -361,8 +352,11 @@ def set_dense(values, j, stages, at, degree):
 
 
 def keep_clearances(d):
-    """Make the dense output agree with the integrated clearances at the thirds of the last step."""
-    dense, implicit, change = d.step.dense, d.implicit, d.work.change
+    """Make the dense output agree with the integrated clearances at the thirds of the last step.
+
+    Dry friction does work in this correction.
+    """
+    dense, implicit, change, lost = d.step.dense, d.implicit, d.work.change, dissipated_at(d.links)
     if compliant(d) == 0:
         return
     for third in range(1, 3):
@@ -375,7 +369,9 @@ def keep_clearances(d):
             project_coordinates(d, d.work.y, derivative, change)
             for j in range(len(change)):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
-    for j in range(dissipated_at(d.links)):
+            if derivative == 0:
+                implicit.thirds[third - 1, lost] = -work_along(d, change) if d.friction.count > 0 else 0.0
+    for j in range(lost + 1):
         at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
         # 8/729 F₅ + 8/2187 F₆ is the change of the output at one third, 8/729 F₅ + 16/2187 F₆ at two thirds
         dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)

@@ -49,10 +49,15 @@ def interpolate(step, theta, y):
 
 def interpolate_component(step, theta, j):
     """Return component j of the state at the fraction θ ∈ [0, 1] of the last step."""
+    return step.state[j] + change_within(step, theta, j)
+
+
+def change_within(step, theta, j):
+    """Return the change of component j from the start of the last step to its fraction θ ∈ [0, 1]."""
     remaining = 1.0 - theta
     high = step.dense[4, j] + remaining * (step.dense[5, j] + theta * step.dense[6, j])
     low = step.dense[2, j] + remaining * (step.dense[3, j] + theta * high)
-    return step.state[j] + theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
+    return theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
 
 
 def fraction(d, time):

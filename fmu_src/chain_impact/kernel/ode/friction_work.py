@@ -7,7 +7,7 @@ friction along these changes would be an error of the energy balance that grows 
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points_now, move_points
-from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, sundman_u_at
+from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, sundman_u_at, velocity_at
 from chain_impact.kernel.forces.friction import STICKS, work_of_holding
 from chain_impact.kernel.forces.inputs import set_inputs
 from chain_impact.kernel.ode import explicit
@@ -16,23 +16,38 @@ from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, Q
 from chain_impact.kernel.rows.geometry import along, any_sticking, tangent
 
 
+def keep_friction(d, stage):
+    """Store the forces of dry friction at a stage of an implicit step, where the rate was just evaluated."""
+    for k in range(d.friction.count):
+        e = d.element.index[k]
+        d.implicit.friction[stage, e] = d.element.force[e]
+
+
 def settle_friction(d, h):
     """Correct the dissipated energy in the stages of a step of size h [s] after the last iteration."""
-    for i in range(RADAU_STAGES):
-        d.implicit.stages[i, dissipated_at(d.links)] -= work_of_correction(d, h, i)
+    for m in range(RADAU_STAGES if d.friction.count > d.friction.stuck_count else 0):
+        power = power_of_correction(d, m)
+        for i in range(RADAU_STAGES):
+            d.implicit.stages[i, dissipated_at(d.links)] -= h * Q[i][m] * power
     if any_sticking(d):
         settle_holding(d, h)
 
 
-def work_of_correction(d, h, i):
-    """Return the work [J] of sliding friction along the part of stage i that the rates do not contain."""
-    implicit, change = d.implicit, d.work.change
+def power_of_correction(d, m):
+    """Return the power [W] of sliding friction at stage m, for the speeds that the last iteration added.
+
+    The force is the force for which the rate was evaluated. At rest the speeds in the rate may be far larger
+    than the corrected speeds, and the work along both must cancel.
+    """
+    implicit, change, first, power = d.implicit, d.work.change, velocity_at(d.links), 0.0
     for j in range(coordinate_count(d.links)):
-        by_rates = 0.0
-        for m in range(RADAU_STAGES):
-            by_rates += Q[i][m] * implicit.rates[m, j]
-        change[j] = implicit.stages[i, j] - h * by_rates
-    return work_along(d, change, True)
+        change[j] = implicit.start[first + j] + implicit.stages[m, first + j] - implicit.rates[m, j]
+    move_points(d, d.work.link, change, d.work.motion)
+    for k in range(d.friction.count):
+        e = d.element.index[k]
+        if d.element.mode[e] != STICKS:
+            power += implicit.friction[m, e] * along(tangent(d, e), d.work.motion)
+    return power
 
 
 def uncounted_work(d):
@@ -47,9 +62,9 @@ def uncounted_work(d):
         else:
             change[j] = (y[j] - d.step.state_end[j]) - explicit.change_by_rates(d, j)
     if d.step.method != IMPLICIT:
-        return work_along(d, change, False)
+        return work_along(d, change)
     # the work of sticking elements is counted from their places, so the round-off of places cancels here
-    work = work_along(d, change, True) + work_of_holding(d)
+    work = work_of_sliding(d, change) + work_of_holding(d)
     work -= holding_at(d, z, d.trial.size)
     locate_points_now(d, y)
     return work
@@ -62,13 +77,22 @@ def change_by_rates(d, j):
     return explicit.change_by_rates(d, j)
 
 
-def work_along(d, change, sliding_only):
-    """Return the work [J] of dry friction, or of sliding friction only, along a change of the coordinates."""
+def work_along(d, change):
+    """Return the work [J] of dry friction along a change of the coordinates, for the located points."""
+    work = work_of_sliding(d, change)
+    for k in range(d.friction.stuck_count):
+        e = d.element.stuck[k]
+        work += d.element.force[e] * along(tangent(d, e), d.work.motion)
+    return work
+
+
+def work_of_sliding(d, change):
+    """Return the part of ``work_along`` of the sliding elements, and set the motion of all places."""
     work = 0.0
     move_points(d, d.work.link, change, d.work.motion)
     for k in range(d.friction.count):
         e = d.element.index[k]
-        if d.element.mode[e] != STICKS or not sliding_only:
+        if d.element.mode[e] != STICKS:
             work += d.element.force[e] * along(tangent(d, e), d.work.motion)
     return work
 

@@ -23,6 +23,7 @@ from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, clear_faded, rescale
 from chain_impact.kernel.ode.dense import (
     append_quadratures,
+    change_within,
     fraction,
     interpolate,
     keep_end_rates,
@@ -34,7 +35,6 @@ from chain_impact.kernel.ode.dense import (
 from chain_impact.kernel.ode.friction_work import change_by_rates, uncounted_work
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.rows.geometry import any_sticking
 from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the step's dense output
@@ -94,20 +94,25 @@ def accept(d):
 def project_trial(d):
     """Project the end of the tried step onto the constraints.
 
-    The projection moves sticking elements back to their anchors, and other elements with them: dry friction
-    does work in this motion. At rest this work, and the energy that the step dissipates, are smaller than the
-    last digit of the dissipated energy. The part that rounding of the sum loses is therefore kept, and added
-    in the next step; otherwise the lost parts would add up.
+    The projection moves points back to rigid walls, sticking elements back to their anchors, and other
+    elements with them: dry friction does work in this motion. At rest this work, and the energy that the step
+    dissipates, are smaller than the last digit of the dissipated energy. The part that rounding of the sum
+    loses is therefore kept, and added in the next step; otherwise the lost parts would add up.
     """
     step, y, lost = d.step, d.trial.state, dissipated_at(d.links)
-    if not any_sticking(d):
+    if d.friction.count == 0:
         project_state(d, y)
         return
     y[lost] = step.remainder_end + change_by_rates(d, lost)
     project_state(d, y)
-    change = y[lost] - uncounted_work(d)
-    y[lost] = step.state_end[lost] + change
-    step.remainder_end = change - (y[lost] - step.state_end[lost])
+    add_dissipated(d, y, y[lost] - uncounted_work(d), step.state_end[lost])
+
+
+def add_dissipated(d, y, change, before):
+    """Set the dissipated energy in y to ``before`` plus a change [J], and keep what the sum loses."""
+    lost = dissipated_at(d.links)
+    y[lost] = before + change
+    d.step.remainder_end = change - (y[lost] - before)
 
 
 def dissipate(d, energy):
@@ -140,12 +145,22 @@ def roll_back(d):
 
 def truncate_step(d, theta):
     """End the last step at its fraction θ."""
-    step = d.step
     ensure_dense(d, SOLVER)
+    end_at(d, theta)
+    d.step.end = d.step.start + d.step.state_end[time_at(d.links)]
+
+
+def end_at(d, theta):
+    """Set the state and the quadratures at the end of the last step to their values at its fraction θ."""
+    step, lost = d.step, dissipated_at(d.links)
     interpolate(step, theta, step.state_end)
+    # The interpolant contains the rounded change of the energy in the whole step: an implicit one in
+    # proportion to θ, an explicit one also in its slopes.
+    part = theta if step.last_method == IMPLICIT else theta * theta * (3.0 - 2.0 * theta)
+    grown = step.remainder + part * (step.remainder_end - step.remainder)
+    add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])
     truncate_quadratures(d, theta)
     step.kept = theta
-    step.end = step.start + step.state_end[time_at(d.links)]
     mark_jump(d)
 
 
@@ -157,15 +172,10 @@ def set_own_output_time(d, time):
 
 def truncate_to_output_time(d):
     """End the last step at the communication point."""
-    step = d.step
     ensure_dense(d, OUTPUTS)
-    theta = fraction(d, step.time)
-    interpolate(step, theta, step.state_end)
-    truncate_quadratures(d, theta)
+    end_at(d, fraction(d, d.step.time))
     settle_impulses(d)
-    step.kept = theta
-    step.end = step.time
-    mark_jump(d)
+    d.step.end = d.step.time
 
 
 def keep_state(d):

@@ -87,7 +87,17 @@ LEFT_Q = tuple(
 ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
 LEFT_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
 DIVERGES = 0.95  # the convergence rate θ above which the iteration is given up
+WITH_START = (0.0, *NODES)
 FARTHEST = 1e20  # the largest correction, relative to the tolerance; beyond this the iteration has failed
+
+
+def lagrange(first, m, x):
+    """Return at x the m-th Lagrange polynomial on the points of WITH_START from index ``first`` on."""
+    value = 1.0
+    for k in range(first, RADAU_STAGES + 1):
+        if k != m:
+            value *= (x - WITH_START[k]) / (WITH_START[m] - WITH_START[k])
+    return value
 
 
 def _transformed(i):
@@ -133,12 +143,13 @@ _transform = sequence(*(_transformed(i) for i in range(RADAU_STAGES)))
 _correct = sequence(*(_corrected(i) for i in range(RADAU_STAGES)))
 
 
-def simplified_newton(begin, rate, linearize, factorize, solve):
+def simplified_newton(begin, rate, note, linearize, factorize, solve):
     """Return the functions of the iteration for a right-hand side and its linear systems.
 
     Args:
         begin: function (d) that is called before the stages are evaluated.
         rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
+        note: function (d, stage) that is called after the rate at a stage has been evaluated.
         linearize: function (d, z) that evaluates the derivatives in A at the state z for which f was just
             evaluated.
         factorize: function (d, h) that factorizes the systems.
@@ -160,6 +171,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
             for j in range(size):
                 implicit.z[j] = implicit.start[j] + implicit.stages[stage, j]
             rate(d, implicit.z, h * NODES[stage], implicit.rates[stage])
+            note(d, stage)
         _transform(d, h, size)
 
     def correct_stages(d, h, size):

@@ -229,6 +229,7 @@ def search_dtype(candidates: int) -> np.dtype:
     **dict.fromkeys(("iterations", "correction", "contraction"), "ode/radau.py"),
     **dict.fromkeys(("last", "listing", "thirds"), "ode/collocation.py"),
     **dict.fromkeys(("z", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
+    friction="ode/friction_work.py",
     parts=("ode/collocation.py", "ode/radau.py"),
     normal=("ode/collocation.py", "ode/extended.py"),
     weight="ode/collocation.py",
@@ -257,6 +258,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("weight", REAL, (extended,)),  # weights of errors in z, relative to the tolerance
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start to the nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
+        ("friction", REAL, (RADAU_STAGES, elements)),  # N, forces of dry friction at the nodes
         # residuals in the eigenvectors of the matrix Q, later corrections (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),
         ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step

@@ -1,0 +1,49 @@
+"""The work of dry friction along the motion that an implicit step has found."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.state import dissipated_at, velocity_at
+from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.kernel.ode.friction_work import keep_friction, settle_friction, work_along
+from chain_impact.kernel.ode.radau import RADAU_STAGES, Q
+from tests.kernel.rubbing import rubbing_chain, tangents
+
+H = 0.1  # s
+
+
+@pytest.fixture
+def rubbing():
+    """Return a random generator, an instance with sliding elements, and the gradients of their places."""
+    rng = np.random.default_rng(23)
+    scene, d, y = rubbing_chain(rng, "free", 2, True)
+    elements = d.element.index[: d.friction.count].copy()
+    return rng, d, elements, tangents(scene, d, y, elements)
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.4])
+def test_only_the_corrected_motion_dissipates_whatever_the_rates_contain(rubbing, speed):
+    """The stages have other forces and speeds when their rates are evaluated."""
+    rng, d, elements, slopes = rubbing
+    lost, first, count = dissipated_at(d.links), velocity_at(d.links), slopes.shape[1]
+    d.implicit.start[:] = d.implicit.stages[:] = 0.0
+    expected = np.zeros(RADAU_STAGES)
+    for m in range(RADAU_STAGES):
+        moved, corrected = rng.normal(size=(2, count))
+        d.element.force[elements] = rng.normal(size=len(elements))
+        keep_friction(d, m)
+        d.implicit.rates[m, :count] = moved
+        d.implicit.stages[m, first : first + count] = speed * corrected
+        d.implicit.rates[m, lost] = -d.element.force[elements] @ slopes @ moved
+        expected[m] = -speed * d.element.force[elements] @ slopes @ corrected
+    d.implicit.stages[:, lost] = H * np.array(Q) @ d.implicit.rates[:, lost]
+    settle_friction(d, H)
+    assert d.implicit.stages[:, lost] == pytest.approx(H * np.array(Q) @ expected, rel=1e-9, abs=1e-14)
+
+
+def test_the_work_along_a_change_is_that_of_sliding_and_sticking_elements(rubbing):
+    rng, d, elements, slopes = rubbing
+    e = d.element.stuck[0] = elements[1]
+    d.element.mode[e], d.friction.stuck_count = STICKS, 1
+    change, d.element.force[elements] = rng.normal(size=slopes.shape[1]), rng.normal(size=len(elements))
+    assert work_along(d, change) == pytest.approx(d.element.force[elements] @ slopes @ change, rel=1e-9)
