@@ -59,3 +59,14 @@ def test_a_table_of_another_chain_is_refused(run, here):
     assert code == 2
     assert errors == "chain-impact: rod.csv has 1 link, and --scene falling_arm has 2\n"
     assert not (here / "rod.html").exists()
+
+
+def test_a_film_has_a_style_and_a_page_has_none(run, here):
+    short = ("rod_drop", "--set", "simulation.stop_time=0.1", "--size", "320x180", "--impact-time", "0")
+    assert run("animate", *short, "-o", "dark.gif", "--style", "dark_background")[0] == 0
+    with Image.open(here / "dark.gif") as film:
+        assert film.convert("RGB").getpixel((1, 1)) == (0, 0, 0)
+    code, _, errors = run("animate", *short, "-o", "dark.html", "--style", "dark_background")
+    assert code == 2
+    assert "--style" in errors
+    assert not (here / "dark.html").exists()

@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import shlex
+import warnings
 from importlib import import_module
 from importlib.metadata import version
 
@@ -12,6 +13,7 @@ import pytest
 from matplotlib import pyplot
 
 from chain_impact import CONTACT_LAWS, cli, load_scene, simulate
+from chain_impact.cli import info
 from chain_impact.fmu.run import record_fmu
 from chain_impact.simulation import instance
 from chain_impact.studies.accuracy import differences
@@ -30,6 +32,17 @@ def test_simulate_prints_the_same_of_a_scene_and_of_its_fmu(run, fmu):
     assert (scene[0], scene[2]) == (of_fmu[0], of_fmu[2]) == (0, "")
     assert impact_lines(scene[1]) == impact_lines(of_fmu[1])
     assert len(impact_lines(scene[1])) == 14
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_warning_of_another_package_is_one_line_without_its_code(run, monkeypatch):
+    def warned():
+        warnings.warn("a glyph is missing", UserWarning, stacklevel=1)
+        return {"a": "b"}
+
+    monkeypatch.setitem(info.LISTS, "laws", warned)
+    code, _, errors = run("info", "--list", "laws")
+    assert (code, errors) == (0, "chain-impact: warning: a glyph is missing\n")
 
 
 def test_simulate_prints_the_largest_force_in_a_joint(run):

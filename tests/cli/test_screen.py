@@ -1,16 +1,14 @@
 """The printed report of a comparison. (test_commands.py tests the reports of simulations.)"""
 
-import io
 import math
 import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
-from chain_impact.cli.screen import law_table, plain_lines, show, summary, table_of, variable_table
+from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_lines
 from chain_impact.recording.summary import NONE
 from chain_impact.simulation.record_scene import record_scene
 from chain_impact.variables.prepared import PreparedScene
@@ -70,16 +68,20 @@ def test_the_columns_are_aligned():
     assert all(len(row) == end or row[end] == " " for row in rows)
 
 
-def test_on_a_terminal_a_table_is_as_wide_as_that(monkeypatch):
-    text = io.StringIO()
-    console = Console(file=text, force_terminal=True, color_system=None, width=70)
-    monkeypatch.setattr("chain_impact.cli.screen.out", console)
+@pytest.mark.parametrize("width", [80, 200])
+def test_the_list_of_variables_is_as_wide_as_the_terminal(width):
     variables = PreparedScene(default_scene()).variables
-    show(variable_table(variables))
-    lines = text.getvalue().splitlines()
-    assert max(map(len, lines)) <= 70
+    lines = list(variable_lines(variables, width))
+    assert max(map(len, lines)) <= width
     assert len(lines) > len(variables) + 20  # long descriptions continue in the next line
     assert all(any(line.split()[:1] == [v.name] for line in lines) for v in variables)
+
+
+def test_the_list_of_impacts_tells_which_link_has_a_point():
+    recording = record_scene(load_scene("thrown_brick"), {"simulation.stop_time": 0.8})
+    told = [part for part in summary(recording) if isinstance(part, str) and part.startswith("point ")]
+    assert len(told) == 1
+    assert told[0].endswith("2–5 on link 1")
 
 
 def test_elsewhere_lines_are_whole_and_have_no_spaces_at_their_end():

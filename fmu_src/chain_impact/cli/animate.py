@@ -12,6 +12,7 @@ from chain_impact.cli.options import (
     add_inputs,
     add_scene,
     add_set,
+    add_style,
     add_verb,
     check_outputs,
     complete_scenes,
@@ -30,6 +31,8 @@ from chain_impact.results.animate import FORMATS, SIZE, animate
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
+
+PAGE = FORMATS[0]  # the suffix of a page for the browser
 
 
 def add(verbs: Verbs) -> None:
@@ -72,6 +75,7 @@ def add(verbs: Verbs) -> None:
         metavar="WIDTHxHEIGHT",
         help=f"size of a film in pixels; default: {SIZE[0]}x{SIZE[1]}",
     )
+    add_style(verb)
     verb.set_defaults(run=run)
 
 
@@ -92,6 +96,8 @@ def run(options: argparse.Namespace) -> int:
     If a fault ends the run, the animation shows the time before the fault.
     """
     check_outputs(options.output, inputs=filter(None, (options.source, options.scene, options.inputs)))
+    if options.style and (options.output is None or options.output.suffix.lower() == PAGE):
+        raise UsageError("--style: a page follows the browser; it is the style of a film: give -o FILE.gif")
     fault = None
     try:
         recording = record(options)

@@ -81,16 +81,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """In this context, print each ``SceneWarning`` (a hint on a probable mistake in a scene) only once.
+    """In this context, print each warning only once, such as a hint on a probable mistake in a scene.
 
-    The line has the text only; Python would add the place in the code.
+    The line has the text only; Python would add the place in the code, and its line.
     """
-    usual, shown = warnings.showwarning, set()
+    shown = set()
 
-    def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
-        if not issubclass(category, SceneWarning):
-            usual(message, category, *place, **more)
-        elif not out.quiet and str(message) not in shown:
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
+        if not out.quiet and str(message) not in shown:
             shown.add(str(message))
             complain(f"warning: {message}")
 

@@ -12,7 +12,7 @@ from rich.markup import escape
 from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import Verbs, add_scene, add_verb
 from chain_impact.cli.progress import out, say
-from chain_impact.cli.screen import show, variable_table
+from chain_impact.cli.screen import variable_lines
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.platforms import platforms_of
 from chain_impact.fmu.run import EXPERIMENT
@@ -76,7 +76,9 @@ def run(options: argparse.Namespace) -> int:
     out.print(f"[bold]{escape(name)}[/]  {escape(description)}", soft_wrap=True)
     for key, value in facts:
         say(f"  {key} = {value}")
-    show(variable_table(variables))
+    out.print("\n[bold]Variables of the FMU[/]")
+    for line in variable_lines(variables, out.width):
+        say(line)
     return 0
 
 

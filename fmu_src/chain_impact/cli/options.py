@@ -164,6 +164,11 @@ def add_plot(command: argparse.ArgumentParser, what: str) -> None:
         type=figure_size,
         help="width of the picture in millimetres, as 84, or width and height, as 120x150",
     )
+    add_style(command)
+
+
+def add_style(command: argparse.ArgumentParser) -> None:
+    """Add the option for the style of a picture."""
     command.add_argument(
         "--style",
         action=Once,

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
 from io import StringIO
+from textwrap import wrap
 from typing import Any
 
 from rich.console import Console, RenderableType
@@ -14,6 +15,7 @@ from rich.table import Table
 
 from chain_impact.cli.progress import out, say
 from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.recording.bodies import sites_of_links
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import phase_cells
@@ -65,16 +67,30 @@ def plain_lines(table: Table) -> Iterator[str]:
     yield from (line.rstrip() for line in captured.get().splitlines())
 
 
-def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
-    """Yield the table of the variables of an FMU."""
-    yield "\n[bold]Variables of the FMU[/]"
-    table = table_of(("name", "causality", "variability", "unit", "meaning"))
-    for v in variables:
-        meaning, *codes = CODES.split(v.description or "")
-        table.add_row(*map(escape, (v.name, v.causality, v.variability, unit_text(v.unit), meaning)))
+def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
+    """Yield the lines of the table of the variables of an FMU.
+
+    A meaning that does not fit into the width [characters] goes on in the next lines, indented.
+    """
+    told = [(v.name, v.causality, v.variability, unit_text(v.unit), v.description or "") for v in variables]
+    rows = [("name", "causality", "variability", "unit", "meaning"), *told]
+    widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:-1]]
+    for *cells, description in rows:
+        meaning, *codes = CODES.split(description)
+        start = "  ".join(f"{cell:{room}}" for cell, room in zip(cells, widths, strict=True))
+        if len(start) + 2 + len(meaning) <= width:
+            yield f"{start}  {meaning}".rstrip()
+        else:
+            yield start.rstrip()
+            yield from indented(meaning, width, 4)
         for code in codes:
-            table.add_row("", "", "", "", escape(f"  {code}"))
-    yield table
+            yield from indented(code, width, 6, hanging=3)
+
+
+def indented(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
+    """Return a text in lines of a width [characters], indented, and more so after the first line."""
+    start, later = " " * by, " " * (by + hanging)
+    return wrap(text, width, initial_indent=start, subsequent_indent=later, break_long_words=False)
 
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
@@ -112,14 +128,20 @@ def meanings(recording: Recording) -> Iterator[str]:
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:
         last = recording.link_count
-        others = (
-            f" to {last}; from {last + 1} on the points of links"
-            if max(row["point"] for row in hits) > last
-            else ""
-        )
+        others = f" to {last}; {site_numbers(recording)}" if max(row["point"] for row in hits) > last else ""
         yield f"point    0 is the first end of the chain, 1 the end of its first link, and so on{others}"
     if sides := [f"{wall} is the {side}" for wall, side in SIDES.items() if wall in hit]:
         yield f"wall     {', '.join(sides)}"
+
+
+def site_numbers(recording: Recording) -> str:
+    """Return words that tell which points are on which link beside its ends: "2–5 on link 1"."""
+    first, parts = recording.link_count + 1, []
+    for link, count in sites_of_links(recording.parameters).items():
+        last = first + count - 1
+        parts.append(f"{first}–{last} on link {link}" if last > first else f"{first} on link {link}")
+        first = last + 1
+    return ", ".join(parts) or f"from {first} on the points of links"
 
 
 def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:

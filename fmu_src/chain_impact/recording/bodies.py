@@ -25,6 +25,11 @@ def site_radii(values: Mapping[str, Any]) -> list[float]:
     return [radius for discs in _discs(values).values() for *_, radius in discs]
 
 
+def sites_of_links(values: Mapping[str, Any]) -> dict[int, int]:
+    """Return number of a link → number of its points beside its ends, for each link that has such points."""
+    return {link: len(discs) for link, discs in _discs(values).items()}
+
+
 def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
     """Return number of a link → its points as discs, for each link that has points.
 
