@@ -137,6 +137,16 @@ def test_maps_are_the_columns_with_ordered_axes():
     assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
 
 
+@pytest.mark.parametrize(("width", "across"), [(4.7, 1), (7.5, 1), (10.8, 3)])
+def test_three_maps_leave_no_gap(width, across):
+    vary = {"contact.restitution": "0.4,0.8", "contact.stiffness": "1e6,1e8"}
+    page = sweep(SCENE, vary).plot(
+        panels=["peak_force", "impact.count", "max_penetration"], size=(width, None)
+    )
+    lefts = {round(axes.get_position().x0, 2) for axes in page.axes if axes.get_xlabel()}
+    assert len(lefts) == across
+
+
 def test_colours_of_a_wide_range_are_logarithmic_and_counts_have_a_colour_each():
     """The peak force grows by three decades with the stiffness; the number of impacts is whole."""
     vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.8"}

@@ -61,6 +61,7 @@ MOST_DRAWN = 2**18  # largest number of runs in a picture
 # smallest one: a power law is then a straight line
 DECADE = 10.0
 ALONE = 6.5  # [inch] the width of a figure with one panel
+THREE_MAPS = 9.0  # [inch] the least width of a figure with three maps in a row
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
@@ -110,14 +111,15 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     headline(figure, title(runs, results, mark), "; ".join(filter(None, parts)))
     # parameters that are numbers come before choices
     first, *others = sorted(varying, key=lambda variation: bool(variation.choices))
+    across = _across(len(quantities), kind, figure.get_figwidth())
     if kind == DOTS:
         _dots(figure, runs, quantities, first)
     elif kind == CURVES:
         _curves(figure, runs, quantities, first, *others)
     elif kind == HISTOGRAMS:
-        draw_histograms(_panels(figure, len(quantities), _across(len(quantities), kind)), runs, quantities)
+        draw_histograms(_panels(figure, len(quantities), across), runs, quantities)
     else:
-        draw_maps(figure, _panels(figure, len(quantities)), runs, quantities, (first, *others))
+        draw_maps(figure, _panels(figure, len(quantities), across), runs, quantities, (first, *others))
     settle(figure)
 
 
@@ -139,9 +141,8 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
         width = width or NAMES + DOTS_WIDTH * min(count, 4) + 0.5
         rows = math.ceil(count / _dots_across(count, width))
         return width, 0.7 + rows * (0.6 + 0.22 * len(varying_in(runs.design)[0].values))
-    across = _across(count, kind)
-    width = ALONE if count == 1 else 10.8 if kind == MAPS else 10.0
-    return width, 0.6 + 2.7 * math.ceil(count / across)
+    usual = ALONE if count == 1 else 10.8 if kind == MAPS else 10.0
+    return usual, 0.6 + 2.7 * math.ceil(count / _across(count, kind, width or usual))
 
 
 def title(runs: Runs, results: Results, mark: str) -> str:
@@ -177,9 +178,14 @@ def varying_in(design: Design) -> list[Variation]:
     return varying or list(design.variations[:1])
 
 
-def _across(count: int, kind: str) -> int:
-    """Return how many panels are in a row of a wide figure: two, or three if there are three without maps."""
-    return 3 if count == 3 and kind != MAPS else 2  # noqa: PLR2004 - three panels leave no gap
+def _across(count: int, kind: str, width: float) -> int:
+    """Return how many panels are in a row of a figure of some width [inches]: two, or one or three of three.
+
+    So three panels leave no gap.
+    """
+    if count != 3:  # noqa: PLR2004
+        return 2
+    return 1 if kind == MAPS and width < THREE_MAPS else 3
 
 
 def _dots_across(count: int, width: float) -> int:
@@ -188,7 +194,7 @@ def _dots_across(count: int, width: float) -> int:
     return math.ceil(count / math.ceil(count / most))
 
 
-def _panels(figure: Figure, count: int, most: int = 2, *, sharey: bool = False) -> list[Axes]:
+def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> list[Axes]:
     """Return empty panels, at most ``most`` in a row; on a narrow figure, one below the other."""
     across = 1 if is_narrow(figure) else min(count, most)
     grid = figure.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
@@ -206,7 +212,7 @@ def _curves(
     choice: Variation | None = None,
 ) -> None:
     """Draw a panel for each quantity over a parameter, with one line for each choice."""
-    panels = _panels(figure, len(quantities), _across(len(quantities), CURVES))
+    panels = _panels(figure, len(quantities), _across(len(quantities), CURVES, figure.get_figwidth()))
     values = runs[across.name]
     for axes, quantity in zip(panels, quantities, strict=True):
         shown = quantity.of(runs)
