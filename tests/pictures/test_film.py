@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from PIL import Image
 
 from chain_impact import Recording, SceneWarning, load_scene, record_slowly
@@ -239,3 +240,18 @@ def test_arrows_have_lengths_by_the_cube_root_of_the_force_and_the_ruler_has_rou
     assert [text for _, text in marks] == ["1 kN", "100 N"]
     for at, text in marks[:2]:
         assert at == pytest.approx(scale.length({"1 kN": 1000.0, "100 N": 100.0}[text]))
+
+
+def test_numbers_in_a_film_cover_no_body_and_no_other_number():
+    """A brick lies on a floor: its corners carry forces, whose numbers have no room above the corners."""
+    recording = record_slowly("thrown_brick")
+    figure = Figure((8.0, 4.5), dpi=80)
+    film = Film(figure, recording, recording.time[-1:])
+    figure.draw_without_rendering()
+    drawn = list(film.show(0, 1.0))
+    (body,) = film.bodies.values()
+    outline = body.get_window_extent()
+    boxes = [one.get_window_extent() for one in drawn if isinstance(one, Text) and " N" in one.get_text()]
+    assert len(boxes) == 2
+    assert not boxes[0].overlaps(boxes[1])
+    assert not any(box.overlaps(outline) for box in boxes)

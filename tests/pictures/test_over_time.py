@@ -43,6 +43,13 @@ def test_the_hardest_impacts_are_numbered_first():
     assert texts(speeds)[0] == "3"
 
 
+def test_of_many_impacts_at_equal_distances_every_kth_is_numbered():
+    page = recorded("bouncing_table").plot(size=(84 / 25.4, None))
+    (axes,) = (one for one in page.axes if one.get_label() == "impacts")
+    assert [text.get_text() for text in axes.texts] == [str(number) for number in range(5, 31, 5)]
+    assert any("every 5th" in text.get_text() for text in page.texts)
+
+
 def test_all_that_is_measured_names_its_unit():
     _, motion, clock, energy, speeds = drawn(recorded("pinned_arm"))
     names = [motion.get_xlabel(), motion.get_ylabel(), clock.get_xlabel(), energy.get_ylabel()]

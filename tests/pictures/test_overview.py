@@ -309,6 +309,28 @@ def test_a_legend_in_two_rows_is_read_row_by_row():
         assert 1 < len({round(box.x0) for box in places.values()}) < len(names)
 
 
+def test_the_legend_of_a_slim_motion_is_beside_it_on_a_narrow_page():
+    page = recorded("bouncing_ball").plot(size=(84 / 25.4, None), panels=["motion", "energy"])
+    page.draw_without_rendering()
+    axes = next(one for one in page.axes if one.get_label() == "motion")
+    legend, motion = axes.get_legend().get_window_extent(), axes.get_window_extent()
+    assert motion.x1 <= legend.x0 < legend.x1 <= page.bbox.x1
+    assert legend.y0 >= motion.y0
+
+
+def test_a_long_entry_leaves_no_gap_in_a_legend():
+    page = Figure((3.6, 2.0), layout="constrained")
+    axes = page.subplots()
+    legend_above(axes, [Patch(label=name) for name in ("a", "b", "c", "a rather long entry here", "d", "e")])
+    fit_legends(page)
+    page.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.get_legend().get_texts()]
+    rows = [[box for box in boxes if round(box.y0, -1) == y] for y in {round(box.y0, -1) for box in boxes}]
+    assert len(rows) == 2
+    gaps = [two.x0 - one.x1 for row in rows for one, two in itertools.pairwise(row)]
+    assert np.ptp(gaps) < 2.0
+
+
 def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():
     result = recorded("sliding_rod")
     for page in (result.plot(kind="energy"), result.plot(panels="energy")):

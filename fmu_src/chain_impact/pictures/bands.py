@@ -1,8 +1,9 @@
-"""A band that replaces many grey curves, which a reader cannot distinguish."""
+"""Curves that a reader can distinguish: dashed ones, and bands for many grey ones or a fast oscillation."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,6 +12,12 @@ from chain_impact.pictures.style import GREY
 
 MOST_GREY = 2  # up to this number of grey curves are drawn as curves; more are drawn as a band
 SOFT = 0.45  # the opacity of a band, from 0 to 1
+# A curve is fast if it turns at least twice, which is a period, within BIN [points] in more than MUCH of the
+# width of the axes. Turns count from SEEN on, relative to the range of all curves in the axes.
+BIN, MUCH, SEEN = 4.0, 0.2, 0.05
+SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
+EDGE, PALE_BAND = 0.8, 0.3  # [points] the width of the edges of an oscillation's band, and the band's opacity
+FAST = "band: range of a fast oscillation"
 
 
 def fill_band(
@@ -20,3 +27,71 @@ def fill_band(
     known = np.ma.masked_invalid(curves)
     ends = known.min(axis=0).filled(np.nan), known.max(axis=0).filled(np.nan)
     axes.fill_between(along, *ends, color=GREY, alpha=SOFT, linewidth=0.0, label=label)
+
+
+def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
+    """Draw curves, each with its properties in matplotlib's names, and a fast oscillation as its range.
+
+    The range has an edge at its least and at its largest values. An entry of the legend tells what it is.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    bins = max(1, int(axes.get_window_extent().width * 72.0 / figure.dpi / BIN))
+    ends = [(np.nanmin(values), np.nanmax(values)) for values, _ in curves if np.isfinite(values).any()]
+    least = SEEN * float(np.ptp(ends)) if ends else 0.0
+    is_told = False
+    for values, look in curves:
+        if not is_fast(along, values, bins, least):
+            axes.plot(along, values, **look)
+            continue
+        at, low, high = envelope(along, values, bins)
+        axes.fill_between(at, low, high, color=look["color"], alpha=PALE_BAND, linewidth=0.0)
+        for edge, label in ((low, "_"), (high, look["label"])):
+            axes.plot(at, edge, **look | {"linewidth": EDGE, "label": label})
+        is_told = True
+    if is_told:
+        axes.plot([], [], color=GREY, alpha=SOFT, linewidth=5.0, label=FAST)
+
+
+def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
+    """Return, for each curve, how many earlier curves it would hide because they look the same.
+
+    Such a curve is dashed, so that the earlier curves are seen through its gaps.
+
+    Args:
+        curves: the curves, each of shape (T,).
+        same: the largest distance of curves that look the same, relative to the range of all curves.
+        share: the part of the rows in which they look the same.
+    """
+    every = [curve[np.isfinite(curve)] for curve in curves]
+    whole = np.concatenate(every) if every else np.zeros(0)
+    seen = same * float(np.ptp(whole)) if whole.size else 0.0
+    return [
+        sum(bool(np.quantile(np.abs(curve - other), share) <= seen) for other in curves[:k])
+        for k, curve in enumerate(curves)
+    ]
+
+
+def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
+    """Return whether a curve turns so often, by at least ``least``, that its drawing would be an area."""
+    if not np.isfinite(values).all() or len(along) <= bins:
+        return False
+    steps = np.diff(values)
+    turns = np.flatnonzero(steps[1:] * steps[:-1] < 0.0) + 1
+    large = np.abs(np.diff(values[turns], append=np.inf)) >= least
+    counts, _ = np.histogram(along[turns[large]], bins, (along[0], along[-1]))
+    return bool((counts > 1).mean() > MUCH)
+
+
+def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the middles of equal parts of an axis, and the least and the largest values around them.
+
+    The values of a part include those of its neighbours, so that the edges do not follow the oscillation.
+    """
+    edges = np.linspace(along[0], along[-1], bins + 1)
+    starts = np.searchsorted(along, edges)
+    around = [slice(starts[max(k - 1, 0)], max(starts[min(k + 2, bins)], 1)) for k in range(bins)]
+    low = np.array([values[part].min(initial=np.inf) for part in around])
+    high = np.array([values[part].max(initial=-np.inf) for part in around])
+    known = np.isfinite(low)
+    return (0.5 * (edges[1:] + edges[:-1]))[known], low[known], high[known]

@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.bands import hides, plot_curves
 from chain_impact.pictures.figures import settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
@@ -26,7 +28,6 @@ DASHES = ("-", "--", ":")
 # largest number of curves in a panel, and largest number of panels
 MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
-SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
 WIDEST = 28  # the legend is beside the panel if no name has more characters, else above the panel
 # PREFIXED: the units that may get a prefix, such as kN; they get it if the largest value is less than SMALL
 # or at least LARGE
@@ -133,10 +134,15 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
             mark_end(axes, recording, curves.number, start, factor)
         drawn = [curves.values[name] for name in names]
         hidden, (scale, unit) = hides(drawn), axis_unit(curves.units[names[0]], drawn)
-        for k, name in enumerate(names):
-            look = DASHES[min(k // len(PALETTE) + hidden[k], len(DASHES) - 1)]
-            told = name if wide else short_name(name, names)
-            axes.plot(time, scale * drawn[k], look, color=PALETTE[k % len(PALETTE)], label=told)
+        looks: list[dict[str, Any]] = [
+            {
+                "linestyle": DASHES[min(k // len(PALETTE) + hidden[k], len(DASHES) - 1)],
+                "color": PALETTE[k % len(PALETTE)],
+                "label": name if wide else short_name(name, names),
+            }
+            for k, name in enumerate(names)
+        ]
+        plot_curves(axes, time, [(scale * one, look) for one, look in zip(drawn, looks, strict=True)])
         quantity = shared_part(names) or QUANTITIES.get(curves.units[names[0]], "")
         axes.set_ylabel(f"{quantity}{in_brackets(unit)}".lstrip())
         if curves.onset is None:
@@ -171,20 +177,6 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
     end = recording.impacts["end"][number - 1]
     if np.isfinite(end):
         axes.axvline(factor * (end - start), color=faint(axes, END), linewidth=0.8, linestyle=":", zorder=0)
-
-
-def hides(curves: Sequence[np.ndarray]) -> list[int]:
-    """Return, for each curve, how many earlier curves it would hide because they look the same.
-
-    Such a curve is dashed, so that the earlier curves are seen through its gaps.
-    """
-    every = [curve[np.isfinite(curve)] for curve in curves]
-    whole = np.concatenate(every) if every else np.zeros(0)
-    seen = SAME * float(np.ptp(whole)) if whole.size else 0.0
-    return [
-        sum(bool(np.all(np.abs(curve - other) <= seen)) for other in curves[:k])
-        for k, curve in enumerate(curves)
-    ]
 
 
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:

@@ -21,15 +21,25 @@ from matplotlib.transforms import Bbox
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.lines import in_lines
 from chain_impact.pictures.sizes import LEAST, Size, figure_size
-from chain_impact.pictures.style import DPI, FULL, LEAST_TICKS, WIDE, StyledFigure, save, styled, suit_figure
+from chain_impact.pictures.style import (
+    DPI,
+    FULL,
+    LEAST_TICKS,
+    WIDE,
+    StyledFigure,
+    filled_figure,
+    save,
+    styled,
+    suit_figure,
+)
 
 SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
 LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
 USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label, if the user gives no height
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the figure, or overlap
 ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
-# if a figure is too low, heights up to this number of quarter inches larger are tried
-HIGHER = 40
+# if a figure is too low, heights that are larger by a multiple of STEP [inch] are tried, at most HIGHER steps
+STEP, HIGHER = 0.25, 40
 APART = 0.35  # the least space between two numbers of an axis, relative to their height
 # a label is broken into two lines if its length, relative to the length of its axis, exceeds this
 LONGER = 1.1
@@ -72,11 +82,15 @@ def drawn(
     if size is not None:
         width, height = figure_size(size)
         if height is None:
-            inches = width, needed_height(fill, width, usual)
+            tried = fitting(fill, width, usual)
+            if path is not None:
+                save(Path(path), lambda: tried)
+                return None
+            inches = width, float(tried.get_figheight())
         else:
             inches, filled = (width, height), partial(fill_or_refuse, fill)
     if path is not None:
-        save(Path(path), filled, inches)
+        save(Path(path), lambda: filled_figure(filled, inches))
         return None
     figure = StyledFigure(figsize=inches)
     filled(figure)
@@ -103,48 +117,53 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
     if has_room(fill, figure):
         return
     width, height = map(float, figure.get_size_inches())
-    least = least_height(fill, width, height)
+    least = float(least_figure(fill, width, height).get_figheight())
     raise NoRoomError(width, height, f"at least {least:g} high for the panels, or have fewer panels", least)
 
 
-def needed_height(fill: Fill, width: float, usual: tuple[float, float]) -> float:
-    """Return the height of a figure [inches] of a given width.
+def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
+    """Return a figure of a given width with the height [inches] that its contents need.
 
     A figure narrower than WIDE has the usual height. A wider figure, narrower than usual, is also lower.
-    If this height is too low for the contents, the result is the least height with room.
+    If this height is too low for the contents, the figure has the least height with room.
 
     Raises:
         ValueError: when no height is enough.
     """
     height = max(LEAST, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
-    lacks = lacking_height(fill, StyledFigure(figsize=(width, height), dpi=DPI), USUAL_SIDE)
-    return height if lacks <= 0.0 else least_height(fill, width, height, USUAL_SIDE, lacks)
+    figure = StyledFigure(figsize=(width, height), dpi=DPI)
+    lacks = lacking_height(fill, figure, USUAL_SIDE)
+    return figure if lacks <= 0.0 else least_figure(fill, width, height, USUAL_SIDE, lacks)
 
 
-def least_height(
+def least_figure(
     fill: Fill, width: float, height: float, mean: float = 0.0, lacks: float = math.inf
-) -> float:
-    """Return the least height of a figure [inches] with room for all panels; ``height`` has no room.
+) -> Figure:
+    """Return the figure with the least height that has room for all panels; ``height`` [inches] has no room.
 
     ``mean`` and ``lacks`` are the argument and the result of ``lacking_height`` at the given height.
 
     Raises:
         ValueError: when no height is enough.
     """
-    heights = math.ceil(4.0 * height) / 4.0 + 0.25 * np.arange(1, HIGHER)
+    heights = STEP * (math.ceil(height / STEP) + np.arange(1, HIGHER))
     # every height up to ``low`` is too low, and every height from ``high`` on is enough
-    low, high = -1, len(heights)
-    guess = math.ceil(4.0 * lacks) - 1 if math.isfinite(lacks) else (low + high) // 2
+    low, high, found = -1, len(heights), None
     while high - low > 1:
-        k = min(max(guess, low + 1), high - 1)
-        lacks = lacking_height(fill, StyledFigure(figsize=(width, heights[k]), dpi=DPI), mean)
-        low, high = (low, k) if lacks <= 0.0 else (k, high)
         # the measured lack is a good guess; without it, the interval is halved
-        step = math.ceil(4.0 * lacks) if math.isfinite(lacks) else 0
-        guess = k + step if step else (low + high) // 2
-    if high == len(heights):
+        guess = int(heights.searchsorted(height + lacks)) if math.isfinite(lacks) else (low + high) // 2
+        k = min(max(guess, low + 1), high - 1)
+        height, figure = float(heights[k]), StyledFigure(figsize=(width, heights[k]), dpi=DPI)
+        lacks = lacking_height(fill, figure, mean)
+        if lacks > 0.0:
+            low = k
+            continue
+        high, found = k, figure
+        if -STEP < lacks < 0.0:  # the panels of the next lower figure lack height
+            break
+    if found is None:
         raise NoRoomError(width, height, "wider for the panels")
-    return float(heights[high])
+    return found
 
 
 def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:

@@ -12,11 +12,12 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
-from matplotlib.patheffects import withStroke
 
 from chain_impact.pictures.arrow_scale import ArrowScale
+from chain_impact.pictures.bands import plot_curves
 from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.dark import Ground
+from chain_impact.pictures.film_labels import Number, write_numbers
 from chain_impact.pictures.over_time import ENERGY_COLOURS, mark_impacts
 from chain_impact.pictures.room import draw_pin, draw_room, moves
 from chain_impact.pictures.style import (
@@ -54,7 +55,6 @@ SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.06, 0.96, 0.72), (0.02, 0.84), (
 # half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
 # the scene
 BAR, CORNER = 0.035, 0.035
-STEEP = 0.5  # if |x| of an arrow's unit vector is larger, its number is beside the head, else above or below
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
 
@@ -72,6 +72,7 @@ class Film:
         self.loads = {joint: self._over_frames(force) for joint, force in recording.loads.items()}
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
         self.touches, self.moving = recording.touches, list[Any]()
+        self.numbers, self.arrows = list[Number](), list[np.ndarray]()
         wide = bool((figure.get_size_inches() > 0.99 * np.array(ROOM)).all())
         scene, clock, rate = (SCENE, CLOCK, RATE) if wide else (SMALL_SCENE, SMALL_CLOCK, SMALL_RATE)
         self.tells_energies = wide and bool(recording.energies)
@@ -176,11 +177,20 @@ class Film:
     def _draw_energies(self, axes: Any) -> None:
         time = self.recording.time
         mark_impacts(axes, self.recording)
-        for name, energy in self.recording.energies.items():
-            if name in ENERGIES and energy.any():
-                width = 1 + (name == "total")
-                style = "--" if name == "friction" else "-"
-                axes.plot(time, energy, style, color=ENERGIES[name], label=name, linewidth=width)
+        shown = {name: one for name, one in self.recording.energies.items() if name in ENERGIES and one.any()}
+        curves: list[tuple[np.ndarray, dict[str, Any]]] = [
+            (
+                energy,
+                {
+                    "linestyle": "--" if name == "friction" else "-",
+                    "color": ENERGIES[name],
+                    "label": name,
+                    "linewidth": 1 + (name == "total"),
+                },
+            )
+            for name, energy in shown.items()
+        ]
+        plot_curves(axes, time, curves)
         axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel="energy [J]")
         place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
         axes.legend(**place, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
@@ -233,6 +243,8 @@ class Film:
         for artist in self.moving:
             artist.remove()
         self.moving.clear()
+        self.numbers.clear()
+        self.arrows.clear()
         self.plane = self.recording.sides_at(float(self.times[frame]))
         for one in self.touches:
             force = 0.0 if one.force is None else self._at(one.force, frame)
@@ -247,8 +259,10 @@ class Film:
             elif force > 0.0:
                 place, (dx, dy) = touching_place(self.points[frame], one.point)
                 self._add_line(place, "o", markersize=9)
-                self._add_text(force_text(force, "N·m"), place + 0.11 * self.side * np.array([dy, -dx]))
+                across = np.array([dy, -dx])
+                self.numbers.append(Number(force, force_text(force, "N·m"), place, across, FORCE))
         self._add_loads(frame)
+        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame))
         if self.ground:
             self.ground.suit(self.moving)
         yield from self.moving
@@ -292,15 +306,18 @@ class Film:
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
         self.moving.append(self.scene.add_patch(arrow))
+        self.arrows.append(np.stack([foot, head]))
         if told:
-            beside = {"ha": "left" if direction[0] > 0.0 else "right"} if abs(direction[0]) > STEEP else {}
-            place = head + 0.035 * self.side * direction
-            self._add_text(force_text(whole, "N"), place, colour, **beside)
+            self.numbers.append(Number(whole, force_text(whole, "N"), head, direction, colour))
 
     def _add_line(self, place: np.ndarray, *marker: str, **look: Any) -> None:
         self.moving += self.scene.plot(*place, *marker, color=FORCE, **look)
 
-    def _add_text(self, words: str, place: np.ndarray, colour: str = FORCE, ha: str = "center") -> None:
-        look: dict[str, Any] = {"color": colour, "fontweight": "bold", "ha": ha, "va": "center"}
-        outline = [withStroke(linewidth=3.0, foreground="white")]
-        self.moving.append(self.scene.text(place[0], place[1], words, path_effects=outline, **look))
+    def _outlines(self, frame: int) -> list[np.ndarray]:
+        """Return the lines in a frame that numbers must not cover: chain, bodies, walls and arrows."""
+        bodies = [*self.bodies.values(), *(patch for patch, _ in self.carriage)]
+        outlines = [np.asarray(body.get_xy()) for body in bodies]
+        for disc in self.discs.values():
+            outlines.append(np.asarray(disc.get_patch_transform().transform(disc.get_path().vertices)))
+        walls = [np.asarray(line.get_xydata()) for line in self.room if isinstance(line, Line2D)]
+        return [self.points[frame, : self.recording.link_count + 1], *outlines, *walls, *self.arrows]

@@ -27,6 +27,9 @@ FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 PARTS = 16
 TURNS = (0, *(sign * part for part in range(1, PARTS // 2) for sign in (1, -1)), PARTS // 2)
 COVERED = 0.6  # the largest part of a line between place and label that may cover other drawn things
+# CROSSED: [points] how much of a line may be on strong pixels, tried in this order, except within OWN
+# [points] of its place, which is a mark; a pixel is strong if its red, green or blue is below STRONG
+CROSSED, OWN, STRONG = (0.0, 4.0, math.inf), 6.0, 128
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
 ABOVE = 6.0  # matplotlib's zorder of labels and their lines: above links and points
@@ -60,7 +63,9 @@ class Ink:
         figure.set_canvas(own)
         grounds = [*FLAT, figure.get_facecolor(), *(axes.get_facecolor() for axes in figure.axes)]
         grounds += [faint(axes, SHADE) for axes in figure.axes]
-        colours = np.ascontiguousarray(canvas.buffer_rgba())[::-1].view(np.uint32)[..., 0]
+        parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
+        colours = parts.view(np.uint32)[..., 0]
+        self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
             self._drawn &= colours != ground
@@ -79,10 +84,18 @@ class Ink:
         counts = self._counts
         return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
 
-    def take(self, low: np.ndarray, high: np.ndarray, place: np.ndarray | None = None) -> bool:
+    def take(
+        self,
+        low: np.ndarray,
+        high: np.ndarray,
+        place: np.ndarray | None = None,
+        own: float = 0.0,
+        crossed: float = math.inf,
+    ) -> bool:
         """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free.
 
         A straight line from ``place`` to the box must pass no other label and little else; it is marked, too.
+        At a distance from its place of at least ``own`` at most ``crossed`` of it is strong [pixels].
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box = self._drawn[y0:y1, x0:x1]
@@ -94,7 +107,9 @@ class Ink:
             line = tuple(np.linspace(place, middle, count).astype(int).T[::-1])
             if self._labels[line].any() or self._drawn[line].sum() > COVERED * count:
                 return False
-            self._drawn[line] = True
+            if self._strong[tuple(along[int(own) :] for along in line)].sum() > crossed:
+                return False
+            self._drawn[line] = self._strong[line] = True
         box[:] = self._labels[y0:y1, x0:x1] = True
         return True
 
@@ -170,8 +185,8 @@ def _place(
         "va": "center",
         "in_layout": False,
     }
-    for (words, half), spared in product(sizes.items(), (homes, homes[:0])):
-        ways = _directions(label.away) * (steps[:, None, None] * CLOSE * point + half)
+    for (words, half), crossed, spared in product(sizes.items(), CROSSED, (homes, homes[:0])):
+        ways = directions(label.away) * (steps[:, None, None] * CLOSE * point + half)
         low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
         is_inside = ((low >= inside.min) & (high <= inside.max)).all(axis=-1)
         for home in spared:
@@ -182,14 +197,14 @@ def _place(
             led: dict[str, Any] = {}
             if steps[step] in FAR:
                 led = {"arrowprops": LEADER, "zorder": ABOVE}
-            if ink.take(low[step, turn], high[step, turn], at if led else None):
+            if ink.take(low[step, turn], high[step, turn], at if led else None, OWN * point, crossed * point):
                 offset = (ways[step, turn] / point).tolist()
                 axes.annotate(words, label.place, offset, **led, **style, **look)
                 return True
     return False
 
 
-def _directions(away: tuple[float, float]) -> np.ndarray:
+def directions(away: tuple[float, float]) -> np.ndarray:
     """Return unit vectors in all directions, those nearest to ``away`` first, shape (PARTS, 2)."""
     angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / PARTS * np.array(TURNS)
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)

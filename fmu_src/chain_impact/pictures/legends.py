@@ -8,32 +8,34 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
 from chain_impact.pictures.style import is_narrow
 
-ABOVE: dict[str, Any] = {
-    "loc": "lower left",
-    "bbox_to_anchor": (0.0, 1.0),
-    "borderpad": 0.1,
-    "columnspacing": 0.8,
-    "handlelength": 1.0,
-    "handletextpad": 0.4,
-    "labelspacing": 0.2,
-}
+LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
+ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+BETWEEN, ROWS = 0.8, 0.2  # the space between two entries, and between two rows, relative to the font size
+HALVINGS = 8  # the number of steps of the bisection for the least width that needs no additional row
 MARK = "above"  # the gid of a legend above its axes, by which the legend is found
 
 
-def legend_above(axes: Axes, handles: Sequence[Any] | None = None, *, columns: int = 1) -> None:
-    """Put a legend above axes; ``fit_legends`` later sets its number of columns."""
+def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
+    """Put a legend above axes; ``fit_legends`` later breaks it into rows."""
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
-    if handles:
-        labels = [str(handle.get_label()) for handle in handles]
-        _put(axes, list(handles), labels, columns)
+    _put(axes, [(handle, str(handle.get_label())) for handle in handles])
+
+
+def legend_beside(axes: Axes) -> Any:
+    """Put a legend with one column to the right of axes, whose layout it does not change; return it."""
+    legend = axes.legend(labelspacing=2.0 * ROWS, **LOOK, **BESIDE)
+    legend.set_in_layout(False)
+    return legend
 
 
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
-    """Give each legend above its axes the most columns with which it is not wider than the axes.
+    """Break each legend above its axes into the fewest rows with which it is not wider than the axes.
 
     In a narrow figure, a legend does not repeat entries of a legend below; without entries it is removed.
     Returns whether a legend has changed.
@@ -41,55 +43,74 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     is_changed = False
     told: set[str] = set()
     for axes in reversed(figure.axes if wanted is None else wanted):
-        legend: Any = axes.get_legend()  # matplotlib has no type information for the columns
+        legend: Any = axes.get_legend()
         if legend is None or legend.get_gid() != MARK:
             continue
-        texts = [text.get_text() for text in legend.get_texts()]
-        places = np.argsort(_by_column(len(texts), legend._ncols))
-        entries = [(legend.legend_handles[k], texts[k]) for k in places]
-        kept = [(handle, label) for handle, label in entries if label not in told]
-        handles: list[Any] = [handle for handle, _ in kept]
-        labels = [label for _, label in kept]
-        if is_narrow(figure):
-            told.update(labels)
         before = legend.get_window_extent().size
-        if not labels:
+        labels = [text.get_text() for text in legend.get_texts()]
+        entries = list(zip(legend.legend_handles, labels, strict=True))
+        kept = [(handle, label) for handle, label in entries if label not in told]
+        if is_narrow(figure):
+            told.update(label for _, label in kept)
+        if len(kept) < len(entries):
             legend.remove()
-            is_changed = True
-            continue
-        axes.apply_aspect()
-        width = axes.get_window_extent().width
-        for columns in range(len(labels), 0, -1):
-            _put(axes, handles, labels, columns)
+            _put(axes, kept)
+        if kept:
+            axes.apply_aspect()
             legend = axes.get_legend()
-            if legend.get_window_extent().width <= width:
-                _balance(axes, handles, labels, columns, width)
-                break
-        legend = axes.get_legend()
-        is_changed |= not np.allclose(legend.get_window_extent().size, before)
+            _fill_rows(legend, axes.get_window_extent().width)
+        is_changed |= not kept or not np.allclose(legend.get_window_extent().size, before)
     return is_changed
 
 
-def _balance(axes: Axes, handles: list[Any], labels: list[str], columns: int, width: float) -> None:
-    """Give the rows of a legend a similar number of entries, if the legend is then not too wide."""
-    rows = -(-len(labels) // columns)
-    if (fewer := -(-len(labels) // rows)) < columns:
-        _put(axes, handles, labels, fewer)
-        legend: Any = axes.get_legend()
-        if legend.get_window_extent().width > width:
-            _put(axes, handles, labels, columns)
+def _put(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
+    """Put a legend with one row above axes if there are entries."""
+    if entries:
+        handles, labels = zip(*entries, strict=True)
+        axes.legend(handles, labels, ncols=len(entries), **LOOK, **ABOVE).set_gid(MARK)
 
 
-def _put(axes: Axes, handles: list[Any], labels: list[str], columns: int) -> None:
-    """Put a legend above axes; a reader finds its entries in their order row by row."""
-    order = _by_column(len(labels), columns)
-    own = [handles[k] for k in order], [labels[k] for k in order]
-    axes.legend(*own, **ABOVE, ncols=columns).set_gid(MARK)
+def _fill_rows(legend: Any, room: float) -> None:
+    """Arrange the entries of a legend in rows that fit into a width [pixels], of similar lengths.
 
-
-def _by_column(count: int, columns: int) -> list[int]:
-    """Return the order in which matplotlib must get the entries, so that they are in order row by row.
-
-    Matplotlib itself fills a legend column by column.
+    A row has no columns: with columns, one long entry would leave gaps in all rows.
     """
-    return [row for column in range(columns) for row in range(column, count, columns)]
+    whole = legend.get_children()[0].get_children()[-1]
+    figure, entries = legend.get_figure(root=True), _entries(whole)
+    em = legend.get_texts()[0].get_fontsize()
+    widths, space = [one.get_window_extent().width for one in entries], BETWEEN * em * figure.dpi / 72.0
+    room -= legend.get_window_extent().width - whole.get_window_extent().width
+    rows = _rows(widths, space, room)
+    low, high = max(widths), room
+    for _ in range(HALVINGS if len(rows) > 1 else 0):
+        middle = 0.5 * (low + high)
+        tried = _rows(widths, space, middle)
+        rows, low, high = (tried, low, middle) if len(tried) == len(rows) else (rows, middle, high)
+    lines: list[Any] = [
+        HPacker(sep=BETWEEN * em, align="baseline", children=[entries[k] for k in row]) for row in rows
+    ]
+    block = VPacker(sep=ROWS * em, children=lines)
+    block.set_figure(figure)
+    whole.get_children()[:] = [block]
+
+
+def _entries(box: Any) -> list[Any]:
+    """Return the boxes of the entries of a legend, in order; each has a handle and a text."""
+    parts = box.get_children()
+    if not all(isinstance(part, PackerBase) for part in parts):
+        return [box]
+    return [entry for part in parts for entry in _entries(part)]
+
+
+def _rows(widths: Sequence[float], space: float, room: float) -> list[list[int]]:
+    """Return rows with the indices of entries, each with as many entries as fit into a width [pixels]."""
+    rows: list[list[int]] = []
+    filled = np.inf
+    for k, width in enumerate(widths):
+        if filled + space + width <= room:
+            rows[-1].append(k)
+            filled += space + width
+        else:
+            rows.append([k])
+            filled = width
+    return rows

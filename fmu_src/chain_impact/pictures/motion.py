@@ -36,6 +36,9 @@ FAINT = 80  # the number of faint poses, at equal distances in time
 PATH = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
 MARKED = 12  # the largest number of points that get marks
 FEW = 6  # the largest number of points with clear paths; with more points the paths are fainter
+# RIM: [points] how much wider the start is than the end that would cover it: if each point is at the end
+# nearer to its start than COVERS, relative to the size of the view
+RIM, COVERS = 3.0, 0.02
 RING = 6.5  # [points] the size of the mark of an impact
 SQUARE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at a wall share a ring, relative to the width of the view
@@ -70,7 +73,8 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) ->
     rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
-        look = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
+        rim = RIM if row == 0 and is_covered(recording) else 0.0
+        look = {"color": colour, "linewidth": 3.0 + rim, "markersize": 5.5 + 0.5 * rim, "label": name} | marks
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **look)
     if recording.stops:
@@ -83,6 +87,12 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) ->
     give_ticks(axes)
     axes.set(xlabel="x [m]", ylabel="y [m]")
     legend_above(axes)
+
+
+def is_covered(recording: Recording) -> bool:
+    """Return whether the chain at the end would cover the chain at the start."""
+    ways = recording.points[-1] - recording.points[0]
+    return bool(np.hypot(*ways.T).max() < COVERS * size_of(recording))
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -207,10 +217,10 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
     return float(parts.min(initial=1.0))
 
 
-def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
+def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts outside of the walls, in the order of speed.
 
-    Returns the numbers that have no room.
+    Returns the numbers that have no room, as text.
     """
     found, labels = rings(axes, recording), []
     for spot, hits in found.items():
@@ -218,9 +228,8 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
         place, outward = _label_place(recording, recording.impacts[hits[0]], spot)
         labels.append(Label(told(numbers, LISTED, FASTEST), place, outward, told(numbers, 1, 1)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
-    return [
-        hit + 1 for label, hits in zip(labels, found.values(), strict=True) if label in left for hit in hits
-    ]
+    missing = [hits for label, hits in zip(labels, found.values(), strict=True) if label in left]
+    return listed(hit + 1 for hits in missing for hit in hits)
 
 
 def told(numbers: Sequence[int], most: int, kept: int) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from chain_impact.kernel.forces.friction import STICKS
-from chain_impact.pictures.labels import Ink, Label, place_labels
+from chain_impact.pictures.bands import hides, plot_curves
+from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.motion import by_speed
 from chain_impact.pictures.names import short_names
@@ -39,6 +41,9 @@ from chain_impact.recording.text import speed_unit
 
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VIOLET}
 ENERGY_COLOURS |= {"supplied": PURPLE}
+# an energy is dashed if its curve is closer to an earlier one than ALIKE, relative to the range of all
+# energies, in the part MOSTLY of the rows
+ALIKE, MOSTLY = 0.03, 0.8
 PARTS = {"friction": BROWN}
 """Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
@@ -47,6 +52,9 @@ ROWS = 8  # the largest number of contacts and joints whose phases of dry fricti
 TOLD = 5  # the largest number of points with individual colours, so that the legend has room
 # points are not orange, because the potential energy is orange in the panel above
 POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)
+# impacts have equal distances if there are more than REGULAR of them, and the distances differ at most by
+# EQUAL, relative to the mean distance
+REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of impacts that get numbers
 SHORT = 0.002  # phases of dry friction up to this part of the run's duration are too short to be drawn
 SEEN = 0.01  # the least duration of a contact that gets a band, relative to the shown time
@@ -72,16 +80,36 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 def draw_energy(axes: Axes, recording: Recording) -> None:
     """Draw the energies over time, with lines at impacts."""
     mark_impacts(axes, recording)
-    for name, colour in ENERGY_COLOURS.items():
-        energy = recording.energies.get(name, np.zeros(len(recording.time)))
-        if name != "supplied" or energy.any():
-            axes.plot(recording.time, energy, color=colour, label=name, linewidth=1 + (name == "total"))
-    for name, colour in PARTS.items():
-        if (energy := recording.energies.get(name, np.zeros(1))).any():
-            axes.plot(recording.time, energy, "--", color=colour, label=name, linewidth=1)
+    plot_curves(axes, recording.time, energy_curves(recording))
     axes.set_ylabel("energy [J]")
     over_all_time(axes, recording)
     legend_above(axes)
+
+
+def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]]]:
+    """Return the energies to draw, with their looks.
+
+    The total is wide and behind the others. Other curves are dashed if they would hide an earlier one.
+    """
+    zero, shown = np.zeros(len(recording.time)), dict[str, np.ndarray]()
+    for name in ENERGY_COLOURS | PARTS:
+        energy = recording.energies.get(name, zero)
+        if energy.any() or name not in ("supplied", *PARTS):
+            shown[name] = energy
+    others = [name for name in shown if name != "total"]
+    hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
+    is_dashed = {name: name in PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
+    return [
+        (energy, energy_look(name) | {"linestyle": "--" if is_dashed.get(name) else "-"})
+        for name, energy in shown.items()
+    ]
+
+
+def energy_look(name: str) -> dict[str, Any]:
+    """Return the properties of the curve of an energy, with matplotlib's names."""
+    is_total = name == "total"
+    colour = (ENERGY_COLOURS | PARTS)[name]
+    return {"color": colour, "label": name, "linewidth": 1 + is_total, "zorder": 2.0 - 0.1 * is_total}
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
@@ -242,13 +270,34 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
     return [(name, colour, np.flatnonzero(hits)) for name, colour, hits in groups]
 
 
-def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> list[int]:
+def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts at their speeds, the fastest impact first.
 
-    Returns the numbers without room.
+    Of impacts at equal distances in time only every k-th is numbered if the numbers of all have no room.
+    Returns words for the impacts without a number; "" if there are none.
     """
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
-    order = by_speed(recording)
+    order, step = by_speed(recording), numbered_step(axes, recording)
+    if step > 1:
+        order = np.arange(step - 1, len(tops), step)
     labels = [Label(str(row + 1), tops[row]) for row in order[:NUMBERED]]
-    left = place_labels(axes, labels, ink, fontsize="small")
-    return [*(int(label.text) for label in left), *(order[NUMBERED:] + 1).tolist()]
+    left = [int(label.text) for label in place_labels(axes, labels, ink, fontsize="small")]
+    if step > 1 and not left:
+        return f"all but every {step}{'nd' if step == 2 else 'th'}"  # noqa: PLR2004 - 2nd
+    named = {int(label.text) for label in labels} - {*left}
+    return listed(number for number in range(1, len(tops) + 1) if number not in named)
+
+
+def numbered_step(axes: Axes, recording: Recording) -> int:
+    """Return k if every k-th of the impacts is to be numbered: they have equal distances that are narrow."""
+    onsets = recording.impacts["onset"]
+    gaps = np.diff(onsets)
+    if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():
+        return 1
+    probe = axes.text(0.0, 0.0, f"{len(onsets)} ", fontsize="small")  # with a space between two numbers
+    width = probe.get_window_extent().width
+    probe.remove()
+    ends = axes.transData.transform([(onsets[0], 0.0), (onsets[-1], 0.0)])[:, 0]
+    gap = float(np.ptp(ends)) / len(gaps)
+    steps: Iterator[int] = (step * 10**power for power in count() for step in (1, 2, 5))
+    return next(step for step in steps if step * gap >= width or step >= len(gaps))

@@ -12,7 +12,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chain_impact.pictures.figures import SIZE, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
-from chain_impact.pictures.labels import Ink, listed
+from chain_impact.pictures.labels import Ink
+from chain_impact.pictures.legends import legend_beside
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.motion import draw_motion, number_rings
@@ -60,7 +61,7 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
 NUMBERS = {"motion": number_rings, "impacts": number_impacts}
 """Name of a panel → function that writes the numbers of impacts into it, after the layout is final.
 
-The functions return the numbers without room.
+The functions return the numbers without room, as text.
 """
 FEET = 3  # the text at the foot takes room, so the panels are arranged again, at most this number of times
 TOLD_AS = {"motion": "motion", "impacts": "speeds"}
@@ -71,8 +72,9 @@ TOLD_AS = {"motion": "motion", "impacts": "speeds"}
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw panels of PANELS on an empty figure; by default all panels for which the recording has data.
 
-    In a wide figure the motion is to the left of the panels over time, in a narrow figure above them. The
-    title "" stands for the summary of the run, None for no title.
+    In a wide figure the motion is to the left of the panels over time, in a narrow figure above them; there
+    the legend of a slim motion is beside it. The title "" stands for the summary of the run, None for no
+    title.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -90,11 +92,16 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
             draw_clock(axes, recording)
     figure.align_ylabels([axes for name, axes in found.items() if name in ("energy", "impacts")])
     motion = found.get("motion")
+    legend = legend_beside(motion) if motion is not None and is_narrow(figure) else None
     settle(figure, motion)
     if motion is not None:
         room = motion.get_position(original=True).transformed(figure.transFigure)
+        free = room.width - legend.get_window_extent().width if legend else 0.0
+        is_slim = free >= broadness(recording) * room.height
         motion.clear()
-        draw_motion(motion, recording, room.height / room.width)
+        draw_motion(motion, recording, room.height / (free if is_slim else room.width))
+        if is_slim:
+            legend_beside(motion)
         settle(figure, motion)
     number_and_tell(figure, found, recording)
 
@@ -136,7 +143,7 @@ def number_all(figure: Figure, found: dict[str, Axes], recording: Recording) -> 
     ink, parts = Ink(figure), []
     for name, write in NUMBERS.items():
         if name in found and (left := write(found[name], recording, ink)):
-            parts.append(f"{listed(left)} in the {TOLD_AS[name]}")
+            parts.append(f"{left} in the {TOLD_AS[name]}")
     return f"Impacts without room for their numbers: {SEPARATOR.join(parts)}" if parts else ""
 
 

@@ -275,17 +275,21 @@ def words_of(figure: Figure) -> dict[str, str]:
     return {"Title": title, "Description": "\n".join(filter(None, told)).replace("\u00a0", " ")}
 
 
-def save(
-    path: str | os.PathLike[str], fill: Callable[[Figure], None], size: tuple[float, float] | None = None
-) -> None:
-    """Draw an empty figure with ``fill``, and write it into a file; the suffix determines the kind.
+def filled_figure(fill: Callable[[Figure], None], size: tuple[float, float] | None = None) -> Figure:
+    """Return a figure that ``fill`` has drawn on, with the resolution of files."""
+    figure = StyledFigure(figsize=size, dpi=DPI)
+    fill(figure)
+    return figure
+
+
+def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
+    """Write the figure that ``make`` returns into a file; the suffix determines the kind.
 
     Raises:
         OSError: when the file cannot be written.
     """
     with written_whole(Path(path)) as fresh:
-        figure = StyledFigure(figsize=size, dpi=DPI)
-        fill(figure)
+        figure = make()
         suit_figure(figure)
         told = words_of(figure) if Path(path).suffix == ".png" else None
         figure.savefig(fresh, dpi="figure", metadata=told)

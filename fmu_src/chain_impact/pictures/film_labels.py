@@ -1,0 +1,97 @@
+"""The numbers at the arrows of a film: each is where it covers no body, line, arrow or other number."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from chain_impact.pictures.labels import directions
+
+# [points] the distances from the head of an arrow to its number that are tried, in this order
+DISTANCES = (5.0, 12.0, 20.0, 30.0)
+SPACE = 3.0  # [points] the least space between a number and other things
+SAMPLE = 3.0  # [points] the distance of the points of a line that a number must not cover
+
+
+class Number(NamedTuple):
+    """A number to write.
+
+    Attributes:
+        size: the force [N] or moment [N·m]; large ones are written first.
+        words: the number with its unit.
+        place: the head of the arrow [m].
+        away: unit vector of the best direction from the head to the number.
+        colour: the colour of the text.
+    """
+
+    size: float
+    words: str
+    place: np.ndarray
+    away: np.ndarray
+    colour: str
+
+
+def write_numbers(axes: Axes, wanted: Iterable[Number], lines: Sequence[np.ndarray]) -> Iterator[Text]:
+    """Write numbers where they cover nothing, and yield their texts; a number without room is left out.
+
+    ``lines`` are what must stay free: polygons and lines, each of shape (P, 2) [m]; a closed line is a body.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    point, room = figure.dpi / 72.0, axes.get_window_extent()
+    drawn = [np.asarray(axes.transData.transform(line)) for line in lines if len(line)]
+    dots = np.concatenate([sampled(line, SAMPLE * point) for line in drawn])
+    bodies = [Path(line) for line in drawn if len(line) > 2 and (line[0] == line[-1]).all()]  # noqa: PLR2004
+    taken: list[Bbox] = []
+    look: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
+    for one in sorted(wanted, key=lambda one: -one.size):
+        outline = [withStroke(linewidth=3.0, foreground="white")]
+        text = axes.text(
+            one.place[0], one.place[1], one.words, color=one.colour, path_effects=outline, **look
+        )
+        half, at = 0.5 * np.asarray(text.get_window_extent().size), axes.transData.transform(one.place)
+        for distance in DISTANCES:
+            middles = at + directions((float(one.away[0]), float(one.away[1]))) * (distance * point + half)
+            boxes = [Bbox([middle - half, middle + half]).padded(SPACE * point) for middle in middles]
+            free = [box for box in boxes if is_free(box, room, dots, bodies, taken)]
+            if free:
+                taken.append(free[0])
+                x, y = axes.transData.inverted().transform(middle_of(free[0])).tolist()
+                text.set_position((x, y))
+                yield text
+                break
+        else:
+            text.remove()
+
+
+def is_free(box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], taken: Sequence[Bbox]) -> bool:
+    """Return whether a box is within the room and covers no dot, body or other box; all are in pixels."""
+    (low, high), (least, most) = box.get_points(), room.get_points()
+    if (low < least).any() or (high > most).any() or any(map(box.overlaps, taken)):
+        return False
+    if ((dots > low) & (dots < high)).all(axis=1).any():
+        return False
+    return not any(body.contains_point(middle_of(box)) for body in bodies)
+
+
+def middle_of(box: Bbox) -> tuple[float, float]:
+    """Return the middle of a box."""
+    x, y = box.get_points().mean(axis=0).tolist()
+    return x, y
+
+
+def sampled(line: np.ndarray, step: float) -> np.ndarray:
+    """Return points on a line at distances of at most ``step``, shape (S, 2)."""
+    lengths = np.hypot(*np.diff(line, axis=0).T)
+    parts = [
+        np.linspace(start, end, 2 + int(length / step))
+        for start, end, length in zip(line, line[1:], lengths, strict=False)
+    ]
+    return np.concatenate([line[:1], *parts])

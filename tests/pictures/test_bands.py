@@ -1,0 +1,42 @@
+"""Curves that a reader can distinguish: a fast oscillation is a band, and a curve on another is dashed."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.bands import FAST, plot_curves
+
+TIME = np.linspace(0.0, 3.0, 20_001)
+
+
+def drawn(*curves):
+    """Return axes, 4 inches wide, with some curves."""
+    axes = Figure((4.0, 2.0)).add_axes((0.0, 0.0, 1.0, 1.0))
+    looks = [{"color": "C0", "label": str(k)} for k in range(len(curves))]
+    plot_curves(axes, TIME, list(zip(curves, looks, strict=True)))
+    return axes
+
+
+def test_a_fast_oscillation_is_a_band_with_its_extremes():
+    axes = drawn((2.0 + TIME) * np.sin(2.0 * np.pi * 100.0 * TIME), np.cos(TIME))
+    (band,) = axes.collections
+    assert np.ptp(band.get_paths()[0].vertices[:, 1]) == pytest.approx(10.0, rel=0.02)
+    low, high, other, told = axes.lines
+    assert told.get_label() == FAST
+    assert np.allclose(high.get_ydata(), 2.0 + high.get_xdata(), atol=0.1)
+    assert np.allclose(low.get_ydata(), -2.0 - low.get_xdata(), atol=0.1)
+    assert len(other.get_xdata()) == len(TIME)
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        np.sin(2.0 * np.pi * 3.0 * TIME),  # few periods
+        TIME + 1e-3 * np.sin(2.0 * np.pi * 100.0 * TIME),  # an oscillation that is too small to be seen
+        np.where(TIME < 0.1, np.sin(2.0 * np.pi * 100.0 * TIME), 0.0),  # in a small part of the time
+    ],
+)
+def test_other_curves_are_lines(curve):
+    axes = drawn(curve)
+    assert not axes.collections
+    assert len(axes.lines) == 1
