@@ -186,8 +186,8 @@ def zhang_sharf(e):
     # With d = λe = 1 − e^{−s}, λ the damping, the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The
     # equation is well conditioned in s, but not in d: below e ≈ 0.03, d is 1 to double precision. The left
     # side falls from 0, then rises through its only positive root, and is convex. From a start above the
-    # root, Newton's method decreases monotonically to the root.
-    s, before = 2.0 + 2.0 / e, math.inf
+    # root, Newton's method decreases monotonically to the root. This start is above the root by at most 11 %.
+    s, before = u * (1.0 / e + 0.58), math.inf
     while s < before:
         d = -expm1(-s)
         value = s - d * (1.0 + 1.0 / e) + log1p(d / e)

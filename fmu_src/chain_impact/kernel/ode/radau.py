@@ -116,31 +116,25 @@ def _transformed(i):
     return transformed
 
 
-def _corrected(i):
-    """Return a function that corrects stage i by row i of RIGHT · W, and records the largest component.
+def _correct(d, size):
+    """Correct the stages by RIGHT · W, and set z to the largest change of each component.
 
     W are the solutions of the linear systems.
     """
-    row = RIGHT[i]
-
-    def corrected(d, _h, size):
-        implicit, worst, total = d.implicit, d.implicit.correction, 0.0
-        for j in range(size):
+    implicit = d.implicit
+    # without a sum or maximum over the components, so that the compiler can use vector instructions
+    for j in range(size):
+        largest = 0.0
+        for i in range(RADAU_STAGES):
             change = 0.0
             for m in range(RADAU_STAGES):
-                change += row[m] * implicit.parts[m, j]
+                change += RIGHT[i][m] * implicit.parts[m, j]
             implicit.stages[i, j] += change
-            change = abs(change) * implicit.weight[j]
-            total += change
-            worst = max(worst, change)
-        # max() can hide a NaN; a sum cannot
-        implicit.correction = worst if math.isfinite(total) else math.inf
-
-    return corrected
+            largest = max(largest, abs(change))
+        implicit.z[j] = largest
 
 
 _transform = sequence(*(_transformed(i) for i in range(RADAU_STAGES)))
-_correct = sequence(*(_corrected(i) for i in range(RADAU_STAGES)))
 
 
 def simplified_newton(begin, rate, note, linearize, factorize, solve):
@@ -174,9 +168,14 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             note(d, stage)
         _transform(d, h, size)
 
-    def correct_stages(d, h, size):
-        d.implicit.correction = 0.0
-        _correct(d, h, size)
+    def correct_stages(d, _h, size):
+        implicit, worst, total = d.implicit, 0.0, 0.0
+        _correct(d, size)
+        for j in range(size):
+            # max() can hide a NaN; a sum cannot, and a NaN in W reaches every part of this sum
+            total += implicit.weight[j] * implicit.stages[RADAU_STAGES - 1, j]
+            worst = max(worst, implicit.weight[j] * implicit.z[j])
+        implicit.correction = worst if math.isfinite(total) else math.inf
 
     def converge(d, h, size):
         implicit = d.implicit
