@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.over_time import TOLD, point_groups
+from chain_impact.pictures.over_time import MOST_COLOURED, point_groups
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
@@ -70,7 +70,7 @@ def test_many_points_are_not_told_apart_by_colour():
     hits = [hit(0.1 * k, k, "y_min", float(k)) for k in range(15)]
     groups = point_groups(swing(hits, {"y_min": 0.0}))
     names = [name for name, _, _ in groups]
-    assert names == ["others", *(f"point {k}" for k in range(15 - TOLD + 1, 15))]
+    assert names == ["others", *(f"point {k}" for k in range(15 - MOST_COLOURED + 1, 15))]
     assert groups[0][1] == GREY
     assert len({colour for _, colour, _ in groups}) == len(groups)
     assert sorted(np.concatenate([found for _, _, found in groups])) == list(range(15))

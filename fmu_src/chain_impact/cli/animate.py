@@ -162,8 +162,8 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
         except NeedsSceneError as error:
             raise UsageError(f"{error}: --scene SCENE") from None
     known = with_settings(load_scene(scene), settings)
-    found = read_csv(path, known)
-    links, wanted = found.points.shape[1] - 1, len(known.chain.links)
+    recording = read_csv(path, known)
+    links, wanted = recording.points.shape[1] - 1, len(known.chain.links)
     if links != wanted:
         raise UsageError(f"{path} has {plural(links, 'link')}, and --scene {scene} has {wanted}")
-    return found
+    return recording

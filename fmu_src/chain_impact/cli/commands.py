@@ -111,11 +111,11 @@ class Parser(argparse.ArgumentParser):
         This parser knows the options of its verb, so the error can name the most similar one. Argparse would
         refuse the unknown option later, in the main parser, which does not know these options.
         """
-        found, others = super().parse_known_args(args, namespace)
+        options, others = super().parse_known_args(args, namespace)
         for option in (other.partition("=")[0] for other in others if other.startswith("--")):
             near = nearest(option, self._option_string_actions)
             self.error(f"{option} is no option" + (f"; the nearest is {near}" if near else ""))
-        return found, others
+        return options, others
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not a choice, and name the most similar choice.
@@ -140,6 +140,6 @@ def parser() -> argparse.ArgumentParser:
     for verb in VERBS:
         verb.add(verbs)
     for command in verbs.choices.values():
-        told = argparse.SUPPRESS if command.get_default("only_prints") else "print nothing but errors"
-        command.add_argument("-q", "--quiet", action="store_true", help=told)
+        quiet_help = argparse.SUPPRESS if command.get_default("only_prints") else "print nothing but errors"
+        command.add_argument("-q", "--quiet", action="store_true", help=quiet_help)
     return whole

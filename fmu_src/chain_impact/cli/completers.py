@@ -48,9 +48,9 @@ def complete(
         name, equals, value = prefix.partition("=")
         if valued and equals:
             done = value[: value.rfind(",") + 1]
-            return [f"{name}={done}{one}" for one in choices.get(name, [])]
+            return [f"{name}={done}{choice}" for choice in choices.get(name, [])]
         done = prefix[: prefix.rfind(",") + 1] if listed else ""
-        return [f"{done}{one}{'=' if valued else ''}" for one in names]
+        return [f"{done}{name}{'=' if valued else ''}" for name in names]
 
     vars(argument)["completer"] = completer  # the attribute in which argcomplete looks for the completer
 
@@ -80,7 +80,7 @@ def parameters(source: str) -> Offer:
 
 def differentiable(source: str) -> Offer:
     """Return the names that ``--sensitivity`` and ``--free`` accept."""
-    return Offer([one.name for one in _model(source).varied_by(["*"])])
+    return Offer([variable.name for variable in _model(source).varied_by(["*"])])
 
 
 def outputs(source: str) -> Offer:
@@ -108,7 +108,13 @@ def _of_fmu(source: str, causality: str) -> Offer:
     """Return the variables of an FMU that have the given causality, such as ``input`` or ``output``."""
     from chain_impact.fmu.importer import read_fmu
 
-    return Offer([one.name for one in read_fmu(Path(source)).modelVariables if one.causality == causality])
+    return Offer(
+        [
+            variable.name
+            for variable in read_fmu(Path(source)).modelVariables
+            if variable.causality == causality
+        ]
+    )
 
 
 def _model(source: str) -> Any:
@@ -120,4 +126,8 @@ def _model(source: str) -> Any:
 
 def _choices(source: str) -> dict[str, list[str]]:
     """Return name → names of the choices, for each parameter that is an enumeration."""
-    return {one.name: [item.name for item in one.items] for one in _model(source).parameters if one.items}
+    return {
+        variable.name: [item.name for item in variable.items]
+        for variable in _model(source).parameters
+        if variable.items
+    }

@@ -98,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
     scene = with_settings(load_scene(options.source), settings)
     set_each = pairs("--set-each", options.set_each, "initial.y=0.8,0.6")
     with progress("fitting") as advance:
-        found = fit(
+        result = fit(
             scene,
             data,
             names_in(*options.free),
@@ -113,10 +113,10 @@ def run(options: argparse.Namespace) -> int:
             progress=advance,
         )
     if options.scene:
-        found.save(options.scene, scene_path(options.source))
+        result.save(options.scene, scene_path(options.source))
         say(f"scene    {options.scene}")
-    write_picture(options.plot, options.size, found.plot)
-    say(repr(found))
+    write_picture(options.plot, options.size, result.plot)
+    say(repr(result))
     return 0
 
 

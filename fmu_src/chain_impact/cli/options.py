@@ -243,8 +243,10 @@ def write_picture(path: Path | None, size: Size | None, plot: Callable[..., obje
     try:
         plot(path, size=size)
     except NoRoomError as error:
-        told = "wider" if error.least is None else f"at least {math.ceil(MM * error.least)} high"
-        raise UsageError(f"--size: the picture has no room for its panels: it must be {told}") from None
+        requirement = "wider" if error.least is None else f"at least {math.ceil(MM * error.least)} high"
+        raise UsageError(
+            f"--size: the picture has no room for its panels: it must be {requirement}"
+        ) from None
     say(f"picture  {path}")
 
 
@@ -291,13 +293,13 @@ def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
 
 def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
     """Return name → value for every ``NAME=VALUE`` of an option that takes each name once."""
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for text in texts:
         name, value = name_and_value(option, text, example)
-        if name in found:
+        if name in values:
             raise UsageError(f"{option} {text}: {name} is given twice")
-        found[name] = value
-    return found
+        values[name] = value
+    return values
 
 
 def names_in(*texts: str) -> list[str]:

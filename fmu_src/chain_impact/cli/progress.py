@@ -44,12 +44,12 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
 
 @contextmanager
-def _listening(level: int, tell: Callable[[logging.LogRecord], None]) -> Iterator[None]:
-    """In this context, call ``tell`` with each message that the package logs at this level or above."""
+def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iterator[None]:
+    """In this context, call ``receive`` with each message that the package logs at this level or above."""
 
     def heard(record: logging.LogRecord) -> bool:
         if record.levelno >= level:
-            tell(record)
+            receive(record)
         return True
 
     before = log.level
@@ -94,7 +94,7 @@ def _bar(work: str) -> Iterator[Progress]:
         bar.add_task(sentence, total=total)
         bar.start()
 
-    def tell(record: logging.LogRecord) -> None:
+    def receive(record: logging.LogRecord) -> None:
         if record.levelno < logging.INFO or hasattr(record, "seconds"):
             begin(record.getMessage(), None)
         else:
@@ -109,7 +109,7 @@ def _bar(work: str) -> Iterator[Progress]:
             shown = fraction
 
     try:
-        with _listening(logging.DEBUG, tell):
+        with _listening(logging.DEBUG, receive):
             yield advance
     finally:
         if bar.task_ids:

@@ -72,8 +72,10 @@ def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
 
     A meaning that does not fit into the width [characters] goes on in the next lines, indented.
     """
-    told = [(v.name, v.causality, v.variability, unit_text(v.unit), v.description or "") for v in variables]
-    rows = [("name", "causality", "variability", "unit", "meaning"), *told]
+    contents = [
+        (v.name, v.causality, v.variability, unit_text(v.unit), v.description or "") for v in variables
+    ]
+    rows = [("name", "causality", "variability", "unit", "meaning"), *contents]
     widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:-1]]
     for *cells, description in rows:
         meaning, *codes = CODES.split(description)
@@ -161,19 +163,23 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
     """Yield a table of the changes of all impacts, to first order, for each parameter; then remarks."""
-    found = recording.sensitivities
-    if not found:
+    sensitivities = recording.sensitivities
+    if not sensitivities:
         return
-    columns = [1e3 * found.impact_changes("onset"), *(100.0 * found.relative(name) for name in RELATIVE)]
+    columns = [
+        1e3 * sensitivities.impact_changes("onset"),
+        *(100.0 * sensitivities.relative(name) for name in RELATIVE),
+    ]
     head = ("#", "onset, ms", *(f"{word}, %" for word in RELATIVE.values()))
-    for k, parameter in enumerate(found.parameters):
-        yield f"\n[bold]Change of the impacts for {escape(parameter)} + {found.step_text(parameter)}[/]"
+    for k, parameter in enumerate(sensitivities.parameters):
+        change = f"{escape(parameter)} + {sensitivities.step_text(parameter)}"
+        yield f"\n[bold]Change of the impacts for {change}[/]"
         table = table_of(head, head[1:])
-        for row in range(len(found.impacts)):
+        for row in range(len(sensitivities.impacts)):
             cells = (column[row, k] for column in columns)
             table.add_row(str(row + 1), *(formatted(cell, "+.3g") if cell else "0" for cell in cells))
-        yield table if len(found.impacts) else "no impact"
-    for limit in found.limits:
+        yield table if len(sensitivities.impacts) else "no impact"
+    for limit in sensitivities.limits:
         yield f"limit    {escape(limit)}"
 
 

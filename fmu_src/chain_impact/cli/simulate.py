@@ -156,7 +156,7 @@ def add(verbs: Verbs) -> None:
         action=Once,
         metavar="FILE",
         type=ending(*SUFFIXES),
-        help=f"write the list of impacts ({', '.join(one[1:] for one in SUFFIXES)})",
+        help=f"write the list of impacts ({', '.join(suffix[1:] for suffix in SUFFIXES)})",
     )
     verb.add_argument(
         "--check",
@@ -284,9 +284,11 @@ def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
         raise UsageError(str(error)) from None
 
 
-def difference_text(found: Differences) -> str:
+def difference_text(differences: Differences) -> str:
     """Return a sentence on the differences of two runs."""
-    points = f"points by at most {found.position:.1e} m ({found.point} at {found.time:g} s)"
-    onsets = f"onsets by at most {found.onset:.1e} s ({plural(found.impacts, 'impact')}) and "
-    parted = f"; from {found.end:.6f} s on, the two runs have other impacts" if found.parted else ""
-    return f"a tenth of the tolerance moves {onsets if found.impacts else ''}{points}{parted}"
+    points = f"points by at most {differences.position:.1e} m ({differences.point} at {differences.time:g} s)"
+    onsets = f"onsets by at most {differences.onset:.1e} s ({plural(differences.impacts, 'impact')}) and "
+    parted = (
+        f"; from {differences.end:.6f} s on, the two runs have other impacts" if differences.parted else ""
+    )
+    return f"a tenth of the tolerance moves {onsets if differences.impacts else ''}{points}{parted}"

@@ -79,7 +79,10 @@ class Source:
             return simulate(scene, output_step=scene.simulation.stop_time / ROWS, progress=advance)
 
     def ranking(self, what: str, parameters: Sequence[str]) -> Ranking:
-        """Return the ranking of some parameters, by default of all, from a run with two rows."""
+        """Return the ranking of some parameters, by default of all.
+
+        The scene is simulated with rows at the start and the end only.
+        """
         if self.is_fmu:
             raise UsageError(f"--rank: {self.name} is an FMU; must be a scene")
         scene = self.scene()
@@ -89,7 +92,7 @@ class Source:
 
     def units(self) -> Mapping[str, str]:
         """Return the unit of each variable of an FMU."""
-        return {one.name: one.unit or "" for one in read_fmu(Path(self.name)).modelVariables}
+        return {variable.name: variable.unit or "" for variable in read_fmu(Path(self.name)).modelVariables}
 
     def tighter(self) -> Source:
         """Return the source with a tenth of its tolerance.
@@ -98,7 +101,7 @@ class Source:
             UsageError: when the tolerance is too tight for this.
         """
         tolerance, key = self._tolerance(), TOLERANCE.partition(".")[2]
-        least = next(one.metadata["minimum"] for one in fields(Solver) if one.name == key)
+        least = next(field.metadata["minimum"] for field in fields(Solver) if field.name == key)
         if TIGHTER * tolerance < least:
             raise UsageError(
                 f"--check: {TOLERANCE} = {tolerance:g} leaves no tighter one; must be at least "
@@ -110,11 +113,11 @@ class Source:
         values = settings_of(self.settings)
         if not self.is_fmu:
             return with_settings(load_scene(self.name), values).solver.tolerance
-        starts = {one.name: one.start for one in read_fmu(Path(self.name)).modelVariables}
+        starts = {variable.name: variable.start for variable in read_fmu(Path(self.name)).modelVariables}
         if TOLERANCE not in starts:
             raise UsageError(f"--check: {self.name} has no parameter {TOLERANCE}")
         return float(value_of(values.get(TOLERANCE, starts[TOLERANCE])))
 
     def differences(self, recording: Recording) -> Differences:
-        """Return how a recording differs from a second run at this tolerance."""
+        """Return how a recording differs from a second run: one with the tolerance of this source."""
         return differences(recording, self.record())

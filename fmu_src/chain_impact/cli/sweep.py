@@ -104,12 +104,12 @@ def run(options: argparse.Namespace) -> int:
         from chain_impact.studies.sweep.quantities import outputs_for
 
         varied = variations_of(prepared := PreparedScene(scene), vary)
-        runs = options.samples or math.prod(len(one.values) for one in varied)
+        runs = options.samples or math.prod(len(variation.values) for variation in varied)
         check_picture(len(vary), options.samples, runs, scene.name)
         wanted += outputs_for(job_of(prepared, varied, wanted), panels)
     try:
         with progress("sweeping") as advance:
-            found = sweep(
+            result = sweep(
                 scene,
                 vary,
                 samples=options.samples,
@@ -126,8 +126,8 @@ def run(options: argparse.Namespace) -> int:
             complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
-    write_picture(options.plot, options.size, partial(found.plot, panels=panels))
-    say(repr(found))
+    write_picture(options.plot, options.size, partial(result.plot, panels=panels))
+    say(repr(result))
     return 0
 
 

@@ -46,15 +46,15 @@ def run(options: argparse.Namespace) -> int:
             f"and chain-impact build {options.fmu} makes its FMU"
         )
     try:
-        found = validation(options.fmu, options.timeout)
+        result = validation(options.fmu, options.timeout)
     except zipfile.BadZipFile as error:
-        found = Validation([Finding(f"not a readable FMU: {error}", file="")], [])
+        result = Validation([Finding(f"not a readable FMU: {error}", file="")], [])
     if options.json:
-        findings = [asdict(finding) for finding in found.findings]
-        text = {"fmu": str(options.fmu), "findings": findings, "notes": list(found.notes)}
+        findings = [asdict(finding) for finding in result.findings]
+        text = {"fmu": str(options.fmu), "findings": findings, "notes": list(result.notes)}
         say(json.dumps(text, indent=2))
     else:
-        lines = finding_lines(found.findings) or ["no problems found"]
-        for line in [*lines, *found.notes]:
+        lines = finding_lines(result.findings) or ["no problems found"]
+        for line in [*lines, *result.notes]:
             say(f"{options.fmu}: {line}")
-    return 1 if found.findings else 0
+    return 1 if result.findings else 0

@@ -41,31 +41,33 @@ class ArrowScale:
 
     def marks(self) -> list[tuple[float, str]]:
         """Return the place [m] and the text of each power of ten that has room, the largest first."""
-        found: list[tuple[float, str]] = []
+        marks: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side
         for force in 10.0 ** (highest - np.arange(DECADES)):
             at = self.length(float(force))
             if at < FROM * whole:
                 break
             if at <= free - APART * whole:
-                found.append((at, EngFormatter("N", places=0)(float(force))))
+                marks.append((at, EngFormatter("N", places=0)(float(force))))
                 free = at
-        return found
+        return marks
 
     def draw(self, axes: Axes, corner: np.ndarray, colour: str) -> None:
         """Draw the ruler, with marks and the word "force", to the right of a corner of the scene [m]."""
         left, y = corner
-        look: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 7}
+        text_style: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 7}
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
         end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
-        axes.annotate("force", (end, y), (4.0, 0.0), ha="left", va="center", **look)
+        axes.annotate("force", (end, y), (4.0, 0.0), ha="left", va="center", **text_style)
         free = math.inf
         for at, text in self.marks():
-            told = axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), ha="center", va="top", **look)
-            box = told.get_window_extent()
+            label = axes.annotate(
+                text, (left + at, y), (0.0, -TICK - 1.0), ha="center", va="top", **text_style
+            )
+            box = label.get_window_extent()
             if box.x1 > free:  # on a small page only few numbers have room
-                told.remove()
+                label.remove()
                 continue
             axes.plot([left + at], [y], "|", **marks)
             free = box.x0 - BETWEEN * box.height

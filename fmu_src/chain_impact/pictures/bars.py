@@ -29,7 +29,7 @@ def fill_bars(
     conditions: str,
     names: Sequence[str],
     values: Sequence[float],
-    told: Sequence[str],
+    end_texts: Sequence[str],
     label: str,
 ) -> None:
     """Draw one bar for each name, the first name at the top, on an empty figure.
@@ -40,7 +40,7 @@ def fill_bars(
         conditions: the text below the title.
         names: the names of the bars.
         values: the lengths of the bars; negative bars go to the left.
-        told: the text at the end of each bar.
+        end_texts: the text at the end of each bar.
         label: the label of the axis.
     """
     headline(figure, title, conditions)
@@ -48,7 +48,7 @@ def fill_bars(
     rows = range(len(names))
     colours = [BLUE if value > 0.0 else VERMILLION for value in values]
     axes.barh(rows, values, THICK, color=colours)
-    for row, value, text in zip(rows, values, told, strict=True):
+    for row, value, text in zip(rows, values, end_texts, strict=True):
         side = 1.0 if value > 0.0 else -1.0
         axes.annotate(
             text.replace("-", "−"),

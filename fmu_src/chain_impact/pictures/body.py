@@ -23,18 +23,18 @@ CARRIAGE = 0.5  # the opacity of a carriage, from 0 to 1
 def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:
     """Draw the outlines of links, the discs of ends that touch, the points and the carriage in one row."""
     points, sites = recording.points[row], recording.sites[row]
-    look = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
+    style = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
     for link, corners in recording.outlines.items():
-        axes.add_patch(Polygon(placed(corners, points[link - 1], points[link]), **look))
+        axes.add_patch(Polygon(placed(corners, points[link - 1], points[link]), **style))
     for end, radius in recording.touching.items():
         if radius > 0.0 and end < len(points) and not {end, end + 1} & recording.outlines.keys():
-            axes.add_patch(Circle(points[end], radius, **look))
+            axes.add_patch(Circle(points[end], radius, **style))
     if len(sites):
         axes.plot(*sites.T, "o", color=colour, markersize=SITE, zorder=3.9)
     if recording.rail:
         corners = recording.rail.carriage(points[0], size_of(recording))
-        look = {"facecolor": (*to_rgb(colour), CARRIAGE), "edgecolor": colour, "linewidth": linewidth}
-        axes.add_patch(Polygon(corners, **look, zorder=3.4))
+        style = {"facecolor": (*to_rgb(colour), CARRIAGE), "edgecolor": colour, "linewidth": linewidth}
+        axes.add_patch(Polygon(corners, **style, zorder=3.4))
 
 
 def body_look(colour: Any) -> dict[str, Any]:

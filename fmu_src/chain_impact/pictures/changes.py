@@ -43,24 +43,24 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
-    found = recording.sensitivities
-    assert found is not None
-    names = found.drawn(outputs)
-    relative = relative_changes(recording, found, names)
-    parameters = plural(len(found.parameters), "parameter")
+    sensitivities = recording.sensitivities
+    assert sensitivities is not None
+    names = sensitivities.drawn(outputs)
+    relative = relative_changes(recording, sensitivities, names)
+    parameters = plural(len(sensitivities.parameters), "parameter")
     headline(figure, f"{recording.name}: changes with {parameters}, to first order", conditions(recording))
-    looks = looks_of(found, relative)
+    looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
     grid = figure.subplots(-(-(len(names) + 1) // across), across, sharex=True, squeeze=False).ravel()
     panels, rest = grid[: len(names) + 1], grid[len(names) + 1 :]
     for axes in rest:
         axes.remove()
     for axes, name in zip(panels, names, strict=False):
-        draw_changes(axes, recording, found, name, looks)
-    draw_speeds(panels[-1], recording, found, looks)
+        draw_changes(axes, recording, sensitivities, name, looks)
+    draw_speeds(panels[-1], recording, sensitivities, looks)
     for axes in panels:
         mark_impacts(axes, recording)
-        mark_unknown(axes, recording, found)
+        mark_unknown(axes, recording, sensitivities)
         axes.tick_params(labelbottom=True)
         give_ticks(axes)
     for axes in panels[-across:]:
@@ -68,7 +68,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
             "; ".join(filter(None, ("time [s]", impact_lines(recording, *recording.time[[0, -1]]))))
         )
     legend_at_foot(figure, panels[0].get_legend_handles_labels()[0])
-    figure.supxlabel("\n".join(found.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True)
+    figure.supxlabel(
+        "\n".join(sensitivities.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True
+    )
 
 
 def calm(recording: Recording) -> np.ndarray:
@@ -82,33 +84,35 @@ def calm(recording: Recording) -> np.ndarray:
     return rows
 
 
-def relative_changes(recording: Recording, found: Sensitivities, outputs: Sequence[str]) -> np.ndarray:
+def relative_changes(
+    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str]
+) -> np.ndarray:
     """Return the largest changes of the outputs, outside of impacts, relative to their ranges, shape (T, P).
 
     The result is 0 within impacts.
     """
     ranges = [np.ptp(recording.columns[name]) or 1.0 for name in outputs]
-    shares = [np.abs(found.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
+    shares = [np.abs(sensitivities.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
     largest: np.ndarray = np.max(np.nan_to_num(shares), axis=0)
     largest[~calm(recording)] = 0.0
     return largest
 
 
-def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
+def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     """Return the look of each parameter: colours for those with the largest effects, grey for others.
 
     A parameter without effect is always grey.
     """
-    names = list(found.parameters)
+    names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
-    told = {k for k in order[: len(PALETTE)] if relative[:, k].max() > NOTHING}
-    others = sorted(set(order) - told)
-    largest = next((names[k] for k in order if k not in told and relative[:, k].max() > NOTHING), "")
+    coloured = {k for k in order[: len(PALETTE)] if relative[:, k].max() > NOTHING}
+    others = sorted(set(order) - coloured)
+    largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > NOTHING), "")
     rest = f"{len(others)} others" + (f", most {largest}" if largest else "")
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
-        if k in told:
-            label = f"{name} + {found.step_text(name)}"
+        if k in coloured:
+            label = f"{name} + {sensitivities.step_text(name)}"
             looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label})
         else:
             label = rest if k == others[-1] else "_"
@@ -116,32 +120,34 @@ def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
     return looks
 
 
-def draw_changes(axes: Axes, recording: Recording, found: Sensitivities, output: str, looks: Looks) -> None:
+def draw_changes(
+    axes: Axes, recording: Recording, sensitivities: Sensitivities, output: str, looks: Looks
+) -> None:
     """Draw the changes of an output over time for each parameter, with gaps where they are unknown."""
-    changes = found.changes(output)
+    changes = sensitivities.changes(output)
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
     if len(grey) > MOST_GREY:
         fill_band(axes, recording.time, changes[:, grey].T, looks[grey[-1]]["label"])
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
-    axes.set_ylabel(f"change of {output}{in_brackets(found.units[output])}")
+    axes.set_ylabel(f"change of {output}{in_brackets(sensitivities.units[output])}")
     fit_scale(axes, changes[calm(recording)], NOTHING * np.ptp(recording.columns[output]))
 
 
-def draw_speeds(axes: Axes, recording: Recording, found: Sensitivities, looks: Looks) -> None:
+def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, looks: Looks) -> None:
     """Draw the changes of each impact's speed for each parameter: a dot at a wall, a diamond at a stop."""
-    changes, stopped = found.impact_changes("impact_speed"), recording.at_stops
+    changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
         for rows, marker in ((~stopped, "o"), (stopped, "D")):
             if rows.any():
-                axes.plot(found.impacts["onset"][rows], values[rows], marker, **style)
+                axes.plot(sensitivities.impacts["onset"][rows], values[rows], marker, **style)
     mixed = stopped.any() and not stopped.all()
     unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
     axes.set_ylabel(f"change of impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
     fit_scale(axes, changes, NOTHING * recording.impacts["impact_speed"].max(initial=0.0))
-    if not len(found.impacts):
+    if not len(sensitivities.impacts):
         axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=GREY)
 
 
@@ -165,9 +171,9 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
         axes.set_ylim(low - margin, high + margin)
 
 
-def mark_unknown(axes: Axes, recording: Recording, found: Sensitivities) -> None:
+def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
     """Shade the time in which derivatives are unknown."""
-    unknown = np.isnan(found.slopes).all(axis=(1, 2))
+    unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]
         axes.axvspan(start, end, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0)

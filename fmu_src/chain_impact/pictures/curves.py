@@ -35,7 +35,7 @@ PREFIXED, SMALL, LARGE = ("N", "N.m", "N.s", "N.m.s", "J", "W"), 1e-2, 1e4
 # units that only one quantity has → this quantity
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
 END = 0.5  # the line at the end of an impact mixes this fraction of the text colour with the ground's colour
-TOLD = 4  # of the outputs that are always 0, at most this number are named at the foot of the picture
+MOST_NAMED = 4  # of the outputs that are always 0, at most this number are named at the foot of the picture
 SIDE = 8  # the legend is beside the panel for at most this number of curves, else above the panel
 
 
@@ -77,7 +77,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         write_head(figure, recording, title or summary, seen if title else "")
     panels, zero = curves.panels, always_zero(curves)
     if zero:
-        write_foot(figure, f"0 in the whole view: {few(zero, TOLD)}")
+        write_foot(figure, f"0 in the whole view: {few(zero, MOST_NAMED)}")
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     draw_all(list(grid), recording, curves)
     for axes in grid:
@@ -123,7 +123,7 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
     ends = time[[0, -1]]
     if curves.onset is None:
         ends = np.array([shown.start, shown.end])
-        label = "; ".join(filter(None, (label, impact_lines(recording, *ends), shown.told)))
+        label = "; ".join(filter(None, (label, impact_lines(recording, *ends), shown.note)))
     else:
         is_known = np.isfinite(recording.impacts["end"][curves.number - 1])
         others = impact_lines(recording, *(start + ends / factor))
@@ -134,7 +134,7 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
             mark_end(axes, recording, curves.number, start, factor)
         drawn = [curves.values[name] for name in names]
         hidden, (scale, unit) = hides(drawn), axis_unit(curves.units[names[0]], drawn)
-        looks: list[dict[str, Any]] = [
+        styles: list[dict[str, Any]] = [
             {
                 "linestyle": DASHES[min(k // len(PALETTE) + hidden[k], len(DASHES) - 1)],
                 "color": PALETTE[k % len(PALETTE)],
@@ -142,7 +142,9 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
             }
             for k, name in enumerate(names)
         ]
-        plot_curves(axes, time, [(scale * one, look) for one, look in zip(drawn, looks, strict=True)])
+        plot_curves(
+            axes, time, [(scale * values, style) for values, style in zip(drawn, styles, strict=True)]
+        )
         quantity = shared_part(names) or QUANTITIES.get(curves.units[names[0]], "")
         axes.set_ylabel(f"{quantity}{in_brackets(unit)}".lstrip())
         if curves.onset is None:
@@ -180,7 +182,7 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
 
 
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
-    """Return the unit of an axis, after the factor from the given unit to it: kN for large forces."""
+    """Return a factor, and the unit of an axis into which it converts values: kN for large forces."""
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
     is_usual = SMALL <= largest < LARGE or largest == 0.0 or unit not in PREFIXED
     return (1.0, unit) if is_usual else prefixed(largest, unit)
@@ -195,7 +197,7 @@ def short_name(name: str, names: Sequence[str]) -> str:
 def shared_part(names: Sequence[str]) -> str:
     """Return the last part of some names if all names share it; "" otherwise.
 
-    For a component of a vector, the last part has the vector, too: "force.x".
+    For a component of a vector, the last part includes the name of the vector: "force.x".
     """
     last = {re.sub(r".*?((?:\w+\.)?[xy]|\w+)$", r"\1", name) for name in names}
     return last.pop() if len(last) == 1 else ""

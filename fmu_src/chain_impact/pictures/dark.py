@@ -97,14 +97,14 @@ class Ground(NamedTuple):
 
         A single colour is returned without a list, so that it goes with any number of opacities.
         """
-        each = [self.suited(one) for one in np.asarray(colours)]
+        each = [self.suited(colour) for colour in np.asarray(colours)]
         return each[0] if len(each) == 1 else each
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:
         """Return the colour map for an artist; except for TIME, only the colour of missing values changes."""
         own = artist.get_cmap()
         if own.name == TIME:
-            return ListedColormap([self.suited(own(one)) for one in range(own.N)], TIME)
+            return ListedColormap([self.suited(own(index)) for index in range(own.N)], TIME)
         return own.with_extremes(bad=self.suited(own.get_bad()))
 
 
@@ -124,5 +124,5 @@ def lighter(colour: Any) -> Colour:
     red, green, blue, alpha = to_rgba(colour)
     shares = np.linspace(0.0, 1.0, 41)
     mixed = [(*(part + share * (1.0 - part) for part in (red, green, blue)), alpha) for share in shares]
-    r, g, b, a = next(one for one in mixed if luminance(one) >= LEAST)
+    r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= LEAST)
     return r, g, b, a

@@ -54,9 +54,9 @@ class NoRoomError(ValueError):
         least: a sufficient height [inches]; None if there is none.
     """
 
-    def __init__(self, width: float, height: float, told: str, least: float | None = None) -> None:
+    def __init__(self, width: float, height: float, requirement: str, least: float | None = None) -> None:
         """Store the sufficient height; the message has the refused size [inches] and the required size."""
-        super().__init__(f"size = ({width:g}, {height:g}) must be {told}")
+        super().__init__(f"size = ({width:g}, {height:g}) must be {requirement}")
         self.least = least
 
 
@@ -192,7 +192,9 @@ def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
         boxes = list(text_boxes(figure))
         whole = Bbox.union([figure.bbox, *boxes])
         is_within = (np.abs(whole.get_points() - figure.bbox.get_points()) <= NEARLY).all()
-        if is_within and not any(one.padded(-NEARLY).overlaps(two) for one, two in combinations(boxes, 2)):
+        if is_within and not any(
+            first.padded(-NEARLY).overlaps(second) for first, second in combinations(boxes, 2)
+        ):
             return float(lacks)
     return math.inf
 
@@ -231,9 +233,9 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
             return
 
 
-def meet(one: Bbox, two: Bbox) -> bool:
+def meet(first: Bbox, second: Bbox) -> bool:
     """Return whether two successive numbers of an axis overlap, or are so close that they look like one."""
-    return bool(one.x1 + APART * one.height > two.x0)
+    return bool(first.x1 + APART * first.height > second.x0)
 
 
 def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:

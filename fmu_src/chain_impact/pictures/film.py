@@ -26,8 +26,8 @@ RATES = {".gif": 20, ".mp4": 30}
 FRAMES_OF_SINE = 8.0
 # a film is slowed down for a fast sine only up to this number of frames, because more take minutes to draw
 MOST_FRAMES = 1500
-# pixels per inch. DPI: the largest number for a film with energies; LEAST_DPI: the least number for it;
-# SMALL_DPI: the number for a film that is too small for energies
+# pixels per inch. DPI, LEAST_DPI: the largest and the least number for a film with energies; SMALL_DPI: the
+# number for a film that is too small for energies
 DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
 
 
@@ -59,7 +59,7 @@ def write_film(
     rate, (width, height) = RATES[path.suffix.lower()], (length // 2 * 2 for length in size)
     start, stop = (float(recording.time[row]) for row in (0, -1))
     times, usual = frame_times(start, stop, slow_spans(recording), impact_time)
-    frames = (len(times) - 1) * rate / usual  # at the speed 1
+    frames = (len(times) - 1) * rate / usual  # the number of frames at the speed 1
     speed = pace(recording, speed, rate, frames / MOST_FRAMES if impact_time > 0.0 else 1.0)
     count = 1 + int(np.ceil(frames / speed))
     shown = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
@@ -67,7 +67,7 @@ def write_film(
     pictures = draw_frames(recording, shown, rates, (width, height), progress)
     if path.suffix.lower() == ".gif":
         ground = Ground.of_style()
-        colours = [ground.suited(one) for one in COLOURS] if ground else COLOURS
+        colours = [ground.suited(colour) for colour in COLOURS] if ground else COLOURS
         write_gif(pictures, path, rate, colours, ground.ground if ground else "white")
     else:
         write_mp4(pictures, path, rate, (width, height))
@@ -118,5 +118,5 @@ def draw_frames(
 
 def resolution(size: tuple[int, int]) -> float:
     """Return the pixels per inch of a film: fewer pixels for a small film, so that all texts have room."""
-    found = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
-    return min(DPI, found) if found >= LEAST_DPI else SMALL_DPI
+    density = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
+    return min(DPI, density) if density >= LEAST_DPI else SMALL_DPI

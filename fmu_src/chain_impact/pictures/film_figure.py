@@ -105,12 +105,14 @@ class Film:
         for patch in self.patches:
             self.scene.add_patch(patch)
         (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
-        look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
-        (self.sites,) = self.scene.plot([], [], color=CHAIN, markersize=4, **look)
-        (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
-        (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
+        mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
+        (self.sites,) = self.scene.plot([], [], color=CHAIN, markersize=4, **mark_style)
+        (self.joints,) = self.scene.plot(
+            [], [], color="white", markeredgecolor=CHAIN, markersize=5, **mark_style
+        )
+        (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **mark_style)
         peaks = recording.impacts["peak_force"][~recording.at_stops]
-        at_walls = [one.force for one in self.touches if one.wall not in STOPS]
+        at_walls = [touch.force for touch in self.touches if touch.wall not in STOPS]
         seen = [force.max(initial=0.0) for force in at_walls if force is not None]
         seen += [np.hypot(*force.T).max() for force in recording.loads.values()]
         peak = max([np.nanmax(peaks, initial=0.0), *seen])
@@ -135,9 +137,13 @@ class Film:
         """Draw the legend of the two kinds of arrows."""
         arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
         kinds = {"wall forces": FORCE, "joint forces": LOAD}
-        place: dict[str, Any] = {"loc": "center right", "bbox_to_anchor": (right, 0.94), "borderaxespad": 0.0}
+        position: dict[str, Any] = {
+            "loc": "center right",
+            "bbox_to_anchor": (right, 0.94),
+            "borderaxespad": 0.0,
+        }
         handles = [Line2D([], [], color=colour, label=name, **arrow) for name, colour in kinds.items()]
-        figure.legend(handles=handles, ncols=2, fontsize=8, handlelength=1.4, columnspacing=1.0, **place)
+        figure.legend(handles=handles, ncols=2, fontsize=8, handlelength=1.4, columnspacing=1.0, **position)
 
     def _draw_ground(self, radius: float) -> None:
         pinned = self.recording.pinned
@@ -177,7 +183,6 @@ class Film:
     def _draw_energies(self, axes: Any) -> None:
         time = self.recording.time
         mark_impacts(axes, self.recording)
-        shown = {name: one for name, one in self.recording.energies.items() if name in ENERGIES and one.any()}
         curves: list[tuple[np.ndarray, dict[str, Any]]] = [
             (
                 energy,
@@ -188,12 +193,13 @@ class Film:
                     "linewidth": 1 + (name == "total"),
                 },
             )
-            for name, energy in shown.items()
+            for name, energy in self.recording.energies.items()
+            if name in ENERGIES and energy.any()
         ]
         plot_curves(axes, time, curves)
         axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel="energy [J]")
-        place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
-        axes.legend(**place, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
+        position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
+        axes.legend(**position, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
         self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)
 
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
@@ -246,21 +252,21 @@ class Film:
         self.numbers.clear()
         self.arrows.clear()
         self.plane = self.recording.sides_at(float(self.times[frame]))
-        for one in self.touches:
-            force = 0.0 if one.force is None else self._at(one.force, frame)
-            sticks = one.sticking is not None and one.sticking[self.rows[frame]] > 0.0
-            if one.wall in self.plane and force > 0.0:
-                along = 0.0 if one.friction is None else self._at(one.friction, frame)
-                self._add_contact(self.points[frame, one.point], one.wall, (force, along), sticks)
-            elif not one.wall and sticks:
+        for touch in self.touches:
+            force = 0.0 if touch.force is None else self._at(touch.force, frame)
+            sticks = touch.sticking is not None and touch.sticking[self.rows[frame]] > 0.0
+            if touch.wall in self.plane and force > 0.0:
+                along = 0.0 if touch.friction is None else self._at(touch.friction, frame)
+                self._add_contact(self.points[frame, touch.point], touch.wall, (force, along), sticks)
+            elif not touch.wall and sticks:
                 self._add_line(
-                    self.points[frame, max(one.point - 1, 0)], "o", markeredgecolor=CHAIN, markersize=7
+                    self.points[frame, max(touch.point - 1, 0)], "o", markeredgecolor=CHAIN, markersize=7
                 )
             elif force > 0.0:
-                place, (dx, dy) = touching_place(self.points[frame], one.point)
-                self._add_line(place, "o", markersize=9)
+                mark, (dx, dy) = touching_place(self.points[frame], touch.point)
+                self._add_line(mark, "o", markersize=9)
                 across = np.array([dy, -dx])
-                self.numbers.append(Number(force, force_text(force, "N·m"), place, across, FORCE))
+                self.numbers.append(Number(force, force_text(force, "N·m"), mark, across, FORCE))
         self._add_loads(frame)
         self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame))
         if self.ground:
@@ -278,13 +284,13 @@ class Film:
         for joint, force in forces.items():
             whole = float(np.hypot(*force))
             if whole > 0.0 and self.scale.shows(whole):
-                place = self.points[frame, joint - 1]
-                self._add_arrow(place, force / whole, whole, LOAD, told=joint == largest)
+                joint_position = self.points[frame, joint - 1]
+                self._add_arrow(joint_position, force / whole, whole, LOAD, with_size=joint == largest)
 
     def _at(self, column: np.ndarray, frame: int) -> float:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
-    def _add_contact(self, place: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
+    def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
         """Add the normal and the tangential force on a point.
 
         Add a bar along the wall if the contact sticks.
@@ -292,26 +298,26 @@ class Film:
         plane = self.plane[wall]
         normal = np.array(plane.normal)
         tangent = np.array([normal[1], -normal[0]])
-        foot, whole = place - plane.clearance(*place) * normal, float(np.hypot(*force))
+        foot, whole = point - plane.clearance(*point) * normal, float(np.hypot(*force))
         if sticks:
             bar = np.stack([foot - BAR * self.side * tangent, foot + BAR * self.side * tangent])
             self._add_line(bar.T, linewidth=5.0, solid_capstyle="butt")
         self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / whole, whole, FORCE)
 
     def _add_arrow(
-        self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, told: bool = True
+        self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, with_size: bool = True
     ) -> None:
-        """Add the arrow of a force [N] from a place in a direction; with ``told``, also its size as text."""
+        """Add the arrow of a force [N] from a point in a direction; ``with_size``: also its size as text."""
         head = foot + self.scale.length(whole) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
         self.moving.append(self.scene.add_patch(arrow))
         self.arrows.append(np.stack([foot, head]))
-        if told:
+        if with_size:
             self.numbers.append(Number(whole, force_text(whole, "N"), head, direction, colour))
 
-    def _add_line(self, place: np.ndarray, *marker: str, **look: Any) -> None:
-        self.moving += self.scene.plot(*place, *marker, color=FORCE, **look)
+    def _add_line(self, points: np.ndarray, *marker: str, **style: Any) -> None:
+        self.moving += self.scene.plot(*points, *marker, color=FORCE, **style)
 
     def _outlines(self, frame: int) -> list[np.ndarray]:
         """Return the lines in a frame that numbers must not cover: chain, bodies, walls and arrows."""

@@ -37,11 +37,11 @@ def write_gif(
     shades = shades[(shades == back).all(axis=1) | (np.abs(shades - back) > NEAR).any(axis=1)]
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
-    look: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}
+    options: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}
     # the frames are written one by one; Pillow's own `save` would keep all frames in memory
     with path.open("wb") as file:
         for part, corner, seconds in _changes(
-            (Image.fromarray(one).quantize(**look) for one in pictures), rate
+            (Image.fromarray(picture).quantize(**options) for picture in pictures), rate
         ):
             if file.tell() == 0:
                 file.writelines(getheader(part, info={"loop": 0})[0])

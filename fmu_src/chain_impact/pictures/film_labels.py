@@ -50,15 +50,22 @@ def write_numbers(axes: Axes, wanted: Iterable[Number], lines: Sequence[np.ndarr
     dots = np.concatenate([sampled(line, SAMPLE * point) for line in drawn])
     bodies = [Path(line) for line in drawn if len(line) > 2 and (line[0] == line[-1]).all()]  # noqa: PLR2004
     taken: list[Bbox] = []
-    look: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
-    for one in sorted(wanted, key=lambda one: -one.size):
+    text_style: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
+    for number in sorted(wanted, key=lambda number: -number.size):
         outline = [withStroke(linewidth=3.0, foreground="white")]
         text = axes.text(
-            one.place[0], one.place[1], one.words, color=one.colour, path_effects=outline, **look
+            number.place[0],
+            number.place[1],
+            number.words,
+            color=number.colour,
+            path_effects=outline,
+            **text_style,
         )
-        half, at = 0.5 * np.asarray(text.get_window_extent().size), axes.transData.transform(one.place)
+        half, at = 0.5 * np.asarray(text.get_window_extent().size), axes.transData.transform(number.place)
         for distance in DISTANCES:
-            middles = at + directions((float(one.away[0]), float(one.away[1]))) * (distance * point + half)
+            middles = at + directions((float(number.away[0]), float(number.away[1]))) * (
+                distance * point + half
+            )
             boxes = [Bbox([middle - half, middle + half]).padded(SPACE * point) for middle in middles]
             free = [box for box in boxes if is_free(box, room, dots, bodies, taken)]
             if free:

@@ -23,19 +23,19 @@ SPACE = 3.0  # [points] the space between a text and the edge of the figure, or 
 def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
     """Draw into a user's axes in this context; on a dark ground, the colours are changed at the end."""
     grounds = {
-        one: Ground(one.get_facecolor(), one.xaxis.label.get_color())
-        for one in axes
-        if is_dark(one.get_facecolor())
+        panel: Ground(panel.get_facecolor(), panel.xaxis.label.get_color())
+        for panel in axes
+        if is_dark(panel.get_facecolor())
     }
-    before = {one: set(one.findobj()) for one in grounds}
-    for one in grounds:
-        one.set_facecolor("white")
+    before = {panel: set(panel.findobj()) for panel in grounds}
+    for panel in grounds:
+        panel.set_facecolor("white")
     try:
         with styled(COLOURS if grounds else {}):
             yield
     finally:
-        for one, ground in grounds.items():
-            ground.suit([one.patch, *(set(one.findobj()) - before[one]), one.xaxis, one.yaxis])
+        for panel, ground in grounds.items():
+            ground.suit([panel.patch, *(set(panel.findobj()) - before[panel]), panel.xaxis, panel.yaxis])
 
 
 def fit_into_figure(axes: Sequence[Axes]) -> None:
@@ -43,8 +43,8 @@ def fit_into_figure(axes: Sequence[Axes]) -> None:
 
     A figure with a layout engine moves its axes itself when it is drawn; then only legends and labels change.
     """
-    for figure in {figure for one in axes if (figure := one.get_figure(root=True)) is not None}:
-        own = [one for one in axes if one.get_figure(root=True) is figure]
+    for figure in {figure for panel in axes if (figure := panel.get_figure(root=True)) is not None}:
+        own = [panel for panel in axes if panel.get_figure(root=True) is figure]
         figure.draw_without_rendering()
         fit_legends(figure, own)
         break_labels(figure, own)
@@ -53,8 +53,8 @@ def fit_into_figure(axes: Sequence[Axes]) -> None:
             fit_legends(figure, own)
             continue
         for _ in range(TIMES):
-            for one in own:
-                _fit(one, figure)
+            for panel in own:
+                _fit(panel, figure)
             fit_legends(figure, own)
 
 

@@ -61,8 +61,8 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
         axes = figure.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
         timed.append(axes)
-        factor, told = prefixed(np.abs(values).max(initial=0.0), unit)
-        axes.set_ylabel(f"{name} [{told}]")
+        factor, prefixed_unit = prefixed(np.abs(values).max(initial=0.0), unit)
+        axes.set_ylabel(f"{name} [{prefixed_unit}]")
         if not len(course.time):
             say_impulse(axes)
             continue
@@ -71,8 +71,10 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
         if shown < np.ptp(course.time):
             axes.set_xlim(-EDGE * time_factor * shown, time_factor * shown)
     if shown < (np.ptp(course.time) if len(course.time) else 0.0):
-        look: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": "small", "color": INK}
-        timed[0].text(1.0, 1.02, f"{duration_text(impact, course)} →", transform=timed[0].transAxes, **look)
+        text_style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": "small", "color": INK}
+        timed[0].text(
+            1.0, 1.02, f"{duration_text(impact, course)} →", transform=timed[0].transAxes, **text_style
+        )
     timed[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
     draw_loop(loop, impact, course, at_stop=stop)
     give_ticks(*timed, loop)
@@ -103,8 +105,8 @@ def shown_time(impact: np.void, course: Course) -> float:
 def duration_text(impact: np.void, course: Course) -> str:
     """Return words for the duration of a contact."""
     lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
-    told = force_text(lasting, "s") if lasting > 0.0 else "0 s"
-    return f"lasts to the end, for {told}" if lasts(impact) else f"lasts {told}"
+    text = force_text(lasting, "s") if lasting > 0.0 else "0 s"
+    return f"lasts to the end, for {text}" if lasts(impact) else f"lasts {text}"
 
 
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
@@ -113,8 +115,8 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
     The loop of a contact that lasts is open, with a dot at its end.
     """
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
-    force_factor, force_told = prefixed(force.max(initial=0.0), force_unit)
-    depth_factor, depth_told = prefixed(depth.max(initial=0.0), depth_unit)
+    force_factor, prefixed_force_unit = prefixed(force.max(initial=0.0), force_unit)
+    depth_factor, prefixed_depth_unit = prefixed(depth.max(initial=0.0), depth_unit)
     label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost by the chain"
     x, y = depth_factor * depth, force_factor * force
     axes.plot(x, y, color=VERMILLION, label=label)
@@ -123,7 +125,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
     elif len(x):
         axes.plot(x[-1], y[-1], "o", color=VERMILLION, markersize=DOT, label="at the end")
     name = "moment" if at_stop else "force"
-    axes.set(xlabel=f"penetration [{depth_told}]", ylabel=f"{name} [{force_told}]")
+    axes.set(xlabel=f"penetration [{prefixed_depth_unit}]", ylabel=f"{name} [{prefixed_force_unit}]")
     legend_above(axes)
     if not len(x):
         say_impulse(axes)
@@ -169,6 +171,6 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
 
 
 def restitution_text(impact: np.void) -> str:
-    """Return words for the realised restitution: the separation speed over the impact speed."""
-    found = impact["separation_speed"] / impact["impact_speed"]
-    return "in contact to the end" if math.isnan(found) else f"restitution {found:.4g} realised"
+    """Return words for the realised restitution: the separation speed divided by the impact speed."""
+    restitution = impact["separation_speed"] / impact["impact_speed"]
+    return "in contact to the end" if math.isnan(restitution) else f"restitution {restitution:.4g} realised"

@@ -135,7 +135,7 @@ def place_labels(
         probe.set_text(words)
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
-    left, homes = [], np.array([_home(axes, one, half_size(one.short or one.text)) for one in labels])
+    left, homes = [], np.array([_home(axes, label, half_size(label.short or label.text)) for label in labels])
     for k, label in enumerate(labels):
         sizes = {words: half_size(words) for words in (label.text, label.short) if words}
         if not _place(axes, label, homes[k + 1 :], sizes, ink=ink, steps=steps, **look):
@@ -219,11 +219,11 @@ def _pixel(colour: Any) -> int:
 def listed(numbers: Iterable[int]) -> str:
     """Return whole numbers as text, in order, with successive numbers as a range: "3, 7–9"."""
     runs: list[list[int]] = []
-    for one in sorted(set(numbers)):
-        if runs and one == runs[-1][-1] + 1:
-            runs[-1].append(one)
+    for number in sorted(set(numbers)):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
         else:
-            runs.append([one])
+            runs.append([number])
     parts: list[str] = []
     for run in runs:
         parts += [f"{run[0]}–{run[-1]}"] if len(run) >= LEAST_RUN else map(str, run)

@@ -41,7 +41,7 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     Returns whether a legend has changed.
     """
     is_changed = False
-    told: set[str] = set()
+    labels_below: set[str] = set()
     for axes in reversed(figure.axes if wanted is None else wanted):
         legend: Any = axes.get_legend()
         if legend is None or legend.get_gid() != MARK:
@@ -49,9 +49,9 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         before = legend.get_window_extent().size
         labels = [text.get_text() for text in legend.get_texts()]
         entries = list(zip(legend.legend_handles, labels, strict=True))
-        kept = [(handle, label) for handle, label in entries if label not in told]
+        kept = [(handle, label) for handle, label in entries if label not in labels_below]
         if is_narrow(figure):
-            told.update(label for _, label in kept)
+            labels_below.update(label for _, label in kept)
         if len(kept) < len(entries):
             legend.remove()
             _put(axes, kept)

@@ -24,8 +24,8 @@ def message(recording: Recording, *, short: bool = False) -> str:
     For example "Box: 14 impacts in 2 s, 50.3 J dissipated".
     """
     count, span = recording.impact_count, recording.time[-1] - recording.time[0]
-    told = f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {span:g} s"
-    return told if short else ", ".join(filter(None, (told, dissipated(recording))))
+    text = f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {span:g} s"
+    return text if short else ", ".join(filter(None, (text, dissipated(recording))))
 
 
 def dissipated(recording: Recording) -> str:
@@ -47,8 +47,8 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str) ->
     conditions. A narrow figure has a short message; then the conditions give the lost energy.
     """
     short = is_narrow(figure)
-    told = [dissipated(recording)] if short and not title else []
-    headline(figure, title or message(recording, short=short), conditions(recording, *first, *told))
+    losses = [dissipated(recording)] if short and not title else []
+    headline(figure, title or message(recording, short=short), conditions(recording, *first, *losses))
 
 
 def conditions(recording: Recording, *first: str) -> str:
@@ -56,7 +56,9 @@ def conditions(recording: Recording, *first: str) -> str:
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
     for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
-        if most := max((one for name, one in known.items() if name.endswith(f".joint_{key}")), default=0.0):
+        if most := max(
+            (value for name, value in known.items() if name.endswith(f".joint_{key}")), default=0.0
+        ):
             parts.append(f"joint {key} ≤ {most:g} {unit}")
     law, of_stops = known.get("contact.model", ""), recording.stop_law
     if law:
@@ -66,7 +68,7 @@ def conditions(recording: Recording, *first: str) -> str:
         if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):  # an impulsive law has no stiffness
             unit = raised(of_power("N/m", known["contact.exponent"]))
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
-    if rubbing := [one for name, value in known.items() if (one := friction(name, value))]:
+    if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
         parts.append(f"friction µ = {', '.join(rubbing)}")
     if "stop.restitution" in known:
         parts.append(f"stops {f'law {of_stops}, ' if of_stops else ''}e = {known['stop.restitution']:g}")

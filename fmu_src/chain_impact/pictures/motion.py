@@ -56,7 +56,7 @@ LISTED, FASTEST = 3, 2
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
     """Draw walls, faint poses, paths of points, and strong poses at start, end and impacts.
 
-    ``shape`` is the height of the axes over their width; the view fills axes of this shape.
+    ``shape`` is the height of the axes divided by their width; the view fills axes of this shape.
     """
     view = view_of(recording, shape)
     draw_walls(axes, recording, view)
@@ -74,9 +74,14 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) ->
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
         rim = RIM if row == 0 and is_covered(recording) else 0.0
-        look = {"color": colour, "linewidth": 3.0 + rim, "markersize": 5.5 + 0.5 * rim, "label": name} | marks
+        style = {
+            "color": colour,
+            "linewidth": 3.0 + rim,
+            "markersize": 5.5 + 0.5 * rim,
+            "label": name,
+        } | marks
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
-        draw_chain(axes, recording.points[row], **look)
+        draw_chain(axes, recording.points[row], **style)
     if recording.stops:
         lines = list(range_lines(recording.points[-1], recording.stops))
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
@@ -121,8 +126,8 @@ def colour_of_time(recording: Recording) -> Any:
 
 def strongest(recording: Recording, count: int) -> np.ndarray:
     """Return the rows of the fastest impacts, the fastest first."""
-    found: np.ndarray = recording.impacts[by_speed(recording)[:count]]
-    return found
+    fastest: np.ndarray = recording.impacts[by_speed(recording)[:count]]
+    return fastest
 
 
 def by_speed(recording: Recording) -> np.ndarray:
@@ -153,25 +158,30 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 
 def draw_rings(axes: Axes, recording: Recording) -> None:
     """Draw a ring at each place where a point hit a wall, or a joint hit its stop."""
-    look: dict[str, Any] = {"marker": "o", "markersize": RING, "markerfacecolor": "none", "linestyle": ""}
+    ring_style: dict[str, Any] = {
+        "marker": "o",
+        "markersize": RING,
+        "markerfacecolor": "none",
+        "linestyle": "",
+    }
     if spots := list(rings(axes, recording)):
-        axes.plot(*np.transpose(spots), **look, color=INK, zorder=5, label="impacts")
+        axes.plot(*np.transpose(spots), **ring_style, color=INK, zorder=5, label="impacts")
 
 
 def draw_sticking(axes: Axes, recording: Recording) -> None:
     """Draw a square at each contact and each joint that sticks at the end."""
     last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
-    places = []
+    positions = []
     for phase in last[last["mode"] == STICKS]:
         joint = phase["wall"] == JOINT
-        place = points[max(phase["point"] - 1, 0) if joint else phase["point"]]
+        position = points[max(phase["point"] - 1, 0) if joint else phase["point"]]
         if not joint and recording.walls:
             wall = recording.wall_of(phase)
-            place = place - wall.clearance(*place) * np.array(wall.normal)
-        places.append(place)
-    if places:
-        look: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": INK}
-        axes.plot(*np.transpose(places), **look, zorder=5.5, label="sticks")
+            position = position - wall.clearance(*position) * np.array(wall.normal)
+        positions.append(position)
+    if positions:
+        mark_style: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": INK}
+        axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks")
 
 
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
@@ -203,8 +213,8 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
             clip_on=False,
             in_layout=False,
         )
-        told: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
-        axes.plot([], [], **told, label=f"joint forces\n≤ {force_text(most, 'N')}")
+        key_style: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
+        axes.plot([], [], **key_style, label=f"joint forces\n≤ {force_text(most, 'N')}")
 
 
 def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
@@ -222,17 +232,19 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
 
     Returns the numbers that have no room, as text.
     """
-    found, labels = rings(axes, recording), []
-    for spot, hits in found.items():
+    hits_at, labels = rings(axes, recording), []
+    for spot, hits in hits_at.items():
         numbers = [hit + 1 for hit in hits]
-        place, outward = _label_place(recording, recording.impacts[hits[0]], spot)
-        labels.append(Label(told(numbers, LISTED, FASTEST), place, outward, told(numbers, 1, 1)))
+        position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
+        labels.append(
+            Label(numbers_text(numbers, LISTED, FASTEST), position, outward, numbers_text(numbers, 1, 1))
+        )
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
-    missing = [hits for label, hits in zip(labels, found.values(), strict=True) if label in left]
+    missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
     return listed(hit + 1 for hits in missing for hit in hits)
 
 
-def told(numbers: Sequence[int], most: int, kept: int) -> str:
+def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
     """Return numbers as text with at most ``most`` numbers and ranges: "1–81".
 
     If more would be needed, only the first ``kept`` numbers are named: "7, 10 + 4 more".
@@ -246,7 +258,7 @@ def told(numbers: Sequence[int], most: int, kept: int) -> str:
 def _label_place(
     recording: Recording, impact: np.void, spot: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the place of an impact's label, and the direction from the impact to the label: into the wall.
+    """Return the position of an impact's label, and the direction from the impact to it: into the wall.
 
     For a stop of a joint, the direction is across the link. For a stop of a slider, the label is beyond the
     mark.
@@ -263,19 +275,19 @@ def _label_place(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """Return place of impacts on walls → the rows of the impacts there, the fastest first.
+    """Return position of impacts on walls → the rows of the impacts at this position, the fastest first.
 
-    Impacts close to each other share a place.
+    Impacts close to each other share a position.
     """
     spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
-    found: dict[tuple[float, float], list[int]] = {}
+    hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
     for row in by_speed(recording).tolist():
         x, y = recording.spot(recording.impacts[row]).tolist()
         near = (
             spot
-            for spot, hits in found.items()
+            for spot, hits in hits_at.items()
             if walls[hits[0]] == walls[row] and np.hypot(spot[0] - x, spot[1] - y) < spacing
         )
-        found.setdefault(next(near, (x, y)), []).append(row)
-    return found
+        hits_at.setdefault(next(near, (x, y)), []).append(row)
+    return hits_at

@@ -26,7 +26,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
         """Return the visible line of a wall at each of some times."""
         rooms = (recording.walls_at(time) for time in times)
-        return [wall_line(walls[name], [walls[one] for one in near], corners) for walls in rooms]
+        return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
 
     for name in moving_walls(recording, near):
         between = lines(name, np.linspace(ends[0], ends[1], FAINT).tolist())
@@ -42,24 +42,24 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
 def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
     """Draw the ground mark of a moving base, and the trace of the base."""
     bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
-    look: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
+    line_style: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
     rows = np.linspace(0, len(bases) - 1, FAINT_MARKS).astype(int)
-    _add(axes, _moved(mark, bases[rows] - bases[0]), colors=INK, alpha=0.13, **look)
+    _add(axes, _moved(mark, bases[rows] - bases[0]), colors=INK, alpha=0.13, **line_style)
     for row in (0, -1):
-        _add(axes, _moved(mark, bases[[row]] - bases[0]), colors=[shade(recording.time[row])], **look)
+        _add(axes, _moved(mark, bases[[row]] - bases[0]), colors=[shade(recording.time[row])], **line_style)
     _draw_trace(axes, bases, recording.time, shade)
 
 
 def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) -> np.ndarray:
     """Return the path of a point on a wall, near the end that is far from the chain, shape (T, 2) [m]."""
     wall, moved = recording.walls[name], recording.moved_walls[name]
-    line = next((one for one in lines if len(one) > 1), np.zeros((0, 2)))
+    line = next((visible for visible in lines if len(visible) > 1), np.zeros((0, 2)))
     if not len(line):
         return line
-    places = [line[0] + share * (line[-1] - line[0]) for share in (BESIDE, 1.0 - BESIDE)]
-    gaps = [np.hypot(*(recording.all_points - place).reshape(-1, 2).T).min() for place in places]
-    place, normal = places[int(np.argmax(gaps))], np.array(wall.normal)
-    foot = place - wall.clearance(*place) * normal
+    ends = [line[0] + share * (line[-1] - line[0]) for share in (BESIDE, 1.0 - BESIDE)]
+    gaps = [np.hypot(*(recording.all_points - end).reshape(-1, 2).T).min() for end in ends]
+    end, normal = ends[int(np.argmax(gaps))], np.array(wall.normal)
+    foot = end - wall.clearance(*end) * normal
     return np.asarray(foot + moved[:, None] * normal)
 
 

@@ -49,7 +49,7 @@ PARTS = {"friction": BROWN}
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
 BAR, NAME = 0.42, 0.5
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
-TOLD = 5  # the largest number of points with individual colours, so that the legend has room
+MOST_COLOURED = 5  # the largest number of points with individual colours, so that the legend has room
 # points are not orange, because the potential energy is orange in the panel above
 POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)
 # impacts have equal distances if there are more than REGULAR of them, and the distances differ at most by
@@ -58,7 +58,8 @@ REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of impacts that get numbers
 SHORT = 0.002  # phases of dry friction up to this part of the run's duration are too short to be drawn
 SEEN = 0.01  # the least duration of a contact that gets a band, relative to the shown time
-HEADROOM = 1.3  # the height of the panel of impact speeds over the largest speed, so that numbers have room
+# the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
+HEADROOM = 1.3
 DOT = 4.0  # [points] the size of the mark of an impact
 
 
@@ -69,8 +70,8 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, start + 1e-9)
     margin = 0.015 * (end - start)
-    told = shown.told or ("the same colours as in the motion" if is_full(axes) else "")
-    label = "; ".join(filter(None, ("time [s]", told)))
+    note = shown.note or ("the same colours as in the motion" if is_full(axes) else "")
+    label = "; ".join(filter(None, ("time [s]", note)))
     axes.set(xlabel=label, yticks=[], xlim=(start - margin, end + margin))
     axes.spines[:].set_visible(False)
     axes.tick_params(bottom=False, labelbottom=False)  # the panel above has the numbers of this axis
@@ -125,13 +126,13 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
-        if (place := place_of(phase, recording.wall_names, recording.point_names)) in shown:
-            row, sticks = shown.index(place), phase["mode"] == STICKS
+        if (location := place_of(phase, recording.wall_names, recording.point_names)) in shown:
+            row, sticks = shown.index(location), phase["mode"] == STICKS
             colour, height = (INK, BAR) if sticks else (GREY, 0.3 * BAR)
             axes.barh(row, length, height, left=phase["start"], color=colour)
     # a name is above its bars, so that a long name takes no width from the panels
     rows = [row + NAME for row in range(len(shown))]
-    names = [short_names(recording, place) for place in shown]
+    names = [short_names(recording, location) for location in shown]
     axes.set_yticks(rows, names, fontsize="small", ha="left", va="center")
     axes.set_ylim(-0.4, len(shown) - 0.25)
     axes.tick_params(axis="y", length=0, pad=-1.0)
@@ -157,9 +158,9 @@ def rubbing_places(recording: Recording) -> list[str]:
     """Return the contacts and joints with dry friction, those with the longest phases first."""
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
-        place = place_of(phase, recording.wall_names, recording.point_names)
-        total[place] = total.get(place, 0.0) + float(length)
-    return sorted(total, key=lambda place: -total[place])
+        location = place_of(phase, recording.wall_names, recording.point_names)
+        total[location] = total.get(location, 0.0) + float(length)
+    return sorted(total, key=lambda location: -total[location])
 
 
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
@@ -182,7 +183,8 @@ def impact_lines(recording: Recording, start: float, end: float) -> str:
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     """Draw the impact speed of each impact over time, with a colour for each point.
 
-    At most TOLD points have a colour of their own: those with the fastest impacts. The others are grey.
+    At most MOST_COLOURED points have a colour of their own: those with the fastest impacts. The others are
+    grey.
 
     A band behind the mark shows the duration of a contact that is long enough to be seen. If there are
     impacts at walls and at stops, the speeds at stops have their own axis on the right.
@@ -260,12 +262,12 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
     names = [short_names(recording, recording.toucher(row)) for row in impacts]
     members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
     hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
-    told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])
+    coloured = sorted(hit if len(hit) <= MOST_COLOURED else hit[: MOST_COLOURED - 1])
     groups = [
-        (member[-1], colour, np.array([one == member for one in members]))
-        for member, colour in zip(told, POINT_COLOURS, strict=False)
+        (member[-1], colour, np.array([other == member for other in members]))
+        for member, colour in zip(coloured, POINT_COLOURS, strict=False)
     ]
-    others = np.array([one not in told for one in members], bool)
+    others = np.array([member not in coloured for member in members], bool)
     groups = [("others", GREY, others), *groups] if others.any() else groups
     return [(name, colour, np.flatnonzero(hits)) for name, colour, hits in groups]
 

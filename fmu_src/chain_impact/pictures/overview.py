@@ -64,7 +64,7 @@ NUMBERS = {"motion": number_rings, "impacts": number_impacts}
 The functions return the numbers without room, as text.
 """
 FEET = 3  # the text at the foot takes room, so the panels are arranged again, at most this number of times
-TOLD_AS = {"motion": "motion", "impacts": "speeds"}
+PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 """Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
 
 
@@ -82,16 +82,16 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     shown = chosen(recording, panels)
     if title is not None:
         write_head(figure, recording, title)
-    for told in filter(None, (full_names(recording), SEPARATOR.join(recording.passing))):
-        write_foot(figure, told)
-    found = axes_of(figure, recording, shown)
-    for name, axes in found.items():
+    for foot_text in filter(None, (full_names(recording), SEPARATOR.join(recording.passing))):
+        write_foot(figure, foot_text)
+    panel_axes = axes_of(figure, recording, shown)
+    for name, axes in panel_axes.items():
         if name in shown:
             PANELS[name](axes, recording)
         else:
             draw_clock(axes, recording)
-    figure.align_ylabels([axes for name, axes in found.items() if name in ("energy", "impacts")])
-    motion = found.get("motion")
+    figure.align_ylabels([axes for name, axes in panel_axes.items() if name in ("energy", "impacts")])
+    motion = panel_axes.get("motion")
     legend = legend_beside(motion) if motion is not None and is_narrow(figure) else None
     settle(figure, motion)
     if motion is not None:
@@ -103,10 +103,10 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         if is_slim:
             legend_beside(motion)
         settle(figure, motion)
-    number_and_tell(figure, found, recording)
+    number_and_list(figure, panel_axes, recording)
 
 
-def number_and_tell(figure: Figure, found: dict[str, Axes], recording: Recording) -> None:
+def number_and_list(figure: Figure, panel_axes: dict[str, Axes], recording: Recording) -> None:
     """Write the numbers of impacts into all panels; a text at the foot lists the numbers without room.
 
     This text takes room from the panels. Then fewer numbers may have room, so the text is written again.
@@ -115,35 +115,35 @@ def number_and_tell(figure: Figure, found: dict[str, Axes], recording: Recording
     room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None
     # without a layout engine all artists stay where they are, also the labels that are now put between them
     figure.set_layout_engine("none")
-    missing = number_all(figure, found, recording)
+    missing = number_all(figure, panel_axes, recording)
     for _ in range(FEET if missing else 0):
         figure.set_layout_engine(engine)
         if isinstance(engine, ConstrainedLayoutEngine):
             engine.set(rect=room)
-        for axes in (found[name] for name in NUMBERS if name in found):
+        for axes in (panel_axes[name] for name in NUMBERS if name in panel_axes):
             for text in [*axes.texts]:
                 text.remove()
         if foot is not None:
             foot.remove()
-        foot, told = write_foot(figure, missing), broken(figure, missing)
-        settle(figure, found.get("motion"))
+        foot, written = write_foot(figure, missing), broken(figure, missing)
+        settle(figure, panel_axes.get("motion"))
         figure.set_layout_engine("none")
-        missing = number_all(figure, found, recording)
-        if foot is None or broken(figure, missing).count("\n") <= told.count("\n"):
+        missing = number_all(figure, panel_axes, recording)
+        if foot is None or broken(figure, missing).count("\n") <= written.count("\n"):
             break
     if foot is not None:
         foot.set_text(broken(figure, missing))
 
 
-def number_all(figure: Figure, found: dict[str, Axes], recording: Recording) -> str:
+def number_all(figure: Figure, panel_axes: dict[str, Axes], recording: Recording) -> str:
     """Write the numbers of impacts into all panels that have numbers.
 
     Returns a sentence on the numbers without room.
     """
     ink, parts = Ink(figure), []
     for name, write in NUMBERS.items():
-        if name in found and (left := write(found[name], recording, ink)):
-            parts.append(f"{left} in the {TOLD_AS[name]}")
+        if name in panel_axes and (left := write(panel_axes[name], recording, ink)):
+            parts.append(f"{left} in the {PANEL_WORDS[name]}")
     return f"Impacts without room for their numbers: {SEPARATOR.join(parts)}" if parts else ""
 
 
@@ -157,18 +157,18 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     if len(shown) != len(given):
         raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
     with drawn_into(given):
-        for name, one in zip(shown, given, strict=True):
-            PANELS[name](one, recording)
+        for name, panel in zip(shown, given, strict=True):
+            PANELS[name](panel, recording)
             if name != "motion":
                 time = shown_time(recording)
-                one.set_xlim(time.start, max(time.end, time.start + 1e-9))
-                one.set_xlabel("; ".join(filter(None, ("time [s]", time.told))))
+                panel.set_xlim(time.start, max(time.end, time.start + 1e-9))
+                panel.set_xlabel("; ".join(filter(None, ("time [s]", time.note))))
         fit_into_figure(given)
-        for figure in {one.get_figure(root=True) for one in given}:
+        for figure in {panel.get_figure(root=True) for panel in given}:
             ink = Ink(figure)
-            for name, one in zip(shown, given, strict=True):
-                if name in NUMBERS and one.get_figure(root=True) is figure:
-                    NUMBERS[name](one, recording, ink)
+            for name, panel in zip(shown, given, strict=True):
+                if name in NUMBERS and panel.get_figure(root=True) is figure:
+                    NUMBERS[name](panel, recording, ink)
 
 
 def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
@@ -224,7 +224,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
     """Return the axes of the panels, and of the axis of colours below the panels over time, by name."""
     timed = [name for name in shown if name != "motion"]
     heights, ratio = heights_of(recording, shown), broadness(recording)
-    parts = [part for part, there in (("motion", "motion" in shown), ("time", timed)) if there]
+    parts = [part for part, is_shown in (("motion", "motion" in shown), ("time", timed)) if is_shown]
     share, narrow = motion_share(ratio), is_narrow(figure)
     across = len(parts) > 1 and not narrow and ratio <= BESIDE
     above = ABOVE_TIME * min(1.0, BROADEST / ratio) if narrow else ((FULL - ROUND) / ratio + LABELS) / PANEL
@@ -236,16 +236,16 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
         grid = figure.add_gridspec(len(rows), 1, height_ratios=rows)
     else:
         grid = figure.add_gridspec(len(parts), 1, height_ratios=[sizes[part] for part in parts])
-    found = {}
+    panel_axes = {}
     if "motion" in parts:
-        found["motion"] = motion = figure.add_subplot(grid[0], label="motion")
+        panel_axes["motion"] = motion = figure.add_subplot(grid[0], label="motion")
         motion.set_anchor("W" if narrow else "C")
     if timed:
         # a grid within the cell of a wide figure: the panels over time share a margin, which does not
         # depend on the motion
         last = grid if narrow else grid[len(parts) - 1].subgridspec(len(heights), 1, height_ratios=heights)
         cells = [last[k, 0] for k in range(-len(heights), 0)]
-        found["time"] = clock = figure.add_subplot(cells[-1], label="time")
+        panel_axes["time"] = clock = figure.add_subplot(cells[-1], label="time")
         for cell, name in zip(cells, timed, strict=False):
-            found[name] = figure.add_subplot(cell, sharex=clock, label=name)
-    return found
+            panel_axes[name] = figure.add_subplot(cell, sharex=clock, label=name)
+    return panel_axes

@@ -21,31 +21,31 @@ class Shown(NamedTuple):
         start: the start of the axis [s].
         end: the end of the axis [s].
         rests: start and end [s] of each rest.
-        told: words on the rest for the label of the axis; "" without a rest.
+        note: words on the rest for the label of the axis; "" without a rest.
     """
 
     start: float
     end: float
     rests: list[tuple[float, float]]
-    told: str
+    note: str
 
 
 def shown_time(recording: Recording) -> Shown:
     """Return the time that a picture shows, without most of a long rest at the start or the end."""
-    found = rests(recording)
+    resting = rests(recording)
     first, last = (float(recording.time[row]) for row in (0, -1))
     start, end = first, last
-    before = found[0][1] - first if found and found[0][0] == first else 0.0
-    after = last - found[-1][0] if found and found[-1][1] == last else 0.0
+    before = resting[0][1] - first if resting and resting[0][0] == first else 0.0
+    after = last - resting[-1][0] if resting and resting[-1][1] == last else 0.0
     moving = last - first - before - after
     if moving > 0.0 and before + after >= MUCH * (last - first):
         start, end = max(first, first + before - BEFORE * moving), min(last, last - after + AFTER * moving)
-    words = f"shaded: {rest_word(recording)}" if found else ""
+    words = f"shaded: {rest_word(recording)}" if resting else ""
     if start > first:
         words += f", from {first:g} s"
     if end < last:
         words += f", until {last:g} s"
-    return Shown(start, end, found, words)
+    return Shown(start, end, resting, words)
 
 
 def shade_rests(axes: Axes, shown: Shown) -> None:

@@ -48,8 +48,8 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
     """Return the view: the motion, with a margin, and the walls near it.
 
     A wall that is always far from the motion is left out. A wall that comes near is visible at all times when
-    it is not very far. ``shape`` is the wanted height of the view over its width; the view is narrower if the
-    walls leave no room beside the motion.
+    it is not very far. ``shape`` is the wanted height of the view divided by its width; the view is narrower
+    if the walls leave no room beside the motion.
     """
     places = {
         (name, end): wall
@@ -96,10 +96,10 @@ def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
     First each moving wall is where it leaves the chain the most room, then where it leaves the least.
     """
     for extreme in (np.min, np.max):
-        found = dict(recording.walls)
+        walls = dict(recording.walls)
         for name, moved in recording.moved_walls.items():
-            found[name] = replace(found[name], offset=found[name].offset + float(extreme(moved)))
-        yield found
+            walls[name] = replace(walls[name], offset=walls[name].offset + float(extreme(moved)))
+        yield walls
 
 
 def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
@@ -136,10 +136,10 @@ def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
 
 def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
     """Draw the ground mark of a pinned base from the lines of ``pin_mark``; return the artists."""
-    look: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
+    line_style: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
     if not lines:
         return []
-    mark = LineCollection(lines, **look)
+    mark = LineCollection(lines, **line_style)
     axes.add_collection(mark, autolim=False)
     return [mark]
 

@@ -26,7 +26,7 @@ def figure_size(size: Size) -> tuple[float, float | None]:
         width = height = math.nan
     width = math.nan if width is None else width
     if not (LEAST <= width <= LARGEST and (height is None or LEAST <= height <= LARGEST)):
-        told = f"width and height in inches, each at least {LEAST:g} and at most {LARGEST:g}"
+        requirement = f"width and height in inches, each at least {LEAST:g} and at most {LARGEST:g}"
         hint = f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < width < math.inf else ""
-        raise ValueError(f"size = {size!r} must be {told}{hint}")
+        raise ValueError(f"size = {size!r} must be {requirement}{hint}")
     return width, height

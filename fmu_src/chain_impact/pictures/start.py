@@ -60,11 +60,11 @@ def drawing(scene: Scene) -> str:
     every = math.ceil(len(scene.chain.links) / LABELLED)
     for i, angle in enumerate(scene.initial.angles[: None if every == 1 else 1]):
         _draw_angle(axes, joints[i], f"θ{i + 1} = {math.degrees(angle):.3g}°", angle, unit)
-    for k, place in enumerate(joints):
+    for k, joint in enumerate(joints):
         if k == 0:
-            _text(axes, "point 0", place, (-8.0, 0.0), ha="right")
+            _text(axes, "point 0", joint, (-8.0, 0.0), ha="right")
         elif k % every == 0 or k == len(joints) - 1:
-            _text(axes, str(k), place, (0.0, 10.0))
+            _text(axes, str(k), joint, (0.0, 10.0))
     if every == 1:
         for k, (x, y, _) in [*scene.start.items()][len(joints) :]:
             _text(axes, scene.point_names.get(k, str(k)), np.array([x, y]), (6.0, -7.0), ha="left")
@@ -91,7 +91,7 @@ def icon(scene: Scene) -> bytes:
 
 
 def _chain(
-    scene: Scene, size: tuple[float, float], border: float, **look: float
+    scene: Scene, size: tuple[float, float], border: float, **style: float
 ) -> tuple[Any, np.ndarray, float]:
     """Draw the chain at its start, and the walls.
 
@@ -99,10 +99,10 @@ def _chain(
 
     The view contains the chain and the nearest points of all walls.
     """
-    places = np.array([place[:2] for place in scene.start.values()])
-    joints, sites = np.split(places, [len(scene.chain.links) + 1])
+    points = np.array([disc[:2] for disc in scene.start.values()])
+    joints, sites = np.split(points, [len(scene.chain.links) + 1])
     planes, middle = list(scene.walls_at_start.values()), joints.mean(axis=0)
-    seen = np.array([*places, *(_foot(plane, middle) for plane in planes)])
+    seen = np.array([*points, *(_foot(plane, middle) for plane in planes)])
     scale = max(np.ptp(seen, axis=0) / (np.array(size) - border))  # m per inch
     centre = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
     axes = Figure(figsize=size).add_axes((0.0, 0.0, 1.0, 1.0), xticks=[], yticks=[])
@@ -111,20 +111,20 @@ def _chain(
     draw_pin(axes, pin_mark(joints[None]) if scene.chain.base == "pinned" else [])
     bodies = [placed(corners, joints[n - 1], joints[n]) for n, corners in outlines_of(scene).items()]
     if rail := rail_of(scene):
-        extent = float(np.ptp(places, axis=0).max())
+        extent = float(np.ptp(points, axis=0).max())
         lines = rail.lines(joints[:1], extent)
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.2, zorder=2.5))
         bodies.append(rail.carriage(joints[0], extent))
     for corners in bodies:
         axes.add_patch(Polygon(corners, **body_look(BLUE), zorder=3.4))
-    draw_chain(axes, joints, color=BLUE, markerfacecolor=VERMILLION, **look)
-    axes.plot(*sites.T, "o", color=BLUE, markersize=0.5 * look["markersize"], zorder=5)
+    draw_chain(axes, joints, color=BLUE, markerfacecolor=VERMILLION, **style)
+    axes.plot(*sites.T, "o", color=BLUE, markersize=0.5 * style["markersize"], zorder=5)
     return axes, joints, float(scale / 72.0)
 
 
-def _foot(plane: HalfPlane, place: np.ndarray) -> np.ndarray:
+def _foot(plane: HalfPlane, point: np.ndarray) -> np.ndarray:
     """Return the point of a wall that is nearest to a given point."""
-    return np.asarray(place - plane.clearance(*place) * np.array(plane.normal))
+    return np.asarray(point - plane.clearance(*point) * np.array(plane.normal))
 
 
 def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
@@ -145,16 +145,16 @@ def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
     _text(axes, name, np.clip(foot - beside, low + edge, high - edge), -12.0 * normal, ha=side)
 
 
-def _draw_angle(axes: Axes, place: np.ndarray, text: str, angle: float, unit: float) -> None:
+def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: float) -> None:
     """Draw the angle of a link from the x axis, at the link's joint, within -180° to 180°."""
-    x, y = place
+    x, y = joint
     turned = math.degrees(math.remainder(angle, math.tau))
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
     axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
     # [points] the link is above the line if the angle is positive; the text is on the other side
     below = -9.0 if turned > 0.0 else 6.0
-    _text(axes, text.replace("-", "−"), place, (0.7 * REFERENCE, below), ha="left")
+    _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE, below), ha="left")
 
 
 def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float]) -> None:
@@ -162,8 +162,8 @@ def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float
     _text(axes, letter, start, ARROW * np.array(direction), arrowprops={"arrowstyle": "<-", "shrinkB": 0.0})
 
 
-def _text(axes: Axes, text: str, place: np.ndarray, offset: Iterable[float], **look: Any) -> None:
+def _text(axes: Axes, text: str, point: np.ndarray, offset: Iterable[float], **given: Any) -> None:
     """Draw a text next to a point; the offset is in typographic points."""
     x, y = offset
     style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", "zorder": 6}
-    axes.annotate(text, (place[0], place[1]), (x, y), annotation_clip=False, **(style | look))
+    axes.annotate(text, (point[0], point[1]), (x, y), annotation_clip=False, **(style | given))

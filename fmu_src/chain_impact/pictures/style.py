@@ -150,7 +150,7 @@ def suit_figure(figure: Figure) -> None:
 
 def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
     """Return a mixture of the axes' colour and a fraction of the text colour; it suits dark styles, too."""
-    ground, text = (np.array(to_rgb(one)) for one in (axes.get_facecolor(), mpl.rcParams["text.color"]))
+    ground, text = (np.array(to_rgb(colour)) for colour in (axes.get_facecolor(), mpl.rcParams["text.color"]))
     red, green, blue = (ground + fraction * (text - ground)).tolist()
     return red, green, blue
 
@@ -168,8 +168,8 @@ def is_narrow(figure: Figure) -> bool:
 
 def give_ticks(*axes: Axes) -> None:
     """Give each axis at least LEAST_TICKS numbers, unless its ticks are set by hand."""
-    for one in axes:
-        for axis in (one.xaxis, one.yaxis):
+    for panel in axes:
+        for axis in (panel.xaxis, panel.yaxis):
             if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
                 axis.set_major_locator(MaxNLocator("auto", steps=list(STEPS), min_n_ticks=LEAST_TICKS))
 
@@ -181,24 +181,26 @@ def headline(figure: Figure, message: str, conditions: str = "") -> None:
     figure the conditions are at the foot. A figure that is too low has no conditions.
     """
     width, height = figure.get_size_inches()
-    place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
-    said = figure.suptitle(message, y=1.0 - TOP / height, va="top", **place)
-    size, inside = float(said.get_fontsize()), (width - 2.0 * LEFT) * figure.dpi
+    placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
+    title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
+    size, inside = float(title.get_fontsize()), (width - 2.0 * LEFT) * figure.dpi
     for lines, smaller in product((1, 2), SMALLER):
-        said.set(text=message, fontsize=smaller * size)
-        if in_lines(said, inside) <= lines:
+        title.set(text=message, fontsize=smaller * size)
+        if in_lines(title, inside) <= lines:
             break
-    top = TOP + said.get_window_extent().height / figure.dpi + GAP
+    top = TOP + title.get_window_extent().height / figure.dpi + GAP
     if conditions and is_narrow(figure):
         write_foot(figure, conditions)
     elif conditions:
-        look: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "top"}
-        told = figure.text(s=broken(figure, conditions), y=1.0 - top / height, **place, **look)
-        room = told.get_window_extent().height / figure.dpi + GAP
+        text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "top"}
+        lines_below = figure.text(
+            s=broken(figure, conditions), y=1.0 - top / height, **placement, **text_style
+        )
+        room = lines_below.get_window_extent().height / figure.dpi + GAP
         if top + room <= MOST_HEAD * height:
             top += room
         else:
-            told.remove()
+            lines_below.remove()
     _reserve(figure, top / height, 0.0)
 
 
@@ -213,24 +215,24 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
 def write_foot(figure: Figure, text: str) -> Text | None:
     """Write a text at the foot of a figure, above other texts there; return None if the figure is too low."""
     (width, height), low = figure.get_size_inches(), _foot(figure)
-    look: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
-    told = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **look)
+    text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
+    foot = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **text_style)
     for more in (1, 0):
-        told.set_text(broken(figure, text, more))
-        room = (told.get_window_extent().height / figure.dpi + GAP) / height
+        foot.set_text(broken(figure, text, more))
+        room = (foot.get_window_extent().height / figure.dpi + GAP) / height
         if low + room <= MOST_FOOT:
             _reserve(figure, 0.0, low + room)
-            return told
-    told.remove()
+            return foot
+    foot.remove()
     return None
 
 
-def legend_at_foot(figure: Figure, handles: Sequence[Any], **look: Any) -> None:
+def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
     """Put a legend for all axes at the foot of the figure, above other texts there, in as few rows as fit."""
     low, room, count = _foot(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, len(handles)
-    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, low), "columnspacing": 1.2}
+    placement: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, low), "columnspacing": 1.2}
     for rows in range(1, max(count, 1) + 1):
-        legend = figure.legend(handles=list(handles), ncols=max(1, -(-count // rows)), **place, **look)
+        legend = figure.legend(handles=list(handles), ncols=max(1, -(-count // rows)), **placement, **options)
         if legend.get_window_extent().width <= room:
             break
         if rows >= count:
@@ -267,12 +269,12 @@ def _reserve(figure: Figure, top: float, bottom: float) -> None:
 def words_of(figure: Figure) -> dict[str, str]:
     """Return the words of a picture for its file: the headline, and all texts except the numbers at ticks."""
     title = figure.get_suptitle()
-    told = [text.get_text().replace("\n", " ") for text in figure.texts if text.get_text() != title]
+    texts = [text.get_text().replace("\n", " ") for text in figure.texts if text.get_text() != title]
     for axes in figure.axes:
         legend = axes.get_legend()
-        told += [axes.get_title(), axes.get_xlabel(), axes.get_ylabel()]
-        told += [text.get_text() for text in (*axes.texts, *(legend.get_texts() if legend else ()))]
-    return {"Title": title, "Description": "\n".join(filter(None, told)).replace("\u00a0", " ")}
+        texts += [axes.get_title(), axes.get_xlabel(), axes.get_ylabel()]
+        texts += [text.get_text() for text in (*axes.texts, *(legend.get_texts() if legend else ()))]
+    return {"Title": title, "Description": "\n".join(filter(None, texts)).replace("\u00a0", " ")}
 
 
 def filled_figure(fill: Callable[[Figure], None], size: tuple[float, float] | None = None) -> Figure:
@@ -291,8 +293,8 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
     with written_whole(Path(path)) as fresh:
         figure = make()
         suit_figure(figure)
-        told = words_of(figure) if Path(path).suffix == ".png" else None
-        figure.savefig(fresh, dpi="figure", metadata=told)
+        metadata = words_of(figure) if Path(path).suffix == ".png" else None
+        figure.savefig(fresh, dpi="figure", metadata=metadata)
 
 
 def force_text(value: float, unit: str) -> str:

@@ -18,7 +18,7 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
-"""The change of a parameter for which the changes of results are told, relative to the parameter's value; if
+"""The change of a parameter for which the changes of results are shown, relative to the parameter's value; if
 the value is 0, relative to the parameter's unit."""
 
 

@@ -148,7 +148,7 @@ class Pictured(Recording):
             number: the number of the impact, from 1, as in pictures and tables.
             path: as for ``plot``.
             size: as for ``plot``.
-            ax: axes of matplotlib for the force over the penetration. The axes are returned.
+            ax: axes of matplotlib for the curve of the force over the penetration. The axes are returned.
 
         Raises:
             ValueError: when the impact does not exist, the result is not from ``simulate`` or

@@ -198,7 +198,7 @@ class Ranking:
                 for effect, zero in zip(shown, added, strict=True)
             ],
             values=[effect.change for effect in shown],
-            told=[
+            end_texts=[
                 f"{percents(self.share(effect))} %" if self.value else f"{effect.change:+.2g}"
                 for effect in shown
             ],

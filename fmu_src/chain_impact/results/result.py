@@ -232,8 +232,8 @@ class Result(Pictured):
             parameter: one of the parameters in ``simulate(sensitivities=…)``: ``"contact.stiffness"``.
 
         Returns:
-            Shape (T,), in the unit of the output over the unit of the parameter. NaN where the derivative
-            does not exist or cannot be trusted; ``sensitivity_limits`` gives the reason.
+            Shape (T,), in the unit of the output divided by the unit of the parameter. NaN where the
+            derivative does not exist or cannot be trusted; ``sensitivity_limits`` gives the reason.
             ``chain_impact.kernel.tangent.replay`` describes the method.
 
         Raises:

@@ -10,8 +10,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import point_label
 
 TIGHTER = 0.1
-"""The tolerance of the second run over the tolerance of the first run. With a larger ratio, the error of the
-second run is not small compared with the error of the first run, and the difference of both is not an
+"""The tolerance of the second run, relative to the tolerance of the first run. With a larger ratio, the error
+of the second run is not small compared with the error of the first run, and the difference of both is not an
 estimate of the error."""
 
 

@@ -142,7 +142,7 @@ def looks_of(comparison: LawRuns) -> Looks:
     why, colours = named_laws(comparison), iter(PALETTE)
     twins: dict[str, list[str]] = {}
     for run in comparison.runs:
-        twin = next((one for one in twins if _alike(comparison[one].loop, run.loop)), run.law)
+        twin = next((other for other in twins if _alike(comparison[other].loop, run.loop)), run.law)
         twins.setdefault(twin, []).append(run.law)
     looks: Looks = {}
     for first, laws in twins.items():
@@ -224,7 +224,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
         time = max((result.time for result in results), key=len)
-        curves = [np.interp(time, one.time, one.energy["total"], right=np.nan) for one in results]
+        curves = [np.interp(time, result.time, result.energy["total"], right=np.nan) for result in results]
         fill_band(axes, time, curves, band_label(comparison, band))
     for law, look in looks.items():
         result = comparison[law].result

@@ -194,8 +194,8 @@ def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
     coordinates = at.coordinates.copy()
     for p, which in reached.items():
         coordinates[p] = problem.low[p] if which == "lower" else problem.high[p]
-    there = problem.evaluate(coordinates)
-    return there if np.array_equal(there.usable, at.usable) else at
+    on_bounds = problem.evaluate(coordinates)
+    return on_bounds if np.array_equal(on_bounds.usable, at.usable) else at
 
 
 def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | Sequence[Source]]:
@@ -264,13 +264,13 @@ def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[flo
 
 def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
     """Return the scene of a data set with the fitted values; fitted inputs are not part of a scene."""
-    there = scene.values
+    known = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
     return scene.with_values(
         {
             parameter.name: at
             for parameter, at in mine
-            if parameter.run in (None, k) and parameter.name in there
+            if parameter.run in (None, k) and parameter.name in known
         }
     )
 

@@ -120,16 +120,16 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.run + 1}" if several else "measured"
-        look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 4, "color": colour}
+        mark_style: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 4, "color": colour}
         if over_impacts:
-            look |= {"yerr": USUAL * fit.sigma[part.rows], "capsize": 2, "label": dots_label}
-            values.errorbar(part.at, measured[part.rows], **look)
+            mark_style |= {"yerr": USUAL * fit.sigma[part.rows], "capsize": 2, "label": dots_label}
+            values.errorbar(part.at, measured[part.rows], **mark_style)
             model = measured[part.rows] + fit.residuals[part.rows]
             label = None if several else "model"
             values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=7, label=label)
         else:
             _curve(axes, results[part.run], name, part.at.max(), INK if not several else colour)
-            values.plot(part.at, measured[part.rows], **look, label=dots_label, alpha=0.7)
+            values.plot(part.at, measured[part.rows], **mark_style, label=dots_label, alpha=0.7)
         residuals.plot(
             part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
         )

@@ -93,7 +93,7 @@ def small_sample(
 
     C is the covariance of the parameters. A column c has ν_c degrees of freedom, and the information
     A_c = J'J/σ² with the derivatives J of its values. It causes the part p_c of each variance: the diagonal
-    of C A_c C over the diagonal of C. The degrees of freedom ν of a standard error follow from
+    of C A_c C divided by the diagonal of C. The degrees of freedom ν of a standard error follow from
     Satterthwaite's formula 1/ν = Σ p_c²/ν_c, and the variance grows by Σ 4/ν_c C (A_c − A_c C A_c) C.
 
     Args:

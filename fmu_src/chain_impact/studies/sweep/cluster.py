@@ -1,4 +1,4 @@
-"""Blocks of runs on the workers of an existing dask.distributed cluster."""
+"""Runs on the workers, which are processes, of an existing dask.distributed cluster."""
 
 from __future__ import annotations
 

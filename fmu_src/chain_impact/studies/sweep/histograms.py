@@ -39,8 +39,8 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         edges = edges_of(values, logarithmic=logarithmic, whole=quantity.is_count)
         axes.hist(values, edges.tolist(), color=COLOUR, edgecolor=INK, linewidth=0.4)
         low, middle, high = np.quantile(values, list(QUANTILES))
-        for place, line in zip((low, middle, high), QUANTILES.values(), strict=True):
-            axes.axvline(place, color=INK, linestyle=line, linewidth=1.2)
+        for quantile, line in zip((low, middle, high), QUANTILES.values(), strict=True):
+            axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2)
         between = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
         axes.set_title(f"median {middle:.3g}, 90 % of the runs {between}", fontsize="small")
         give_ticks(axes)

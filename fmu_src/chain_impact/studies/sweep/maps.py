@@ -112,9 +112,9 @@ def spread(values: np.ndarray) -> float:
 def count_bins(least: float, most: float) -> list[float]:
     """Return the limits of the colours of counts, between whole numbers: at most MOST_COLOURS colours."""
     sizes = (round(step * 10**power) for power in count() for step in (1, 2, 5))
-    size = next(one for one in sizes if most // one - least // one < MOST_COLOURS)
+    size = next(width for width in sizes if most // width - least // width < MOST_COLOURS)
     first, last = least // size, most // size
-    return [float(size * one) - 0.5 for one in np.arange(first, last + 2)]
+    return [float(size * number) - 0.5 for number in np.arange(first, last + 2)]
 
 
 @dataclass(frozen=True)

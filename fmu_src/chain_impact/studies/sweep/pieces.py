@@ -1,4 +1,7 @@
-"""The missing runs of a sweep, divided into pieces for threads or workers."""
+"""The missing runs of a sweep, divided into pieces for workers.
+
+A worker here is a thread, on this machine or in a process of a cluster, that computes one piece at a time.
+"""
 
 from __future__ import annotations
 

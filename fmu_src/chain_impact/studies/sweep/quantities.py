@@ -111,8 +111,8 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     scene = runs.scene
     absent = set() if point_wall_pairs(scene) or scene.slider_stops else {*PEAKS}
     shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
-    asked = [_at_end(name, prepared) for name in runs.outputs if name not in main]
-    every = [_in_unit(runs, quantity) for quantity in shown] + asked[:MOST_ASKED]
+    additional = [_at_end(name, prepared) for name in runs.outputs if name not in main]
+    every = [_in_unit(runs, quantity) for quantity in shown] + additional[:MOST_ASKED]
     drawn = [each for each in every if _differs(each.of(runs))] or every
     loads = [each for each in drawn if each.column in LOADS]
     if runs.design.samples is not None and loads:

@@ -103,8 +103,8 @@ def sweep(
         spans = missing(done, design.runs)
         left = sum(end - first for first, end in spans)
         if target and left < design.runs:
-            there = f"{design.runs - left} of {design.runs} runs are kept in {target}"
-            log.info("%s, %s are left", there, left)
+            finished = f"{design.runs - left} of {design.runs} runs are kept in {target}"
+            log.info("%s, %s are left", finished, left)
         if target and not dataset:
             stack.enter_context(_interruptible(target, head, rows, done, design))
         many = scheduler is None and left >= OWN_KERNEL_FROM
