@@ -21,7 +21,7 @@ class Matrix:
     """A matrix of balls with floats as middles and radii, whose products have small errors in each entry."""
 
     def __init__(self, middle: np.ndarray, radius: np.ndarray | float = 0.0) -> None:
-        """Take floats."""
+        """Store the middles and the radii of the entries."""
         self.middle, self.radius = middle, np.zeros_like(middle) + radius
         self.size = (np.abs(middle) + radius) * (1 + ROUND_OFF)  # bounds on the entries
 

@@ -1,8 +1,9 @@
 """The cost of a call without its run: ``python benchmarks/calls.py [--quick]``.
 
-Calls of ``simulate()``: the default scene to 1.2 s, in CPU time over the time of a run in a sweep with one
-thread. Steps of 1 ms in FMPy, with one output; the steps of an FMU without any content show the time of FMPy
-and pythonfmu themselves. All contenders take turns, so that other work on the machine slows all of them.
+Calls of ``simulate()``: the default scene to 1.2 s, in CPU time, relative to the time of a run in a sweep
+with one thread. Steps of 1 ms in FMPy, with one output; the steps of an FMU without any content show the time
+of FMPy and pythonfmu themselves. All contenders take turns, so that other work on the machine slows all of
+them.
 """
 
 from __future__ import annotations

@@ -24,14 +24,18 @@ ORDER = 12  # degree of the Taylor polynomials in a part of a step
 PARTS = (2, 6, 18, 54, 162)  # numbers of parts of a step, which are tried until all candidates are decided
 # factor of the step's length up to which the search for an event marked at the end of the step continues
 BEYOND = 1.01
-MARGINS = (0.3, 1.0, 3.0, 10.0)  # margins of the logarithmic norm above the largest Re λ, over a step
+# margins of the logarithmic norm above the largest Re λ of the Jacobian, multiplied by the length of a step
+MARGINS = (0.3, 1.0, 3.0, 10.0)
 TUBE, WIDEST = 1e-4, 0.1  # radius of the tube: first trial value, and an upper bound
-FASTEST = 30.0  # largest ∫ µ over a part
+FASTEST = 30.0  # largest integral ∫ µ of the logarithmic norm over the time of a part of a step
 DEEPEST = 14  # number of halvings of a part, after which a candidate remains undecided
 
 
 class Linear:
-    """The equations linearized on a box: D, and f′ = −D⁻¹ ∂(residual)/∂z, in the units of errors."""
+    """The equations linearized on a box, in the units of errors: the mass matrix D and the Jacobian f′.
+
+    For the state z and a residual D (z′ − f(z)) the Jacobian is f′ = −D⁻¹ ∂(residual)/∂z.
+    """
 
     def __init__(self, step: Step, values: Row) -> None:
         """Compute the rate in the box, and differentiate the residual with respect to each variable."""
@@ -61,7 +65,7 @@ class Part:
     Attributes:
         values: balls that hold the variables.
         defects: D (P′ − f(P)) in the units of errors, by powers of x − middle.
-        courses: φ and its rate for each candidate, in the same form.
+        courses: the event function φ and its rate for each candidate, in the same form.
     """
 
     def __init__(self, step: Step, low: float, high: float) -> None:
@@ -162,7 +166,10 @@ class Certificate:
         raise RefusalError("the bound grows too fast")
 
     def _of_part(self, part: Part) -> tuple[float, float]:
-        """Return ∫ ‖T δ‖ over a part, and a bound on the integral of the logarithmic norm on the tube."""
+        """Return the integral ∫ ‖T δ‖ of the defect in a part, and a bound on that of the logarithmic norm.
+
+        The norm is bounded on the tube.
+        """
         reach = self.tube * self.reach
         box = [value + arb(0, float(far)) for value, far in zip(part.values, reach, strict=True)]
         linear = Linear(self.step, box)
@@ -180,7 +187,10 @@ class Certificate:
         return size, growth
 
     def spread(self, c: int) -> tuple[float, float]:
-        """Return bounds on the differences of φ and of the rate of a candidate between y and P."""
+        """Return bounds on the differences of φ and of its rate between solution y and dense output P.
+
+        φ is the event function of candidate ``c``.
+        """
         step, n = self.step, self.step.free
         far = self.error * self.reach
         point, stop, nx, ny = step.candidates[c]
@@ -197,11 +207,15 @@ class Certificate:
         return float(far[-1] if c == step.regularized else gap) * SLACK, float(rate) * SLACK
 
     def _decide(self, c: int) -> str:
-        """Return whether φ falls through zero in the step, or just beyond an end with a marked event."""
+        """Return whether candidate c's event function falls through zero in the step.
+
+        If the event at an end of the step is marked, a fall just beyond this end counts as well.
+        """
         balls = [arb(0, size) for size in self.spread(c)]
         parts = [part for part in self.parts if c in self.step.marked or part.high <= self.step.kept]
         waiting = [(part, part.low, part.high, 0) for part in reversed(parts)]
-        # whether φ > 0 at the start of the interval, and whether φ began to fall there
+        # whether the event function is positive at the start of the interval, and whether it began to fall
+        # there
         above, falling = False, False
         while waiting:
             part, low, high, depth = waiting.pop()

@@ -83,7 +83,7 @@ def steps(scene: Scene) -> Iterator[Any]:
 
 
 def least(step: Step, candidates: list[int]) -> list[float]:
-    """Return the least φ of candidates in an accurate solution from the start of the step.
+    """Return the least value of the event functions of candidates in an accurate solution of the step.
 
     NaN if it fails.
     """

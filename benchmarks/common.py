@@ -44,10 +44,10 @@ def interleave(
 
     Args:
         contenders: name → function of one call; each has run once before, so that nothing is compiled here.
-        rounds: how often each is timed.
+        rounds: how many times each contender is timed.
         span: shortest time that is measured at once [s]; a fast call is repeated to fill it.
         patience: a contender whose one call takes longer than this [s] is timed twice only.
-        fast: how many times as often those are timed of which ten calls fit in the span.
+        fast: factor on the rounds for a contender of which ten calls fit in the span.
     """
     repeats = {}
     for name, call in contenders.items():
@@ -96,7 +96,7 @@ def spread(values: list[float]) -> dict[str, float]:
 
 
 def ratio(timings: Timings, name: str, base: str) -> dict[str, float]:
-    """Return how many times as long as ``base`` a contender takes, over the rounds."""
+    """Return median, least and largest ratio of a contender's time to that of ``base`` in the same round."""
     return spread([a / b for a, b in zip(timings[name], timings[base], strict=False)])
 
 

@@ -55,7 +55,7 @@ class Contact:
     Attributes:
         solref: time constant [s] and damping ratio.
         solimp: least and largest impedance, and the penetration [m] at which the largest is reached.
-        impratio: hardness of friction over the hardness of the contact along its normal.
+        impratio: hardness of friction, relative to the hardness of the contact along its normal.
         noslip: number of iterations of the solver that removes slip afterwards.
         refsafe: whether time constants below two steps are raised to two steps.
     """

@@ -1,12 +1,12 @@
 """The kernel's model as C functions, for peer solvers that take function pointers.
 
 Compiled by numba and linked just as the kernel is, on the same record: so peers evaluate the very machine
-code that ours does, and their contacts are latched, released and latched anew by the kernel. Functions named
-``plain_`` have the kernel's state without the energies, u and the time, which drive nothing; those of CVODE,
-named ``cvode_``, have the dissipated energy, too.
+code that ours does, and the kernel begins and ends their contacts, and sets their impact speeds again.
+Functions named ``plain_`` have the kernel's state without the energies, u and the time, which drive nothing;
+those of CVODE, named ``cvode_``, have the dissipated energy, too.
 
     int32 PREFIX_start(instance*, double* y)                      initialize; the state at 0 s
-    int32 PREFIX_stop(instance*, double t, const double* y)       stand there, to be observed
+    int32 PREFIX_stop(instance*, double t, const double* y)       set the state at t, to be observed
     void  plain_rate(double t, const double* y, double* rate, instance*)
     void  plain_least(double t, const double* y, double* value, instance*)
     int32 plain_switch(instance*, double* clock, double* y, int32* found)
@@ -56,12 +56,14 @@ AT_ZERO = 1e-12  # [s] distance from zero in time at which a candidate has an ev
 # m, delay of an event: a contact that has just begun or ended then has a nonzero clearance, because peers
 # need a change of sign between the ends of a step
 CLEAR = 1e-13
-HOP = 0.2  # first step of a flight over separation speed / g, so that a low flight is not skipped
-# first step of a contact over expected penetration / impact speed, because the force δⁿ is flat at onset
+HOP = 0.2  # first step of a flight, relative to separation speed / g, so that a low flight is not skipped
+# first step of a contact, relative to expected penetration / impact speed, because the force δⁿ is flat at
+# onset
 FIRST_STEP = 0.09
 POLISH = 1e-7  # [s] largest correction of a solver's root
-POSITION_ERROR = 1e-2  # error of a careful CVODE's position in a contact, over the static penetration
-MARGIN = 5e-2  # height above the wall at which such a contact ends, over the static penetration
+POSITION_ERROR = 1e-2  # error of a careful CVODE's position in a contact, relative to the static penetration
+# height above the wall at which a contact of a careful CVODE ends, relative to the static penetration
+MARGIN = 5e-2
 
 
 @compiled
@@ -302,7 +304,7 @@ def cvode_roots(d, careful, y, value):
 
 
 def cvode_weights(d, careful, y, weight):
-    """Set one over the allowed error of each component.
+    """Set 1 divided by the allowed error of each component.
 
     In the usual form it is tolerance × (|y| + scale) with the kernel's scale. In the careful form positions
     have no relative part, and during a contact no more than a part of the static penetration.

@@ -31,18 +31,19 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 MASS, GYRATION = 0.0364, 0.0192  # kg, m: of the ellipse
 STOP, GAP = 1e-3, 1e-6  # s, m: the impact begins within 1e-5 s and takes about 1e-5 s
 START = {"contact.restitution": 0.6, "contact.friction": 0.2}
-MINDLIN = 0.82  # tangential over normal stiffness of an elastic contact, 2 (1 − ν)/(2 − ν) for ν = 0.3
+# ratio of tangential to normal stiffness of an elastic contact, 2 (1 − ν)/(2 − ν) for Poisson's ratio ν = 0.3
+MINDLIN = 0.82
 STEPS = 400  # the steps of half an elastic impact, in the model with a compliance
 
 
 @dataclass(frozen=True)
 class Trials:
-    """Impacts: velocity (v_x, v_y, ω) [m/s, rad/s] of the centre before and after them, and where [m].
+    """Measured impacts: the velocities (v_x, v_y, ω) [m/s, rad/s] of the centre, and the contact points [m].
 
     Attributes:
-        before: (n, 3).
-        after: (n, 3).
-        arm: (n, 2), from the centre to the contact point.
+        before: velocities before the impacts, (n, 3).
+        after: velocities after the impacts, (n, 3).
+        arm: vectors from the centre to the contact point, (n, 2).
     """
 
     before: np.ndarray

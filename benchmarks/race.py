@@ -36,7 +36,7 @@ def judge(found: Outcome, problem: Problem, expected: dict, stop: float) -> dict
 def race(entries: Entries, base: str, rounds: int, patience: float = 5.0) -> list[dict[str, Any]]:
     """Return the rows of all entries: result, and time [s] with its range over the rounds.
 
-    ``ratio`` is the time over the time of ``base`` at the same setting, if ``base`` is timed.
+    ``ratio`` is the time divided by the time of ``base`` at the same setting, if ``base`` is timed.
     """
     timings = common.interleave(
         {key: run for key, (run, figures) in entries.items() if "failed" not in figures},

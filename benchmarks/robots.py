@@ -5,7 +5,7 @@
 MuJoCo gives the forces and the mass matrix of each file, without contacts, limits and dry friction; SciPy
 integrates them, with held joints at rest. At the start each joint moves. A robot that is no planar chain is
 tried with the joints that its refusal proposes. The table has the largest difference of a joint's angle, and
-what is told first.
+what the conversion reports first.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Compared(NamedTuple):
     Attributes:
         joints: those that move.
         difference: the largest one of an angle [rad]; None where the file is refused.
-        cause: why the file is refused, or what is told first of a difference.
+        cause: why the file is refused, or the first report on a difference.
     """
 
     joints: Sequence[str]

@@ -1,4 +1,4 @@
-"""The success of methods over stiffness and restitution: ``python benchmarks/stability.py``.
+"""The success of methods at many stiffnesses and restitutions: ``python benchmarks/stability.py``.
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
 impacts and sustained contact in 3 s. Each cell of the map is one run with a budget of CPU time. The peers are
@@ -36,7 +36,8 @@ STOP = 3.0  # s
 SAMPLE = 1e-4  # s, interval of the checks of our run
 BUDGET = 2.0  # s of CPU time for a cell
 HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # m, rad, m
-# energy gain of a run, over the initial energy above rest; largest depth, over the rod's length
+# largest energy gain of a run, relative to its initial energy above rest; largest depth, relative to the
+# rod's length
 GAIN, DEEPEST = 1e-3, 0.06
 OUTSIDE = 1e-9  # m, depth without a contact at which an onset was missed
 
@@ -210,7 +211,8 @@ def cell(task: tuple[str, float, float]) -> dict:
 
 
 SIZE = (9.5, 8.2)  # inches, of the chart
-COST_COLOURS, DEAREST = "YlGn_r", 100.0  # for costs over the cheapest, up to this ratio
+# COST_COLOURS: the colour map for the ratio of a cost to the cheapest one, up to DEAREST
+COST_COLOURS, DEAREST = "YlGn_r", 100.0
 
 
 def title_of(method: str) -> str:
@@ -221,8 +223,8 @@ def title_of(method: str) -> str:
 def draw(page: Any, record: Any) -> None:
     """Draw one map for each method: stiffness to the right, restitution upwards.
 
-    A completed run has the colour of its cost over the cheapest completed run in the cell; other runs have
-    the colour of their outcome.
+    A completed run has the colour of the ratio of its cost to the cheapest completed run in the cell; other
+    runs have the colour of their outcome.
     """
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]

@@ -61,7 +61,7 @@ class Step:
         for i, joint in enumerate(self.joints):
             joint[0] = arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * model["joint_friction"][i]
         self.drags = {c: arb(slides.get(c, 0.0)) * float(d["law"]["friction"][c]) for c in self.active}
-        self.forces = {}  # K, n, d, p of F = K δⁿ + d δᵖ δ̇
+        self.forces = {}  # stiffness K, exponents n and p, and damping d of the force F = K δⁿ + d δᵖ δ̇
         for c in self.active:
             law, beyond = d["law"][c], bool(touch["beyond_kink"][c])
             if not beyond or law["approach_only"]:
@@ -72,11 +72,12 @@ class Step:
         if self.active:
             unit[: 2 * self.free] = 1.0 / touch["depth_scale"][self.active].min()
         unit[self.free : 2 * self.free] *= self.size * self.kept
-        self.unit = 2.0 ** np.round(np.log2(unit))  # units of errors: 1 over the scales of the variables
+        # units of errors: 1 divided by the scales of the variables
+        self.unit = 2.0 ** np.round(np.log2(unit))
         self.scale = arb(float(touch["depth_scale"][self.regularized])) if self.regularized >= 0 else arb(1)
 
     def _bodies(self, model: Any) -> None:
-        """Set the mass, a_kj, and A_ij of the mass matrix A_ij cos(θ_i − θ_j)."""
+        """Set the masses, the arms a_kj, and the factors A_ij of the mass matrix A_ij cos(θ_i − θ_j)."""
         names = ("length", "mass", "center_of_mass", "inertia")
         length, mass, middle, inertia = ([arb(x) for x in model[name].tolist()] for name in names)
         links = range(self.links)
@@ -111,7 +112,7 @@ class Step:
         return z, rate
 
     def inertia(self, values: Row) -> list[Row]:
-        """Return D: the mass matrix, and 1 for the other variables."""
+        """Return the matrix D: the mass matrix, and 1 on the diagonal for the other variables."""
         found = [[arb(int(i == j)) for j in range(len(values))] for i in range(len(values))]
         for k in range(self.first):
             found[self.free + k][self.free + k] = self.mass
@@ -185,7 +186,10 @@ class Step:
         return np.linalg.solve(inertia, [-float(row[0].mid()) for row in rest])
 
     def phi(self, c: int, z: Row, gap: tuple[Any, Any]) -> tuple[Any, Any]:
-        """Return φ, which falls through zero at an event, and a rate with its sign: that of g, δ, or u."""
+        """Return the event function φ of candidate c, which falls through zero at an event, and a rate.
+
+        The rate has the sign of the rate of φ; it is that of the clearance g, the penetration δ, or u.
+        """
         if c not in self.active:
             return gap
         return z[-1] if c == self.regularized else -gap[0], -gap[1]

@@ -1,8 +1,8 @@
-"""Runs per second of a sweep with 1, 2 and 4 workers: ``python benchmarks/sweep.py [--quick]``.
+"""Runs per second of a sweep with 1, 2 and 4 threads: ``python benchmarks/sweep.py [--quick]``.
 
-The default scene to 0.6 s with two impacts, tolerance 1e-6, and many restitutions. The numbers of threads
-take turns, so that other work on the machine hits all; CPU time counts this process only. A loop that calls
-``simulate()`` is timed for comparison.
+The default scene to 0.6 s with two impacts, tolerance 1e-6, and many restitutions. The sweeps with 1, 2 and 4
+threads are timed in turn, so that other work on the machine slows all of them; CPU time counts this process
+only. A loop that calls ``simulate()`` is timed for comparison.
 """
 
 from __future__ import annotations

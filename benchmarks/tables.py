@@ -2,7 +2,7 @@
 
 The numbers come from benchmarks/results. The script replaces the text between ``<!-- name -->`` and ``<!--
 end -->`` in a page by the result of the function ``name``, without line breaks inside a line. The option
-``--charts`` also draws all charts anew.
+``--charts`` also draws all charts again.
 """
 
 from __future__ import annotations

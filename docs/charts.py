@@ -30,7 +30,8 @@ NAMED = {
     EXACT: "exact",
     "gharib_hurmuzlu": "differs most",
 }
-LONGEST = 200.0  # duration of a free impact, over the elastic contact time, at which the simulation stops
+# duration of a free impact, relative to the elastic contact time, at which the simulation stops
+LONGEST = 200.0
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
 HEIGHT = 1e-3  # m, distance from the wall at the start of a free impact
 FROM, NEAR = 0.5, 0.05  # restitution above which, and error within which, a law is counted
@@ -58,7 +59,7 @@ def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
 
 
 def curve(law: ContactLaw) -> np.ndarray:
-    """Return the realised restitution of a law over SAMPLES."""
+    """Return the realised restitutions of a law for the prescribed restitutions in SAMPLES."""
     contact = replace(load_scene("four_link_box").contact, model=law.id, exponent=law.exponent or 1.5)
     impacts = (free_impact(replace(contact, restitution=float(e)), 1.0, 1.0) for e in SAMPLES)
     return np.array([impact["separation_speed"] / impact["impact_speed"] for impact in impacts])

@@ -117,7 +117,8 @@ def restitutions() -> str:
     rows = []
     for name, (young, poisson, density, stress) in METALS.items():
         combined = young / (2.0 * (1.0 - poisson**2))
-        # m = (4/3) π ρ R³, so ½ m v² / (Y R³) = (2/3) π ρ v² / Y
+        # the kinetic energy of the sphere, relative to yield stress Y times R³: its mass m is (4/3) π ρ R³,
+        # so ½ m v² / (Y R³) = (2/3) π ρ v² / Y
         found = (
             3.8 * math.sqrt(stress / combined) * (2.0 / 3.0 * math.pi * density * speed**2 / stress) ** -0.125
             for speed in SPEEDS
@@ -223,7 +224,7 @@ def schema_text() -> str:
 
 
 def write() -> None:
-    """Write every page, and the schema, anew."""
+    """Write every page, and the schema."""
     for page in sorted(DOCS.rglob("*.md")):
         text = page.read_text(encoding="utf-8")
         page.write_text(filled(text), encoding="utf-8")

@@ -17,7 +17,7 @@ from chain_impact.pictures.style import DPI, PALETTE, STYLE
 
 PICTURE = Path(__file__).parent / "images" / "paper.png"
 SCENE, LAWS = "four_link_box", ("hertz", "hunt_crossley", "lankarani_nikravesh", "flores", "zhang_sharf")
-POINTS = 201  # in an impact
+POINTS = 201  # number of points of a curve in an impact
 WALL = "y_min"
 
 

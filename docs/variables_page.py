@@ -115,7 +115,10 @@ MEANINGS = {name: meaning for meaning, names in ALIKE.items() for name in names}
 
 
 def _meaning(kind: Kind) -> str:
-    """Return the description without the content of its name and of scene.md, and without long code lists."""
+    """Return the description of a kind of variables for the list.
+
+    It leaves out what the variable's name or scene.md says already, and long lists of codes.
+    """
     if kind.pattern in MEANINGS:
         return MEANINGS[kind.pattern]
     choices = choices_of(load_scene("four_link_box"))[METHODS] if kind.choices == METHODS else ()

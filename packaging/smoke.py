@@ -77,7 +77,7 @@ def run(*arguments: str, expected: int = 0) -> str:
 
 
 def outputs_of(name: str) -> np.ndarray:
-    """Return all outputs of a model over one second, shape (times, outputs)."""
+    """Return all outputs of a model during one second, shape (times, outputs)."""
     result = ci.simulate(ci.load_scene(name), stop_time=1.0, output_step=0.01)
     return np.column_stack([result[output] for output in result.names])
 
@@ -303,7 +303,7 @@ def the_command_line() -> None:
 
 
 def compared(file: Path) -> str:
-    """Return the deviations of the results from those in a file, over the largest value of each output."""
+    """Return the deviations of results from those in a file, relative to the largest value of each output."""
     found = []
     with np.load(file) as other:
         for name in MODELS:

@@ -55,7 +55,7 @@ class Contender(Protocol):
 def contenders(
     problem: Problem, tolerance: float, stop: float, families: Iterable[str] = tuple(FAMILIES.values())
 ) -> tuple[dict[str, Contender], dict[str, str]]:
-    """Return all that can take part, and why others cannot."""
+    """Return the contenders whose packages are installed, and name → reason for those that are missing."""
     found: dict[str, Contender] = {}
     missing = {}
     for name in dict.fromkeys(families):

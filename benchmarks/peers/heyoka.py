@@ -36,7 +36,7 @@ class Taylor(OnKernel):
         self.integrators: dict[tuple[int, ...], Any] = {}
 
     def integrator(self) -> Any:
-        """Return the one for the contacts that are active; compiled when first asked for."""
+        """Return the integrator for the contacts that are active; it is compiled at its first use."""
         key = tuple(int(c) for c in np.flatnonzero(self.touch["active"]))
         if key not in self.integrators:
             self.integrators[key] = self.compiled(key)
@@ -153,7 +153,7 @@ class Taylor(OnKernel):
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """Return one."""
+    """Return the contender of this module."""
     scene = problem.scene(tolerance)
     if len(scene.chain.links) > MOST_LINKS:
         raise MissingError(f"takes too long to compile beyond {MOST_LINKS} links")

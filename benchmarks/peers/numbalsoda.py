@@ -57,5 +57,5 @@ class Dop853(OnKernel):
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """Return one."""
+    """Return the contender of this module."""
     return {"numbalsoda DOP853": Dop853(problem.scene(tolerance), stop)}

@@ -79,7 +79,7 @@ class Library(codegen.JITCodeLibrary):
 class Convention(callconv.MinimalCallConv):
     """The call convention: a function stores its result at an address, and returns a code.
 
-    The code is not 0 where Python would raise.
+    The code is an error, not 0, where Python would raise an exception.
     """
 
     def decorate_function(self, fn: Any, args: Any, fe_argtypes: Any, noalias: bool = False) -> None:

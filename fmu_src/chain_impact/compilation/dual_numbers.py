@@ -173,7 +173,7 @@ def _quotient() -> tuple[Code, ...]:
     def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
         (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
         quotient = builder.fdiv(a, b)
-        # (a/b)′ = (a′ − (a/b) b′)/b
+        # derivative of a quotient: (a/b)′ = (a′ − (a/b) b′)/b
         slopes = builder.fsub(da, _times(builder, quotient, db))
         return _made(builder, quotient, _times(builder, builder.fdiv(_ONE, b), slopes))
 
@@ -299,7 +299,7 @@ _lower(math.isfinite, _finite, Dual)
 def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
     (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
     length = _of_numbers(context, builder, math.hypot, a, b)
-    # (a a′ + b b′)/√(a² + b²)
+    # derivative of √(a² + b²): (a a′ + b b′)/√(a² + b²)
     slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
     zero = ir.Constant(length.type, 0.0)
     inverse = builder.fdiv(_ONE, length)

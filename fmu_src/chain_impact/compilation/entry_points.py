@@ -16,8 +16,9 @@
                    double* rows, int32 continuing)
 
 kernel/entry.py and kernel/advance.py describe these functions. In a kernel that carries derivatives, the
-functions also advance the instances of dual numbers that follow the instance in memory: the kernel calls the
-hooks, which are C functions, too, and are linked to the kernel (kernel/hooks.py, kernel/tangent/entry.py).
+functions also advance the tangent instances, records of dual numbers that follow the instance in memory: the
+kernel calls the hooks, which are C functions, too, and are linked to the kernel (kernel/hooks.py,
+kernel/tangent/entry.py).
 """
 
 from __future__ import annotations

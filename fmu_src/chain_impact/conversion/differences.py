@@ -35,8 +35,8 @@ class Difference:
         text: the sentence on the difference, after kind and name.
         effect: the effect of the difference.
         differs: True if the scene has the part in another form, False if the scene does not have it.
-        size: how large the difference is relative to the link, such as a distance over the link's length; 0
-            if unknown. The largest difference comes first.
+        size: how large the difference is relative to the link, such as a distance divided by the link's
+            length; 0 if unknown. The largest difference comes first.
         joints: names of joints; the difference has no effect if all these joints are held. Without names it
             always has an effect.
         bodies: indices of bodies, −1 for the world; the difference has no effect if all these bodies are in

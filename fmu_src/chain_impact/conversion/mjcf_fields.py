@@ -56,7 +56,7 @@ WITHOUT_EFFECT = {
     "belong to the search for contacts": """
         *bvh* oct_* mesh_* hfield_* opt.ccd_* opt.sdf_*
     """,
-    "belong to elements that are told as a whole": """
+    "belong to elements that are reported as a whole": """
         flex* eq_data wrap_prm ten_J* tendon_type tendon_actfrclimited tendon_actfrcrange tendon_range
         tendon_margin tendon_lengthspring tendon_springyield actuator_cranklength actuator_dynprm
         actuator_actlimited actuator_actrange actuator_history opt.wind
@@ -64,7 +64,7 @@ WITHOUT_EFFECT = {
     "hold for steps of time, of which a scene has its own": """
         actuator_actearly tree_sleep_policy opt.timestep opt.integrator opt.sleep_tolerance opt.jacobian
     """,
-    "say how soft a constraint is, which is told with it": """
+    "say how soft a constraint is, which is reported with it": """
         *_solref* *_solimp* geom_solmix opt.impratio opt.tolerance opt.ls_* opt.noslip_* opt.iterations
         opt.solver opt.cone opt.o_margin
     """,

@@ -236,8 +236,8 @@ def _left_out(scene: Scene) -> Iterator[str]:
         if limit == 0.0:
             yield f"{name} = 0: MuJoCo has no such limit"
     if scene.signals:
-        told = few([f"signals.{name}" for name in scene.signals], 3)
-        yield f"{told}: MuJoCo has no signals over time: a program must set what they drive"
+        names = few([f"signals.{name}" for name in scene.signals], 3)
+        yield f"{names}: MuJoCo has no signals over time: a program must set what they drive"
     for key in ("joint_targets", "tip_force", "base_motion", "wall_motion"):
         if getattr(scene.inputs, key):
             yield f"inputs.{key}: is no input of the MuJoCo model"

@@ -30,7 +30,7 @@ from chain_impact.variables.prepared import PreparedScene
 FILE = "resources/chain_impact_reference.csv"
 EXACT = 1e-12  # solver tolerance of the reference run
 ROWS = 100  # approximate number of communication steps in the scene's time
-# if the results over a time are not reliable, the reference is made for this time / SHORTER
+# if the results up to a time are not reliable, the reference ends at this time / SHORTER instead
 SHORTER = 10
 # A chain amplifies an error with each impact. So the table ends where a second run, at the scene's own
 # tolerance, differs from the reference by more than max(LARGEST, tolerance). The allowed error of a user's

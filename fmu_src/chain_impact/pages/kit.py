@@ -254,7 +254,10 @@ def _is_real(path: DataPath) -> bool:
 
 @cache
 def words(path: DataPath) -> list[int]:
-    """Return the coefficients of the index of a word, and the step to this word of the next element."""
+    """Return the coefficients of the index of a word in the record, and the distance to the next element.
+
+    The distance [words] leads from the word of one element to the same word of the next element.
+    """
 
     def word(record: np.dtype, index: int) -> int:
         return word_index(record, filled(path, {"at": index}))

@@ -27,7 +27,7 @@ def passing(
         walls: number of a wall → its name, its free side, and its displacement, shape (T,) or one number [m].
         pairs: the pairs of a point and a wall that can touch, by their numbers.
     """
-    told = []
+    sentences = []
     for number, (name, plane, moved) in walls.items():
         free = [k for k in range(places.shape[1]) if (k, number) not in pairs]
         if not free or not len(places):
@@ -39,5 +39,5 @@ def passing(
         if len(through):
             points = few([str(k) for k in through.tolist()], SHOWN)
             which = f"point {points} passes" if len(through) == 1 else f"points {points} pass"
-            told.append(f"{which} through {name} without touching it: see contact.points")
-    return told
+            sentences.append(f"{which} through {name} without touching it: see contact.points")
+    return sentences

@@ -224,12 +224,12 @@ def ranking_of(
     value, unit, where, slopes, size = _quantity(recording, sensitivities, quantity)
     names, units = list(sensitivities.parameters), sensitivities.units
     changes = slopes * np.array([sensitivities.step(name) for name in names])
-    asked = [parameters] if isinstance(parameters, str) else parameters
+    wanted = [parameters] if isinstance(parameters, str) else parameters
     what = "not among simulate(sensitivities=[…])"
     like = {
-        name for pattern in asked for name in matching(recording.name, pattern, names, what, lambda _: None)
+        name for pattern in wanted for name in matching(recording.name, pattern, names, what, lambda _: None)
     }
-    left_out = tuple(name for name in EXPONENTS if name in like and name not in asked)
+    left_out = tuple(name for name in EXPONENTS if name in like and name not in wanted)
     chosen = np.array([name in like and name not in left_out for name in names])
     finite = np.isfinite(changes) & chosen
     nothing = finite & (np.abs(changes) <= NOTHING * size)

@@ -8,10 +8,11 @@ from chain_impact.scene.bodies import outlines_of, placed, rail_of
 from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
-# MARGIN: the free border around the drawing; NEAR: the distance beyond which no wall is drawn; both over the
-# size of the chain
+# MARGIN: the free border around the drawing; NEAR: the distance beyond which no wall is drawn; both relative
+# to the size of the chain
 MARGIN, NEAR = 0.15, 1.0
-# LINE, THIN: widths of links and of other lines; POINT: radius of a point; all over the size of the drawing
+# LINE, THIN: widths of links and of other lines; POINT: radius of a point; all relative to the size of the
+# drawing
 LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 

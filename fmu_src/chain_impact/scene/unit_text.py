@@ -42,7 +42,7 @@ def unit_text(unit: str | None) -> str:
 
 
 def of_power(unit: str, exponent: float | None) -> str:
-    """Return the unit of a stiffness, a force over a power of a penetration: N/m^1.5, or N/m."""
+    """Return the unit of a stiffness, a force divided by a power of a penetration: N/m^1.5, or N/m."""
     if exponent is None:
         return f"{unit}^exponent"
     return unit if exponent == 1.0 else f"{unit}^{exponent:g}"

@@ -129,7 +129,8 @@ class Chain:
         """
         self._ready()
         before = self._reals.copy()
-        # `open_contacts` drops results that were computed ahead, so the record is restored afterwards
+        # `open_contacts` drops what the solver has computed beyond the present time, so the record is
+        # restored afterwards
         lasting = self._instance.open_contacts()
         self._reals[:] = before
         return in_order([*self._impacts, lasting], self.scene.wall_names)[1]

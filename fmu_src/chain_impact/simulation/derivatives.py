@@ -1,10 +1,10 @@
 """Runs that also compute the derivatives of their results with respect to some parameters.
 
-In memory, instances of dual numbers follow the instance; each has derivatives in a few directions
-(kernel/tangent/). A derivative with respect to a parameter is a partial derivative: all other parameters of
-the FMU are constant. The unit of a derivative is the unit of the quantity over the unit of the parameter. A
-derivative that does not exist, or that cannot be trusted, is NaN, and a sentence gives the time and the
-reason.
+In memory, tangent instances follow the instance: records of dual numbers, each with derivatives in a few
+directions (kernel/tangent/). A derivative with respect to a parameter is a partial derivative: all other
+parameters of the FMU are constant. The unit of a derivative is the unit of the quantity divided by the unit
+of the parameter. A derivative that does not exist, or that cannot be trusted, is NaN, and a sentence gives
+the time and the reason.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from chain_impact.variables.variable import Variable
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The columns of impacts that have derivatives."""
 LEAST_REPORTED_SHARE = 1e-5
-"""The least error of derivatives that users are told, relative to the largest derivative.
+"""The least error of derivatives that is reported to users, relative to the largest derivative.
 
-Smaller errors are not told, because the tolerance allows errors of this size anyway.
+Smaller errors are not reported, because the tolerance allows errors of this size anyway.
 """
 # columns of impacts whose values are known from the onset on
 AT_ONSET = ("onset", "impact_speed", "effective_mass")
@@ -123,7 +123,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _tangents(self) -> np.ndarray:
-        """The instances of dual numbers."""
+        """The tangent instances: records of dual numbers, each with derivatives in some directions."""
         tangents: np.ndarray = self.record[BEHIND]
         return tangents
 
@@ -138,7 +138,7 @@ class DifferentiatedInstance(Instance):
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """Return the contacts that have not ended yet, and drop results that were computed ahead."""
+        """Return the contacts that have not ended yet, with their derivatives, as ``Instance`` does."""
         rows = super().open_contacts()
         if len(rows):
             log, slots = self._log, self._lasting % self._log_at.room
@@ -149,7 +149,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _log(self) -> np.ndarray:
-        """The finished contacts of each instance of dual numbers."""
+        """The logs of finished contacts of all tangent instances."""
         log: np.ndarray = self._tangents["finished"]
         return log
 

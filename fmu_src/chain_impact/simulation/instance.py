@@ -284,7 +284,7 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """Return the contacts that have not ended yet, with their peaks so far.
 
-        The call drops results that were computed ahead.
+        The call ends the last step at the present time, and so drops what the solver has computed beyond it.
         """
         self._kernel.follow(self._address)
         return self._impacts(self._lasting)
@@ -364,7 +364,7 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None
         BuildError: when the kernel cannot be compiled.
     """
     links, law = sizes or kernel_size(scene), scene.contact.law_file
-    # after a change of the cache folder, a kernel is loaded anew from the new folder
+    # after a change of the cache folder, a kernel is loaded again, from the new folder
     key = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and key in _loaded:
         return _loaded[key]

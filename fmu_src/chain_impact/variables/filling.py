@@ -306,7 +306,7 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(block: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
-    """Return an instance that instances of dual numbers follow in memory, for derivatives.
+    """Return an instance with the tangent instances, which follow it in memory, for derivatives.
 
     ``paths`` are the paths of the parameters in the record. Each parameter has its own direction: there its
     derivative is 1, and the derivatives of all other parameters are 0.

@@ -24,7 +24,8 @@ from chain_impact.variables.variable import Item, Variable
 
 SHAPES = 64  # the number of shapes of scenes whose lists of outputs are kept
 BEHIND = "behind"
-"""The field with the instances of dual numbers, which follow an instance in memory (prepared.py)."""
+"""The field with the tangent instances, records of dual numbers that follow an instance in memory
+(prepared.py)."""
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )

@@ -290,7 +290,7 @@ class PreparedScene:
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an uninitialized instance with the parameters of the scene, an array with one record.
 
-        The record also has the instances of dual numbers that derivatives need, after the instance.
+        Behind the instance, the record also has the tangent instances that derivatives need.
 
         Args:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.
@@ -302,13 +302,15 @@ class PreparedScene:
     def _named(
         self,
         wanted: str | Iterable[str],
-        there: Mapping[str, Any],
+        available: Mapping[str, Any],
         what: str,
         hint: Hint = lambda _: None,
     ) -> dict[str, None]:
-        """Return the names in ``there`` that are wanted, each once."""
+        """Return the keys of ``available`` that equal a wanted name or match a wanted pattern, each once."""
         names = (wanted,) if isinstance(wanted, str) else wanted
-        return {match: None for name in names for match in matching(self.scene.name, name, there, what, hint)}
+        return {
+            match: None for name in names for match in matching(self.scene.name, name, available, what, hint)
+        }
 
 
 def kernel_size(scene: Scene) -> int:

@@ -46,7 +46,7 @@ UNITS = {
 
 
 def quotient(unit: str, parameter: str) -> str:
-    """Return the unit's name of a derivative: the unit of the output over the unit of the parameter."""
+    """Return the name of a derivative's unit: the unit of the output divided by that of the parameter."""
     if parameter == "1":
         return unit
     return "1" if unit == parameter else f"{unit}/({parameter})"

@@ -50,10 +50,10 @@ def test_slopes_are_those_of_the_residuals(both):
 
 def test_beyond_the_horizon_nothing_is_compared(both):
     found = both.evaluate(both.start, 0.52)
-    np.testing.assert_array_equal(found.there, both.order <= 0.52)
+    np.testing.assert_array_equal(found.exists, both.order <= 0.52)
     whole = both.until(both.evaluate(both.start), 0.52)
-    np.testing.assert_array_equal(whole.there, found.there)
-    np.testing.assert_allclose(whole.residuals[found.there], found.residuals[found.there], atol=1e-7)
+    np.testing.assert_array_equal(whole.exists, found.exists)
+    np.testing.assert_allclose(whole.residuals[found.exists], found.residuals[found.exists], atol=1e-7)
 
 
 def test_an_impact_that_is_not_there_is_left_out():
@@ -62,8 +62,8 @@ def test_an_impact_that_is_not_there_is_left_out():
     table["wall"][1] = "x_max"
     table["impact"][2] = 9
     found = problem([[columns, table]], [scene()]).evaluate(np.array([math.log(1e8), 0.7, 1.5]))
-    assert found.there[-3:].tolist() == [True, False, False]
-    assert found.there[:-3].all()
+    assert found.exists[-3:].tolist() == [True, False, False]
+    assert found.exists[:-3].all()
 
 
 def test_each_data_set_has_its_own_parameters():
@@ -96,7 +96,7 @@ def test_a_run_that_fails_says_why():
     columns, _ = motion(0.9, count=5)
     failing = problem([columns], [scene().with_values({"solver.work_limit": 1.0})])
     found = failing.evaluate(failing.start)
-    assert not found.there.all()
+    assert not found.exists.all()
     assert "data: the simulation stopped:" in failing.fault(found)
 
 

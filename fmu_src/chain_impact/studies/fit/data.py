@@ -165,11 +165,13 @@ def read_measurements(
     several = cast("Sequence[Source]", [sources] if is_table(sources) else sources)
     tables = [read_table(source) for source in several]
     source = "+".join(table.source for table in tables)
-    there = [name for table in tables for name in _value_columns(table)]
-    hint = f"there are {', '.join(there)}"
-    patterns = there if columns is None else columns
+    measured = [name for table in tables for name in _value_columns(table)]
+    hint = f"there are {', '.join(measured)}"
+    patterns = measured if columns is None else columns
     chosen = {
-        column for name in patterns for column in matching(source, name, there, "no column", lambda _: hint)
+        column
+        for name in patterns
+        for column in matching(source, name, measured, "no column", lambda _: hint)
     }
     book = _Book(scene, sigma)
     for table in tables:
@@ -231,8 +233,8 @@ class _Book:
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
         """Return the columns of outputs and inputs, and the columns of quantities of impacts, in a table."""
-        there, over_time = _value_columns(table), {*self._outputs, *self._inputs}
-        values = [name for name in there if name in chosen]
+        measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
+        values = [name for name in measured if name in chosen]
         likely = "" if TIME in table.names else likely_time(table.names)
         for name in values:
             if name not in over_time and name not in QUANTITIES:
@@ -243,7 +245,7 @@ class _Book:
                 raise SceneError(f"{table.source}: column {name} is also in {self._seen[name]}")
             self._seen[name] = table.source
         for name in table.names:
-            if _is_sigma(name) and name[6:-1] not in there:
+            if _is_sigma(name) and name[6:-1] not in measured:
                 raise SceneError(f"{table.source}: column {name} has no column {name[6:-1]} beside it")
             if _is_sigma(name) and name[6:-1] in self._inputs:
                 raise SceneError(f"{table.source}: column {name}: an input has no standard deviation")
@@ -258,7 +260,7 @@ class _Book:
                     f"{table.source}: the column {' or '.join(needed)} is missing; "
                     f"it says to which of the {kinds} the values in {columns[0]} belong{likely}"
                 )
-        if not there:
+        if not measured:
             raise SceneError(
                 f"{table.source}: it has no column with values, of an output such as {self._outputs[0]} or "
                 f"of impacts: {', '.join(QUANTITIES)}"
@@ -306,9 +308,9 @@ class _Book:
             return None
         if name == WALL:
             stops = dict.fromkeys(stop for _, stop in self._scene.chain.stops)
-            there = [*self._scene.half_planes, *stops, *self._scene.slider_stops]
-            if cell not in there:
-                columns = ", ".join(there) or "none"
+            known = [*self._scene.half_planes, *stops, *self._scene.slider_stops]
+            if cell not in known:
+                columns = ", ".join(known) or "none"
                 raise SceneError(
                     f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {columns}"
                 )

@@ -330,11 +330,11 @@ def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
 def _left_out(problem: Problem, at: Evaluation) -> list[str]:
     """Return remarks on the values that were not fitted, with the reasons."""
     count, notes = len(problem.value), []
-    missing, blind = int((~at.there).sum()), int((at.there & ~at.usable).sum())
+    missing, blind = int((~at.exists).sum()), int((at.exists & ~at.usable).sum())
     if missing:
         fault = problem.fault(at)
         why = fault or "the model has no such impact, or its contact lasts to the end"
-        columns = ", ".join(problem.names[group] for group in np.unique(problem.group[~at.there]))
+        columns = ", ".join(problem.names[group] for group in np.unique(problem.group[~at.exists]))
         notes.append(f"{missing} of {count} values were left out, of {columns}: {why}.")
     if blind:
         limits = [limit for run in at.runs for limit in run.limits] or ["a derivative does not exist"]

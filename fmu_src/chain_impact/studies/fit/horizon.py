@@ -179,7 +179,7 @@ def _check(problem: Problem, whole: Evaluation) -> None:
                 f"{sources}: {name} has one value only, from which its sigma cannot be estimated: give it, "
                 f"sigma of {name} = 2% for example, or add a column sigma({name})"
             )
-    if not whole.there.any():
+    if not whole.exists.any():
         fault = problem.fault(whole) or "the model has none of the measured impacts"
         raise SceneError(f"{problem.scenes[0].name}: the model has no value to compare with data: {fault}")
 

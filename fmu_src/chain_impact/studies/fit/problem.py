@@ -46,14 +46,14 @@ class Evaluation:
     runs: tuple[Differentiated, ...]
 
     @property
-    def there(self) -> np.ndarray:
+    def exists(self) -> np.ndarray:
         """Whether the model has each value, shape (M,)."""
         return np.asarray(np.isfinite(self.residuals))
 
     @property
     def usable(self) -> np.ndarray:
         """Whether each value can be fitted, because it has derivatives, shape (M,)."""
-        usable: np.ndarray = self.there & np.isfinite(self.slopes).all(axis=1)
+        usable: np.ndarray = self.exists & np.isfinite(self.slopes).all(axis=1)
         return usable
 
 
