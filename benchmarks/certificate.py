@@ -1,10 +1,11 @@
 """A certificate for a single step: proofs about the events in the step, in ball arithmetic (Arb).
 
-The dense output P of a step nearly obeys the equations, with the defect δ = P′ − f(P). With the logarithmic
-norm µ of the Jacobian f′ on a tube around P, Gronwall's inequality bounds the difference to the solution y
-that begins where the step begins, ‖T (y − P)‖ ≤ ∫ e^∫µ ‖T δ‖, as long as it stays within the tube. For each
-candidate the clearances of P then decide: NO_EVENT, ONE_EVENT, UNDECIDED. No claim is made about a whole run:
-its bound would grow like e^∫µ. The equations are in step_equations.py.
+The dense output P of a step nearly obeys the equations, with the defect δ = P′ − f(P). With a matrix T of new
+coordinates, in which rates grow little, and the logarithmic norm µ of the Jacobian f′ on a tube around P,
+Gronwall's inequality bounds the difference to the solution y that begins where the step begins, ‖T (y − P)‖ ≤
+∫ e^∫µ ‖T δ‖, as long as it stays within the tube. For each candidate the clearances of P then decide:
+NO_EVENT, ONE_EVENT, UNDECIDED. No claim is made about a whole run: its bound would grow like e^∫µ. The
+equations are in step_equations.py.
 """
 
 from __future__ import annotations
@@ -104,10 +105,10 @@ def _upper(ball: arb) -> float:
 
 
 class Certificate:
-    """A bound on ‖T (y − P)‖ over a step, and the verdict on each candidate.
+    """A bound on the error of the dense output P of a step, and the verdict on each candidate.
 
     Attributes:
-        error: the bound.
+        error: the bound on ‖T (y − P)‖ over the step, see the head of this module.
         verdicts: of each candidate.
     """
 

@@ -72,7 +72,7 @@ def steps(scene: Scene) -> Iterator[Any]:
     run = Instance(scene)
     step = run.record["step"]
     for _ in range(LATEST):
-        # a communication point just beyond the end of the last step takes one more
+        # for a communication point just beyond the end of the last step the run takes one more step
         if (
             not step["end"] < scene.simulation.stop_time
             or run.advance(np.nextafter(step["end"], np.inf)) != OK

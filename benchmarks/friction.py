@@ -176,7 +176,7 @@ ON_THE_SLOPE: dict[str, Callable[[float], Contact]] = {
 
 
 def at_rest() -> Entries:
-    """Return our kernel at some tolerances, also for an hour; and MuJoCo with each setting and step."""
+    """Return results of our kernel at some tolerances, also after an hour, and of MuJoCo's settings."""
     found: dict[tuple[str, float], Any] = {}
     for name, stop in (("ours", STOP), ("ours, an hour", HOUR)):
         for tolerance in TOLERANCES:

@@ -51,7 +51,8 @@ from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.system import HOST
 
 REALS, COUNTS = types.CPointer(float64), types.CPointer(int32)
-PLAIN, CVODE = 4, 3  # numbers of components at the end of the kernel's state that they lack
+# numbers of components, at the end of the kernel's state, that ``plain_`` and ``cvode_`` functions lack
+PLAIN, CVODE = 4, 3
 AT_ZERO = 1e-12  # [s] distance from zero in time at which a candidate has an event
 # m, delay of an event: a contact that has just begun or ended then has a nonzero clearance, because peers
 # need a change of sign between the ends of a step
@@ -153,8 +154,8 @@ def least(_t, y, out, d):
 def switch(d, clock, values, found):
     """Let the event at clock[0] [s] take effect, and propose the next step in clock[1] [s].
 
-    A root finder with a coarse tolerance in time gets help: the last part up to the root is added by f(y).
-    Returns the number of active contacts.
+    A root finder with a coarse tolerance in time gets help: a step of Euler's method leads from the time that
+    it found to the root. Returns the number of active contacts.
     """
     y = vector(values, len(d.step.state) - PLAIN)
     value, slope = least_event(d, y)

@@ -65,7 +65,7 @@ def arm() -> Scene:
 
 
 def read(file: Path, first: float = 0.5) -> list[Span]:
-    """Return the spans of a run; data before the first time are left out."""
+    """Return parts of a run, each SPAN long; data before the time ``first`` [s] are left out."""
     data = np.genfromtxt(file, delimiter=",", names=True)
     time = data["time"]
     angles, torques = (np.array([data[f"{name}_meas{i}"] for i in (1, 2)]) for name in ("pos", "tau"))

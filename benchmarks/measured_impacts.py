@@ -96,7 +96,7 @@ OUTPUTS = ("point[0].vx", "point[0].vy", "link[1].angular_velocity")
 
 
 def fitted(scene: Scene, trials: Trials, laws: bool = False) -> Fit:
-    """Return restitution and friction that suit the trials: v_x, v_y and ω times the radius of gyration."""
+    """Return restitution and friction with which simulated velocities after impacts suit the trials."""
     data = [{"time": [STOP]} | dict(zip(OUTPUTS, after[:, None], strict=True)) for after in trials.after]
     sigma = dict(zip(OUTPUTS, (0.2, 0.2, 0.2 / GYRATION), strict=True))
     return fit(scene, data, list(START), set_each=values(trials), sigma=sigma, laws=laws)

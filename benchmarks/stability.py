@@ -81,7 +81,7 @@ def energies() -> tuple[float, float]:
 
 
 def judged(finite: bool, energy: float, deepest: float, missed: bool, otherwise: str) -> str:
-    """Return the outcome of a run, the gravest first."""
+    """Return the outcome of a run; of several failures, the gravest."""
     if not finite or not math.isfinite(energy):
         return "not finite"
     if missed:  # the point falls through the floor

@@ -4,8 +4,8 @@ Chains of 4, 10 and 30 links that hit walls, at tolerances from 1e-2 to 1e-12, j
 reference.py: how far off the tip is at the end, and the onsets of impacts. *chain-impact* is a call of
 ``simulate()`` with another tolerance; beside it are the steps of the FMU and the bare kernel. The start-up
 chart shows the time of a new process until its first result, with the compilation of peers that compile.
-Peers that are not installed are named and left out. ``--quick``: two rounds, and no kernel is compiled to
-time that.
+Peers that are not installed are named and left out. ``--quick``: two rounds, and the start-up with an empty
+cache, which compiles a kernel, is not timed.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ NAMED = {
 LONGEST = 200.0
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
 HEIGHT = 1e-3  # m, distance from the wall at the start of a free impact
-FROM, NEAR = 0.5, 0.05  # restitution above which, and error within which, a law is counted
+FROM, NEAR = 0.5, 0.05  # restitutions from which on, and largest error with which, a law counts as accurate
 
 
 def free_impact(contact: Contact, mass: float, speed: float) -> np.void:

@@ -49,7 +49,7 @@ MODELS = ("four_link_box", "rod_drop", "pinned_arm", "ramp")
 SPRING = "def mine(penetration):\n    return 1e6 * penetration\n"
 TABLE = "time,point[4].x\n" + "".join(f"{0.1 * i:.1f},{{}}\n" for i in range(4))
 
-# C's library with the rounding functions, and the number of upward rounding
+# the C library with the functions that set the rounding, and C's number for rounding upwards
 C_LIBRARY = {"win64": "ucrtbase", "darwin64": "libSystem.B.dylib", "aarch64-darwin": "libSystem.B.dylib"}
 UPWARDS = {"win64": 0x200, "linux64": 0x800, "darwin64": 0x800}
 
@@ -319,7 +319,7 @@ def trap() -> None:
     for package in TRAPPING_IMPORTS:
         with suppress(ImportError):
             import_module(package)
-    faulthandler.enable()  # says where it ended
+    faulthandler.enable()  # prints where a crashed process was
     assert ctypes.CDLL("libm.so.6").feenableexcept(TRAPPED) == 0
     print("with traps; but for the command line, whose processes start with registers of their own")
 

@@ -68,7 +68,7 @@ def check_all(files: list[Path]) -> None:
     """Check the sizes of files, and the display of their metadata on PyPI.
 
     Raises:
-        ReleaseError: when they are not.
+        ReleaseError: when a file is too large, or its metadata cannot be displayed.
     """
     large = [file.name for file in files if file.stat().st_size >= LARGEST]
     if large:

@@ -81,7 +81,7 @@ class Structure:
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
             yield from twice((node.attrib[self.key] for node in nodes), self.key, path)
-            if name == INITIAL:  # a list of FMI 2.0
+            if name == INITIAL:  # only FMI 2.0 has this list
                 yield from _rising(self.listed(name), path)
         for path, node in self._nodes():
             yield from self._dependencies(path, node, states)

@@ -169,7 +169,7 @@ def _callbacks() -> Any:
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
-    with suppress(Exception):  # on ARM fmpy cannot write values into messages, so they lack them
+    with suppress(Exception):  # on ARM fmpy cannot write values into messages, which then lack the values
         from fmpy.logging import addLoggerProxy
 
         addLoggerProxy(ctypes.byref(callbacks))

@@ -67,7 +67,7 @@ def hand_out(
     """Yield each piece of some spans of runs, with its results, as the executor finishes it.
 
     Args:
-        executor: executes the pieces in threads of this machine, or on workers of a cluster.
+        executor: executes the pieces in threads of this machine, or on the machines of a cluster.
         count: the number of pieces at the same time.
         do: function that computes a piece, and returns the result and the computing time [s].
         spans: the runs, in order.

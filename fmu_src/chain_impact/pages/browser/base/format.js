@@ -8,7 +8,7 @@ export function unitText(unit) {
   return unit === "1" ? "" : unit.replaceAll(PRODUCT, "·").replaceAll(SQUARE, "²");
 }
 
-/** Return the unit of a stiffness, a force over a power of a penetration, as `of_power` does: N/m^1.5, or N/m. */
+/** Return the unit of a stiffness, a force divided by a power of a penetration, as `of_power` does: N/m^1.5, or N/m. */
 export function unitOfPower(unit, exponent = "exponent") {
   return unitText(unit).replace("^exponent", exponent === 1 ? "" : `^${exponent}`);
 }
@@ -32,7 +32,7 @@ const LARGE = 1e6; // least size of a tick that is written with an exponent
 export function ticksOf(ticks) {
   const step = ticks.length > 1 ? Number((ticks[1] - ticks[0]).toPrecision(3)) : Math.abs(ticks[0]) || 1;
   const [mantissa, exponent] = step.toExponential().split("e");
-  const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // of the distance
+  const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // of the distance between ticks
   const largest = Math.max(...ticks.map(Math.abs));
   const isPlain = decimals <= DECIMALS && (largest < LARGE || decimals > 0);
   return ticks.map((tick) => {

@@ -1,6 +1,6 @@
 // The ticks of an axis.
 
-const TICK_STEPS = [5, 2.5, 2, 1]; // steps between ticks, over a power of ten
+const TICK_STEPS = [5, 2.5, 2, 1]; // steps between ticks, relative to a power of ten
 
 /** Return round numbers between two numbers: with the largest round step at which they are `fewest` or more, at most 10. */
 export function ticksBetween(low, high, fewest = 4) {

@@ -11,7 +11,7 @@ const DASHES = [undefined, [6, 3], [2, 3]]; // dashes of the curves after the fi
 /** The largest number of curves in a chart, and of charts, that a reader can distinguish. */
 export const [MOST_CURVES, MOST_UNITS] = [INPUT_COLOURS * DASHES.length, 8];
 const DIGITS = 4; // number of digits of a value
-const ROUND_OFF = 1e-12; // size below which a value is shown as 0, over the largest value of its unit
+const ROUND_OFF = 1e-12; // size below which a value is shown as 0, relative to the largest value of its unit
 
 /** Return curves with 0 for values that are round-off of the largest value of their unit; forces have a known scale. */
 function withoutRoundOff(curves, { peakForce }) {

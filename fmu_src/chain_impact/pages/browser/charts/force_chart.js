@@ -5,7 +5,7 @@ import { ticksBetween } from "../base/ticks.js";
 import { lastBefore } from "../recording/recording.js";
 import { axisOptions, Chart, drawCurve, labelledWidth, MOMENT, styleColour } from "./chart.js";
 
-const AROUND = 0.35; // shown time before and after a contact, over the duration of the contact
+const AROUND = 0.35; // shown time before and after a contact, relative to the duration of the contact
 const FEWEST_TICKS = 3; // least number of ticks of the force
 const NO_FORCE = 1e-9; // [N] force below which a contact counts as having no force
 

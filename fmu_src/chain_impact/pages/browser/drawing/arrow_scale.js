@@ -3,7 +3,8 @@
 
 import { forceText } from "../base/format.js";
 
-// length of the arrow of the largest force, over the smaller side of the scene; largest number of powers of ten on the ruler
+// length of the arrow of the largest force, relative to the smaller side of the scene; largest number of powers of ten on the
+// ruler
 const { DECADES, LONGEST_ARROW } = SHARED.view;
 const LEAST_ARROW = 9; // [pixels] least length of an arrow, so that a small force is visible
 const MARKS_FROM = 6; // [pixels] least distance of a mark from the foot of the ruler

@@ -24,7 +24,8 @@ const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond w
 const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
 const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
-// radius of the arc of a joint's range, over the length of the link; number of its corners; length of the mark of a stop, over the radius
+// radius of the arc of a joint's range, relative to the length of the link; number of the arc's corners; length of the mark of
+// a stop, relative to the radius
 const { ARC, CORNERS: ARC_CORNERS, TICK } = SHARED.jointStops;
 const BESIDE = 18; // [pixels] distance from a point to its number
 const NUMBERED = 12; // largest number of links with which points have numbers
@@ -59,7 +60,7 @@ export class ChainDrawing {
     this.showTrace = true;
     this.hatch = this.drawing.pattern(HATCH, HATCH, (tile) => {
       tile.rect(HATCH, HATCH).addClass("beyond-walls");
-      [-HATCH, 0, HATCH].forEach((x) => tile.line(x, HATCH, x + HATCH, 0).addClass("hatch")); // three, so that corners meet
+      [-HATCH, 0, HATCH].forEach((x) => tile.line(x, HATCH, x + HATCH, 0).addClass("hatch")); // three, so that lines of adjacent tiles meet
     });
     this.ground = this.drawing.group();
     this.behind = this.drawing.group(); // a group for other drawings of a page behind the chain

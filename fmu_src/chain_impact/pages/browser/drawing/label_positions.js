@@ -1,6 +1,6 @@
 // Positions for labels, at which a label covers neither another label nor anything that is drawn.
 
-// approximate width of a letter and height of a line, over the size of the letters
+// approximate width of a letter and height of a line, relative to the size of the letters
 const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
 const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
 const HALF = 8; // [pixels] half the side of the square that stands for a mark, with the outline of a text beside it

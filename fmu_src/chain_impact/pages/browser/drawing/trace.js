@@ -2,7 +2,7 @@
 
 const APART = 1.5; // [pixels] distance between positions of the trace
 const OFF = 0.05; // [pixels] largest distance from the curve to the straight lines that are drawn for it
-// largest distance of a curve from its chord, over the difference between the curve's slope and the chord's slope
+// largest distance of a curve from its chord, relative to the difference between the curve's slope and the chord's slope
 const BEND = 4 / 27;
 const MOST_PARTS = 16; // largest number of parts of the curve between two frames
 const MOST = 20_000; // largest number of positions of a trace

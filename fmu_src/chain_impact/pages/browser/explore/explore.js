@@ -46,7 +46,10 @@ const choice = new CurveChoice(changes, () => {
   simulateSoon();
 });
 
-/** Return the view before, so that the picture does not move, if the next view lies inside it and is not much smaller. */
+/**
+ * Return the parts of the next motion with the view of the present motion, so that the picture does not move, if the next
+ * view lies inside it and is not much smaller.
+ */
 function withSteadyView(next) {
   const before = player.recording;
   if (!before) return next;

@@ -46,8 +46,8 @@ function dictionary(pairs) {
 }
 
 /**
- * Return the changes as the part of an address after #, after the other contents: `scene`, the text of the scene file if it
- * is not the page's own, and `curves`, the names of the outputs in the chart.
+ * Return the text behind the # of an address: first the contents of `shown`, then the changes. `shown` can have `scene`, the
+ * text of the scene file if it is not the page's own, and `curves`, the names of the outputs in the chart.
  */
 export function hashOf(changes, shown = {}) {
   const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(), ...inputStepTexts(changes)];

@@ -5,7 +5,7 @@ import { freeRegionWithin } from "../recording/half_planes.js";
 import { discOf, wallsAt } from "../scene/geometry.js";
 
 const ARROW_TIME = 0.1; // [s] the length of an arrow of velocity is the distance covered in this time
-const LONGEST = 0.2; // the largest length of an arrow, over the size of the view; for longer arrows the time is shorter
+const LONGEST = 0.2; // the largest length of an arrow, relative to the view's size; for longer arrows the time is shorter
 const GRIP = 26; // [pixels] the size of a grip, large enough for a finger
 // [pixels] the distance from a joint to the start of its arrow: so the grip of a joint at rest lies beside the joint
 const STEM = 32;
@@ -173,7 +173,7 @@ export class Handles {
 
   #drop() {
     this.dragged = null;
-    this.changes.replace({ ...this.changes.values }); // a second drawing, with a view that fits
+    this.changes.replace({ ...this.changes.values }); // drawn again, with a view that fits the motion
   }
 
   #drag(event) {

@@ -30,7 +30,7 @@ function bracketsOf(time, times) {
   });
 }
 
-/** Return values, in rows of some width, interpolated between rows. */
+/** Return values at frames, interpolated between rows; the values stand row after row, `width` values in each row. */
 function interpolatedColumn(values, brackets, width) {
   const column = new Float64Array(brackets.length * width);
   brackets.forEach(([row, share], frame) => {
@@ -60,11 +60,12 @@ function largest(values) {
 /**
  * Return the parts of a `Recording`.
  *
- * @param rows name, links, pointCount, time, x and y of all points in rows, energies by name, touches { point, wall, force,
- *   depth, friction, sticking } in the rows (for a joint with dry friction without wall and force), loads { joint, x, y } in
- *   the rows, the forces in joints if they are known, contacts, walls, the displacements of moving walls along their normals
- *   by name (moved, if any move), stops, radius, touching [point, its radius], pointNames [point, its name], bodies [link,
- *   corners in the link's axes], rail { lines, carriage, stops } of a slider or null, pinned.
+ * @param rows name, links, pointCount, the times of the rows (time), x and y (row after row, a value for each point in each
+ *   row), energies by name, touches { point, wall, and for each row force, depth, friction, sticking } (for a joint with dry
+ *   friction without wall and force), loads { joint, and for each row x, y }, the forces in joints if they are known,
+ *   contacts, walls, the displacements of moving walls along their normals by name (moved, if any move), stops, radius,
+ *   touching [point, its radius], pointNames [point, its name], bodies [link, corners in the link's axes], rail { lines,
+ *   carriage, stops } of a slider or null, pinned.
  * @param frames the times of the frames, and the number of frames per second on the screen; the frames are the rows if the
  *   times are the array `rows.time` itself.
  */

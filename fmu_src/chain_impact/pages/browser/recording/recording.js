@@ -54,7 +54,7 @@ export class Recording {
     return (this.time[index + 1] - this.time[index]) * this.frameRate;
   }
 
-  /** Return the value at a frame, from values at all frames, each of some width. */
+  /** Return the value in a column at a frame, which may have a fraction, from values at all frames, `width` for each frame. */
   between(values, frame, column = 0, width = 1) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     const first = values[index * width + column];

@@ -43,8 +43,8 @@ export function sizeOf(x, y) {
 }
 
 /**
- * Return view, anchor and pin of a recording whose points are at `x` and `y`, in rows of all points; `carriage`: the corners of
- * a carriage around the base.
+ * Return view, anchor and pin of a recording whose points are at `x` and `y`: row after row, one value for each of the
+ * `points` in a row. `carriage`: the corners of a carriage around the base.
  */
 export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
   const bases = [x, y].map((all) => ends(all.filter((_, k) => k % points === 0)));

@@ -20,7 +20,7 @@ export class Changes {
     this.inputSteps = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
   }
 
-  /** Use another scene, without changes except for changes `from` before of inputs that this scene also has. */
+  /** Use another scene; of the changes `from` an earlier scene, only those of inputs that this scene also has are kept. */
   open(scene, from = { values: {}, inputSteps: {} }) {
     this.#use(scene);
     this.#openers.forEach((opener) => opener());

@@ -4,7 +4,7 @@ import { STOPS } from "./geometry.js";
 import { movablePoints, stopsOf } from "./scene_file.js";
 
 const { CORNERS } = SHARED.file; // number of corners of a box, which a scene file leaves out
-const BELOW = 0.5; // distance of a new wall below the chain, over the length of the longest link
+const BELOW = 0.5; // distance of a new wall below the chain, relative to the length of the longest link
 
 export function setOrRemove(table, key, value) {
   if (value === undefined) delete table[key];

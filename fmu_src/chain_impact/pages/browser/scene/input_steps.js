@@ -2,7 +2,7 @@
 
 import { numberText } from "../base/format.js";
 
-const MARK = "@"; // behind the name of such an input in a link
+const MARK = "@"; // stands behind the name of an input with steps in a link
 
 /** Return the parts of a link: names, and texts with pairs of a time and a value. */
 export function inputStepTexts({ inputSteps }) {

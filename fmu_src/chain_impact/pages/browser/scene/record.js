@@ -9,7 +9,7 @@ export function wordIndex([constant, ...slopes], sizes, index = 0) {
   return [...sizes, index].reduce((sum, size, k) => sum + slopes[k] * size, constant);
 }
 
-/** Return all such indices, in nested tables. */
+/** Return the indices of all words of nested tables in a record of these sizes. */
 export function wordIndices(words, sizes) {
   if (Array.isArray(words)) return wordIndex(words, sizes);
   return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, wordIndices(inner, sizes)]));

@@ -1,7 +1,7 @@
 // The part of the page that sends requests to the worker.
 
 export class Engine {
-  #number = 0; // of the newest request
+  #number = 0; // number of the newest request
   #waiting = new Map(); // number of a request → functions for its result, error and progress
   #sceneSent; // a promise of the moment when the worker has the scene
   #fault; // the error with which the worker has ended, if any

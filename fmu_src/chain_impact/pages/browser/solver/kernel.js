@@ -203,8 +203,8 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that have not ended, with their peaks so far, which follow the ended contacts; drop results that
-   * were computed ahead.
+   * Return the contacts that have not ended, with their peaks so far, which follow the ended contacts; drop what the kernel
+   * has computed beyond the present time.
    */
   #unfinished() {
     this.exports.follow(this.record);

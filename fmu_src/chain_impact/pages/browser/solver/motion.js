@@ -42,7 +42,7 @@ function radiusOf({ sites, links }, valueOf, point) {
   return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;
 }
 
-/** Return one coordinate of all points, in rows of all points. */
+/** Return one coordinate of all points, row after row: in each row, one value for each point. */
 function interleaved(each) {
   const rows = new Float64Array(each[0].length * each.length);
   each.forEach((column, point) => column.forEach((value, row) => {
