@@ -154,8 +154,7 @@ def copy_modes(d, t):
         t.slider.chosen = d.slider.mode
 
 
-# The iteration ends when the last correction of the derivatives, relative to the derivatives, is at most
-# CONVERGED_SLOPES times the tolerance.
+# The largest last correction with which the iteration ends, relative to the derivatives times the tolerance.
 CONVERGED_SLOPES = 0.01
 # The rule to detect an iteration of derivatives that does not converge. The least correction must fall by the
 # factor FALLS within STALLED iterations; it may rise in between, as the direction of the correction changes.
