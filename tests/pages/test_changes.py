@@ -1,8 +1,12 @@
 """Changed parameters of the page: derived values follow, a refused change leaves all as it is."""
 
+import numpy as np
 import pytest
 
-from chain_impact import load_scene
+from chain_impact import load_scene, model_names
+from chain_impact.scene.scene import parse_scene, scene_to_dict
+from chain_impact.variables.prepared import PreparedScene
+from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
 from tests.pages.conftest import page_contents
 
@@ -57,3 +61,28 @@ def test_what_follows_from_others_is_shown_as_in_the_edited_file(script, changes
         assert shown[name] == expected.values[name]
     assert set(text) == set(changes)
     assert back == starts
+
+
+@pytest.mark.parametrize("source", [*model_names(), *range(0, 20, 2)])
+def test_the_saved_file_is_the_scene(script, source):
+    scene = load_scene(source) if isinstance(source, str) else random_scenes.scene(source)
+    kit = page_contents(scene)["kit"]
+    saved = (
+        "([kit, contents]) => tomlText(contentsOf(new Changes(sceneOf({ file: contents, kit }))), kit.keys)"
+    )
+    text = script.evaluate(saved, [kit, scene_to_dict(scene)])
+    again = parse_scene(text, "saved.toml")
+    assert again.values == scene.values
+    assert PreparedScene(again).new_instance([]).tobytes() == PreparedScene(scene).new_instance([]).tobytes()
+
+
+def test_a_changed_number_is_in_the_saved_file_with_all_its_digits(script):
+    scene, chance = load_scene("four_link_box"), np.random.default_rng(1)
+    saved = """([contents, values]) => {
+      const changes = new Changes(sceneOf(contents));
+      changes.set(values);
+      return tomlText(contentsOf(changes), contents.kit.keys); }"""
+    for _ in range(20):
+        value = float(10.0 ** chance.uniform(-9.0, 12.0))
+        text = script.evaluate(saved, [page_contents(scene), {"link[1].mass": value}])
+        assert parse_scene(text, "saved.toml").values["link[1].mass"] == value

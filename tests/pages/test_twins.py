@@ -4,6 +4,7 @@ The comparisons allow for a few last digits: a compiler may join a product and a
 libraries round sines differently.
 """
 
+import re
 from functools import cache
 from types import SimpleNamespace
 
@@ -11,8 +12,10 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, model_names, simulate
-from chain_impact.pages.recorded import data, free_sides, impacts
+from chain_impact.pages.recorded import data, free_sides, impacts, text_of
 from chain_impact.pictures.arrow_scale import ArrowScale
+from chain_impact.pictures.film_figure import CHAIN, ENERGIES, FORCE, MUTED, TIP
+from chain_impact.pictures.style import LOAD
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
 from chain_impact.recording.view import framed, free_room, pin_mark, places_of, radius_of
@@ -100,7 +103,7 @@ def some_walls(chance):
         if chance.random() < 0.6
     }
     slopes = {
-        f"slope{k}": (*(3.0 * np.array([np.sin(a), -np.cos(a)])).tolist(), a)
+        f"slope{k}": (*(chance.uniform(-1.0, 4.0) * np.array([np.sin(a), -np.cos(a)])).tolist(), a)
         for k, a in enumerate(chance.uniform(-np.pi, np.pi, chance.integers(0, 4)).tolist())
     }
     return half_planes(box, slopes)
@@ -214,3 +217,10 @@ def test_words_of_rates_units_and_angles(script):
             "([texts, unit]) => texts.map((text) => inRadians(text, unit))", [texts, unit]
         )
         assert found == [in_radians(text, unit) for text in texts]
+
+
+def test_colours_of_films_are_those_of_pages():
+    light = dict(re.findall(r"--([\w-]+): (#\w{6});", text_of("player/style.css").partition("@media")[0]))
+    known = {"muted": MUTED, "chain": CHAIN, "tip": TIP, "force": FORCE, "load": LOAD, **ENERGIES}
+    del known["total"]  # black in a film
+    assert {name: light[name] for name in known} == known

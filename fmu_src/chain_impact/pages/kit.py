@@ -18,20 +18,16 @@ from typing import Any, get_args, get_origin
 import numpy as np
 
 from chain_impact.compilation.affine import COUNTS, SAMPLES, affine
-from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
-from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.signals import signal_dtype
-from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
-from chain_impact.pages.signals import kit_of_signals
+from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.scene.contents import PARALLEL
 from chain_impact.scene.limits import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.signals import driven_alone, family
 from chain_impact.variables.driving import acting
 from chain_impact.variables.indices import PEAKS, STOP_PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
@@ -77,7 +73,7 @@ def kit(scene: Scene) -> dict[str, Any]:
     return {
         "keys": _keys(Scene),
         "lawFile": scene.contact.law_file,
-        "laws": [_law(name) for name in scene.law_names],
+        "laws": scene.law_names,
         "parameters": [_group(block, partial(_parameter, choices)) for block in PARAMETERS],
         "inputs": [_group(block, lambda kind: _parameter(choices, kind) | _driven(kind)) for block in inputs],
         "still": [_group(block, _driven) for block in INPUTS if block not in inputs],
@@ -85,21 +81,12 @@ def kit(scene: Scene) -> dict[str, Any]:
             _parameter(choices, kind) | {"high": LONGEST, "word": None, "given": None} for kind in EXPERIMENT
         ],
         "outputs": [_group(block, _output) for block in OUTPUTS],
-        "signals": kit_of_signals(scene),
+        "tables": tables_of(scene),
         "driven": [words(("output", "signal", AT, order)) for order in range(3)],
         "fields": {name: {"word": words(path), "real": _is_real(path)} for name, path in PATHS.items()},
-        "sizes": COUNTS,
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
         "points": [words(("output", "point_position", AT, axis)) for axis in (0, 1)],
-        "constants": {
-            "derived": DERIVED,
-            "noContact": NO_CONTACT,
-            "inputsJump": AT_ONCE,
-            "parallel": PARALLEL,
-        },
-        "rigidWithFriction": FRICTION_WITH_RIGID_WALLS,
-        "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
     }
 
 
@@ -164,7 +151,8 @@ def _named(kind: Kind) -> dict[str, Any]:
 
 def _driven(kind: Kind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
-    return _named(kind) | {"unit": kind.unit, "acts": acting(kind.record_path)}
+    drives = {"family": family(kind.name), "alone": driven_alone(kind.name)}
+    return _named(kind) | drives | {"unit": kind.unit, "acts": acting(kind.record_path)}
 
 
 def _output(kind: Kind) -> dict[str, Any]:
@@ -212,12 +200,6 @@ def _sentence(item: Item) -> str:
     """Return the sentence on a choice; for a contact law, the range of use and the source."""
     law = CONTACT_LAWS.get(item.name)
     return f"{law.limits} {law.source}." if law else item.description
-
-
-def _law(name: str) -> dict[str, Any]:
-    """Return the properties of a contact law that determine whether it suits a scene."""
-    law = CONTACT_LAWS.get(name)
-    return {"name": name, "impulsive": bool(law and law.impulsive)}
 
 
 def _layout() -> dict[str, Any]:

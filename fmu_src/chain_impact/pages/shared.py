@@ -14,9 +14,19 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.compilation.affine import COUNTS
+from chain_impact.kernel.chain.inertia import DERIVED
+from chain_impact.kernel.forces.inputs import AT_ONCE
+from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import NORMALS, WALLS
+from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.scene import angles, bodies, names, reading, tables, unit_text
+from chain_impact.scene.contents import PARALLEL
+from chain_impact.scene.signal import FORMS, SHAPES
+from chain_impact.scene.signal_checks import AT_REST
+from chain_impact.scene.signal_values import KNOTS, NUMBERS
+from chain_impact.scene.signals import OTHER, REQUIRED
 from chain_impact.variables import indices
 
 FINEST = 65535  # the largest integer of 16 bits, to which the largest value of packed numbers is scaled
@@ -38,7 +48,24 @@ def shared() -> dict[str, Any]:
         "degrees": {unit: [word, angles.degrees_pattern(unit)] for unit, word in angles.DEGREES.items()},
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
         "file": {"CORNERS": tables.CORNERS, "SHOWN": reading.SHOWN},
-        "record": {"WORD": indices.WORD},
+        "signals": {
+            "AT_REST": AT_REST,
+            "FORMS": FORMS,
+            "SHAPES": SHAPES,
+            "NUMBERS": NUMBERS,
+            "REQUIRED": REQUIRED,
+            "OTHER": OTHER,
+            "KNOTS": KNOTS,
+        },
+        "record": {"WORD": indices.WORD, "COUNTS": COUNTS},
+        "kernel": {
+            "AT_ONCE": AT_ONCE,
+            "DERIVED": DERIVED,
+            "FRICTION_WITH_RIGID_WALLS": FRICTION_WITH_RIGID_WALLS,
+            "NO_CONTACT": NO_CONTACT,
+            "PARALLEL": PARALLEL,
+            "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
+        },
         "packed": {"FINEST": FINEST},
     }
 

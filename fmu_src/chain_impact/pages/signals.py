@@ -1,4 +1,4 @@
-"""Data about signals for the page: the keys of each form, and the tables of the page's scene."""
+"""The tables among the signals of a scene, for the page."""
 
 from __future__ import annotations
 
@@ -9,24 +9,13 @@ import numpy as np
 
 from chain_impact.pages.encoding import encoded
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal import FORMS, SHAPES
-from chain_impact.scene.signal_values import KNOTS, NUMBERS, table_of
-from chain_impact.scene.signals import OTHER, REQUIRED, driven_by
+from chain_impact.scene.signal_values import table_of
+from chain_impact.scene.signals import driven_by
 
 
-def kit_of_signals(scene: Scene) -> dict[str, Any]:
-    """Return all data about signals that the page needs; JSON can hold them."""
-    return {
-        "forms": FORMS,
-        "shapes": SHAPES,
-        "numbers": NUMBERS,
-        "required": REQUIRED,
-        "other": OTHER,
-        "knots": KNOTS,
-        "tables": {
-            name: _table(scene, name) for name, signal in scene.signals.items() if signal.form == "table"
-        },
-    }
+def tables_of(scene: Scene) -> dict[str, Any]:
+    """Return the tables among the signals of a scene, by the names of the signals; JSON can hold them."""
+    return {name: _table(scene, name) for name, signal in scene.signals.items() if signal.form == "table"}
 
 
 def _table(scene: Scene, name: str) -> dict[str, Any]:

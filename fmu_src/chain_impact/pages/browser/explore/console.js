@@ -24,7 +24,7 @@ export function consoleInterface(changes, ask) {
       const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));
       const run = { time, columns, impacts: named, statistics };
       if (status !== 0) {
-        const fault = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${changes.scene.statuses[status]}`;
+        const fault = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${SHARED.kernel.STATUS_TEXT[status]}`;
         throw Object.assign(new Error(fault), { status, time: reached, result: run });
       }
       return run;

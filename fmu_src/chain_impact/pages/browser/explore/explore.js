@@ -63,7 +63,7 @@ function withSteadyView(next) {
 /** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether there is a motion. */
 function sentenceOf({ status, reason, reached }, hasMotion) {
   if (status === 0) return "";
-  const text = [changes.scene.statuses[status], changes.scene.reasons[reason - 1]].filter(Boolean).join(": ");
+  const text = [SHARED.kernel.STATUS_TEXT[status], changes.scene.reasons[reason - 1]].filter(Boolean).join(": ");
   return hasMotion ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
 }
 
@@ -78,7 +78,7 @@ function showStatus(next = sentence) {
   find("status").classList.add("begun");
   find("status").textContent = readable(all);
   find("status").hidden = !all;
-  if (ending === kit.rigidWithFriction) find("status").append(" ", withoutFriction());
+  if (ending === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) find("status").append(" ", withoutFriction());
 }
 
 /** Return a button that sets all friction of walls to zero, for a law that does not allow friction. */
@@ -147,7 +147,7 @@ function showScene(scene, text, inputs) {
 /** Open a scene with the contents of a file, and changed inputs; an error says which key is wrong. */
 function openContents(contents, inputs) {
   const whole = complete(contents, kit);
-  showScene(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole, kit.signals.other), kit.keys), inputs);
+  showScene(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole), kit.keys), inputs);
 }
 
 /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs are constant here. */

@@ -11,7 +11,7 @@ export function contentsOf(changes, signals = {}) {
     if (filePath) put(file, filePath, items.length ? items[value - 1][0] : value);
   }
   Object.assign(file.signals, signals);
-  return asWritten(file, changes.scene.forms);
+  return asWritten(file);
 }
 
 /** Return the contents of a scene file as TOML, without values that equal the defaults of their keys. */

@@ -8,24 +8,24 @@ import { drivenBy } from "./signals.js";
 export const range = (length) => Array.from({ length }, (_, k) => k);
 
 /** Return whether a point slides along a line parallel to a wall, so that it never reaches the wall. */
-function keepsDistance({ chain: { slider, links }, walls }, sites, point, name, parallel) {
+function keepsDistance({ chain: { slider, links }, walls }, sites, point, name) {
   const site = sites[point - links.length - 1];
   const isAtBase = point === 0 || (site && site.link === 0 && site.x === 0 && site.y === 0);
   if (!slider || !isAtBase) return false;
   const angle = walls.find((wall) => wall.name === name)?.angle;
   const [nx, ny] = NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
-  return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < parallel;
+  return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < SHARED.kernel.PARALLEL;
 }
 
 /** Return the parts of a scene on which its variables and its record depend. */
-export function partsOf(file, { signals, constants }) {
+export function partsOf(file, { tables }) {
   const { chain: { base, links, slider }, walls, contact, inputs } = file;
   const count = links.length;
   const [points, stops, existingWalls] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
   const [sites, sliderStops] = [sitesOf(file), sliderStopsOf(file)];
   const movable = sites.flatMap(({ link, x, y }, s) => (base === "pinned" && link === 0 && x === 0 && y === 0 ? [] : [count + 1 + s]));
   const touching = [...points, ...movable];
-  const reaches = (point, name) => !keepsDistance(file, sites, point, name, constants.parallel);
+  const reaches = (point, name) => !keepsDistance(file, sites, point, name);
   const mayTouch = existingWalls.length > 0 && (slider || sites.length > 0)
     ? touching.some((point) => existingWalls.some((name) => reaches(point, name))) : touching.length > 0;
   const wallNames = [...BOX_WALLS, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
@@ -43,7 +43,7 @@ export function partsOf(file, { signals, constants }) {
     ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)]),
     ...sliderStops.map((stop) => [0, wallNames.indexOf(stop)]),
   ];
-  const driven = drivenBy(file, signals);
+  const driven = drivenBy(file, tables);
   const hasFriction = rubs || rubbingJoints.length > 0 || slider?.friction > 0;
   const parts = {
     file, driven, points, sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, hasFriction, movingWalls, joints,

@@ -4,7 +4,7 @@
 import { elementsOf, filled, instances, partsOf, range } from "./elements.js";
 import { pointText, STOPS, sumOf, wallsAt } from "./geometry.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
-import { checkDriven, drivenRows, signalElements } from "./signals.js";
+import { drivenRows, signalElements, withOutputs } from "./signals.js";
 
 /** Return the values of everything that may be a parameter: name → number, and whether the number is derived. */
 function valuesOf(file, rows) {
@@ -88,14 +88,14 @@ export function describe(kit, file, command) {
   const elements = elementsOf(parts);
   const all = (groups) => instances(groups, elements, facts).filter(({ has }) => has);
   const [motions, settable] = [all(kit.still), all(kit.inputs)];
-  const byName = new Map([...settable, ...motions].map((row) => [row.name, row]));
-  const units = new Map([...byName].map(([name, { unit }]) => [name, unit]));
-  checkDriven(parts.driven, units);
-  const driving = drivenRows(parts.driven);
+  const filledAll = (row, key) => row[key].map((name) => filled(name, row.element));
+  const byName = new Map([...settable, ...motions].map((row) => [row.name, { ...row, family: filledAll(row, "family"), alone: filledAll(row, "alone") }]));
+  const drivenInputs = withOutputs(parts.driven, byName);
+  const driving = drivenRows(drivenInputs);
   const isFree = ({ name }) => !driving.has(name);
-  const rows = instances(kit.parameters, { ...elements, ...signalElements(parts.driven, units) }, facts);
+  const rows = instances(kit.parameters, { ...elements, ...signalElements(drivenInputs, byName) }, facts);
   const values = valuesOf(file, rows);
-  const record = recordOf(kit, parts, rows, values, byName);
+  const record = recordOf(kit, { ...parts, driven: drivenInputs }, rows, values, byName);
   const reals = new Float64Array(record.buffer);
   const inputs = settable
     .filter(isFree)
@@ -119,7 +119,6 @@ export function describe(kit, file, command) {
     wallNames,
     walls: wallsAt({ walls: Object.fromEntries(existingWalls.map((name) => [name, null])) }, (name) => values.get(name)?.number),
     stops: [...new Set(stops.map(([joint]) => joint))],
-    inputsJump: kit.constants.inputsJump,
     sites: parts.sites,
     sliderStops: parts.sliderStops,
     pointNames,
@@ -128,14 +127,11 @@ export function describe(kit, file, command) {
     layout: wordIndices(kit.layout, sizes),
     inputs: inputs.map(({ name }) => name),
     still: motions.filter(isFree).map(({ name }) => name),
-    forms: kit.signals.other,
     driven: driven.filter(({ name }) => named.has(name)),
     moved: driven.filter(({ name }) => /^wall\..*\.displacement$/.test(name)),
     parameters: parametersOf(rows, [...inputs, ...times], values, parts),
     columns,
     drawn: drawnOf(kit, parts, columns),
-    rigidWithFriction: kit.rigidWithFriction,
-    statuses: kit.statuses,
     reasons: reasonsOf(parts, new Map(pointNames)),
   };
 }

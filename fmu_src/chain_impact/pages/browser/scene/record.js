@@ -33,12 +33,12 @@ export function recordOf(kit, parts, rows, values, byName) {
   };
   const put = (name, value, index = 0) => write(kit.fields[name].word, value, kit.fields[name].real, index);
   const each = (name, all) => all.forEach((value, index) => put(name, value, index));
-  kit.sizes.forEach((name, k) => put(name, sizes[k]));
+  SHARED.record.COUNTS.forEach((name, k) => put(name, sizes[k]));
   put("skewed", Number(chain.links.some(({ center_of_mass_offset: offset }) => offset !== 0)));
   put("slides", Number(chain.slider !== undefined));
   each("site_link", sites.map(({ link }) => link));
   each("site_corner", sites.map(({ corner = 0 }) => corner));
-  put("regularized", kit.constants.noContact);
+  put("regularized", SHARED.kernel.NO_CONTACT);
   each("candidate_point", candidates.map(([point]) => point));
   each("candidate_wall", candidates.map(([, wall]) => wall));
   stops.forEach(([, stop], k) => put("candidate_stop", stop === STOPS[0] ? 1 : -1, pairs.length + k));
@@ -51,18 +51,17 @@ export function recordOf(kit, parts, rows, values, byName) {
   const first = 2 * inputs.base_motion;
   movingWalls.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
   each("channel", candidates.map(([, wall]) => (movingWalls.includes(wallNames[wall]) ? first + 2 * movingWalls.indexOf(wallNames[wall]) : -1)));
-  putSignals(parts.driven, kit.signals, (input) => actingOf(byName.get(input)), put);
+  putSignals(parts.driven, kit.tables, (input) => actingOf(byName.get(input)), put);
   put("kept", outputs.impacts);
   put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));
   ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
     each(name, range(BOX_WALLS.length + sizes[1]).map(() => -1)));
-  const laws = kit.laws.map(({ name }) => name);
-  put("stop_law", laws.indexOf(file.stops.model) + 1);
+  put("stop_law", kit.laws.indexOf(file.stops.model) + 1);
   for (const { name, of, word, given, givenIf, type, element, missing } of rows) {
     const value = values.get(name) ?? (of === "link" || of === "slider" ? { number: Number(missing) } : null);
     if (!value || (of === "line" && !mayTouch)) continue;
     write(word, value.number, type === "real", element.at);
-    if (given && facts[givenIf]) write(given, value.derived ? kit.constants.derived : value.number, true, element.at);
+    if (given && facts[givenIf]) write(given, value.derived ? SHARED.kernel.DERIVED : value.number, true, element.at);
   }
   return bytes;
 }

@@ -29,7 +29,7 @@ function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
 class ContentsReader {
   constructor({ keys, laws, lawFile, inputs, still }) {
     const units = [...inputs, ...still].flatMap(({ rows }) => rows.map(({ name, unit }) => [name, unit]));
-    Object.assign(this, { keys, lawFile, laws: laws.map(({ name }) => name), units: new Map(units) });
+    Object.assign(this, { keys, lawFile, laws, units: new Map(units) });
   }
 
   table(data, keys, path) {
@@ -138,7 +138,8 @@ export function complete(data, kit) {
   setBodies(file, data);
   setAngles(file);
   setStops(file, kit.keys.stops.keys);
-  completeSignals(file.signals, kit.signals);
+  file.contact.points?.sort((a, b) => a - b); // the order of points has no meaning
+  completeSignals(file.signals, kit.tables);
   checkContents(file);
   file.outputs.sensitivities = []; // the page computes no derivatives
   return file;
@@ -164,11 +165,11 @@ function setBodies({ chain }, data) {
 
 /**
  * Return the contents of a complete scene in the form of a file: boxes without corners, signals without default values of
- * their `forms`.
+ * their forms.
  */
-export function asWritten(file, forms) {
+export function asWritten(file) {
   const written = structuredClone(file);
-  written.signals = signalsAsWritten(written.signals, forms);
+  written.signals = signalsAsWritten(written.signals);
   written.chain.links.filter(({ height }) => height !== undefined).forEach((link) => {
     link.shape = "box";
     link.points = link.points.filter(({ corner }) => !corner);

@@ -4,45 +4,28 @@
 import { numbersIn } from "../base/base64.js";
 import { unitText } from "../base/format.js";
 
-const MOTIONS = ["", "v", "a"]; // motions of a base, without the axis; each is the derivative of the one before
-const WALL_MOTIONS = ["displacement", "velocity", "acceleration"];
-
-/**
- * Return the names of the quantities that an input drives, each the derivative of the one before; "" for a quantity that is
- * no input.
- */
-function familyOf(name) {
-  const [head, last] = [name.slice(0, name.lastIndexOf(".")), name.slice(name.lastIndexOf(".") + 1)];
-  if (head === "base") return MOTIONS.map((prefix) => `base.${prefix}${last.at(-1)}`);
-  if (last === "belt_speed") return ["", name]; // the travel of a belt is not an input
-  if (head.startsWith("wall.")) return WALL_MOTIONS.map((key) => `${head}.${key}`);
-  return /^target_(angle|position)$/.test(last) ? [name, `${head}.target_velocity`] : [name];
-}
-
-/** Return whether an input moves base or wall; only one input of a motion can be driven. */
-function isMotion(name) {
-  return /^(base|wall)\./.test(name) && !name.endsWith(".belt_speed");
-}
+const SIGNALS = SHARED.signals;
 
 /** Return the signals with exactly the keys of their forms; `tables` are the tables by name. */
-export function completeSignals(signals, { required, other, tables }) {
+export function completeSignals(signals, tables) {
   for (const [name, signal] of Object.entries(signals)) {
     const what = `signals.${name}`;
-    const known = [...required[signal.form], ...Object.keys(other[signal.form])];
+    const known = [...SIGNALS.REQUIRED[signal.form], ...Object.keys(SIGNALS.OTHER[signal.form])];
     const strange = Object.keys(signal).find((key) => !["input", "form", ...known].includes(key));
     if (strange) throw new RangeError(`${what}.${strange} must be left out: form = "${signal.form}" has ${known.join(", ")}`);
-    const missing = required[signal.form].find((key) => signal[key] === undefined);
+    const missing = SIGNALS.REQUIRED[signal.form].find((key) => signal[key] === undefined);
     if (missing) throw new RangeError(`${what}.${missing} is missing: form = "${signal.form}" needs it`);
-    signals[name] = { ...Object.fromEntries(Object.entries(other[signal.form]).filter(([, value]) => value !== null)), ...signal };
+    signals[name] = { ...Object.fromEntries(Object.entries(SIGNALS.OTHER[signal.form]).filter(([, value]) => value !== null)), ...signal };
+    if (!signal.input.length) throw new RangeError(`${what}.input = [] must name at least one input`);
     if (signal.form === "steps") checkSteps(what, signal);
     if (signal.form === "table") checkTable(what, signals[name], tables[name]);
   }
 }
 
-/** Return the signals in the form of a file, without the default values of their `forms`. */
-export function signalsAsWritten(signals, forms) {
+/** Return the signals in the form of a file, without the default values of their forms. */
+export function signalsAsWritten(signals) {
   return Object.fromEntries(Object.entries(signals).map(([name, signal]) =>
-    [name, Object.fromEntries(Object.entries(signal).filter(([key, value]) => forms[signal.form][key] !== value))]));
+    [name, Object.fromEntries(Object.entries(signal).filter(([key, value]) => SIGNALS.OTHER[signal.form][key] !== value))]));
 }
 
 function checkSteps(what, { times, values }) {
@@ -60,16 +43,31 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
   throw new RangeError(`${what}.file = "${file}": the page does not have this table as this signal needs it; chain-impact explore makes a page with it`);
 }
 
-/** Return the driven inputs, with a row of the record for each: its number of knots, and all quantities that it drives. */
-export function drivenBy({ signals }, { knots, tables }) {
+/**
+ * Refuse a signal that makes the position or velocity of a base or wall jump, and a constant in the form of a sine for an input that
+ * is integrated; `order`: how many times the input is integrated.
+ */
+function checkMotion(what, input, { form, shape, frequency, frequency_rate: rate, amplitude, start, rise, phase, values }, order, isMotion) {
+  if (form === "sine" && order > 0 && !frequency && !rate) {
+    throw new RangeError(`${what}.frequency = 0 must be > 0 where ${input} is driven, which is integrated`);
+  }
+  const impact = `${input} would jump, which would be an impact of unknown strength`;
+  const jumps = form === "steps" && order < 2 && new Set(values).size > 1;
+  if (isMotion && jumps) throw new RangeError(`${what}.form = "steps": ${impact}: take a ramp`);
+  const speed = Math.abs(amplitude * frequency);
+  const bends = (form === "ramp" && shape === "linear") ||
+    (form === "sine" && start > 0 && !rise && Math.abs(speed * Math.cos(phase)) > SIGNALS.AT_REST * speed);
+  if (isMotion && order === 0 && bends) throw new RangeError(`${what}: the velocity of ${impact}`);
+}
+
+/** Return the driven inputs, with a row of the record for each, its first knot and its number of knots. */
+export function drivenBy({ signals }, tables) {
   const count = (name, input, { form, shape, times }) => ({
     steps: () => times.length,
     table: () => tables[name].columns[input].knots,
-  }[form] ?? (() => knots[form] + (shape === "trapezoid" ? 2 : 0)))();
-  const rows = Object.entries(signals).flatMap(([name, signal]) => signal.input.map((input) => {
-    const outputs = familyOf(input);
-    return { name, input, signal, outputs, order: outputs.indexOf(input), knots: count(name, input, signal) };
-  }));
+  }[form] ?? (() => SIGNALS.KNOTS[form] + (shape === "trapezoid" ? 2 : 0)))();
+  const rows = Object.entries(signals).flatMap(([name, signal]) =>
+    signal.input.map((input) => ({ name, input, signal, knots: count(name, input, signal) })));
   // a target velocity comes after the target whose rate it replaces
   const [late, early] = [true, false].map((wanted) => rows.filter(({ input }) => input.endsWith("target_velocity") === wanted));
   let first = 0;
@@ -80,23 +78,31 @@ export function drivenBy({ signals }, { knots, tables }) {
 }
 
 /**
- * Refuse inputs that the scene does not have, and inputs that are driven twice; `units` are the units of the scene's inputs.
+ * Return the driven inputs, each with all quantities that it drives: its integrals, the input and its derivatives, in this order;
+ * "" for a quantity that is no input. Refuse inputs that are not among the scene's `inputs`, and inputs that are driven twice.
  */
-export function checkDriven(driven, units) {
+export function withOutputs(driven, inputs) {
   const owners = new Map();
+  const unitOf = (name) => inputs.get(name).unit;
   for (const { name, input, signal } of driven) {
     const what = `signals.${name}.input`;
-    if (!units.has(input)) {
-      const there = [...units.keys()].join(", ");
+    if (!inputs.has(input)) {
+      const there = [...inputs.keys()].join(", ");
       throw new RangeError(`${what} = "${input}" is no input of the scene; it has ${there || "none"}`);
     }
-    const alone = isMotion(input) ? familyOf(input) : [input];
+    const { alone } = inputs.get(input);
     const owned = alone.find((quantity) => owners.has(quantity));
     if (owned) throw new RangeError(`${what} = "${input}" must be driven by one signal only: signals.${owners.get(owned)} drives ${owned}`);
     alone.forEach((quantity) => owners.set(quantity, name));
-    const other = signal.form !== "table" && signal.input.find((member) => units.get(member) !== units.get(input));
-    if (other) throw new RangeError(`${what} must name inputs of one unit: ${input} is in ${unitText(units.get(input))}, ${other} in ${unitText(units.get(other))}`);
+    const other = signal.form !== "table" && signal.input.find((member) => inputs.has(member) && unitOf(member) !== unitOf(input));
+    if (other) throw new RangeError(`${what} must name inputs of one unit: ${input} is in ${unitText(unitOf(input))}, ${other} in ${unitText(unitOf(other))}`);
   }
+  return driven.map((row) => {
+    const { alone, family: outputs } = inputs.get(row.input);
+    const order = outputs.indexOf(row.input);
+    checkMotion(`signals.${row.name}`, row.input, row.signal, order, alone.length > 1);
+    return { ...row, outputs, order };
+  });
 }
 
 /**
@@ -108,22 +114,22 @@ export function drivenRows(driven) {
 }
 
 /** Return the elements of signals, each in the row of the first input that it drives, and of steps. */
-export function signalElements(driven, units) {
+export function signalElements(driven, inputs) {
   const first = driven.filter(({ name }, row) => driven.findIndex((other) => other.name === name) === row);
   return {
-    signal: first.map((each) => ({ name: each.name, at: driven.indexOf(each), unit: units.get(each.input) })),
+    signal: first.map((each) => ({ name: each.name, at: driven.indexOf(each), unit: inputs.get(each.input).unit })),
     step: first.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first: knot }) =>
-      signal.times.map((_, k) => ({ name, n: k + 1, at: knot + k, entry: k, unit: units.get(input) }))),
+      signal.times.map((_, k) => ({ name, n: k + 1, at: knot + k, entry: k, unit: inputs.get(input).unit }))),
   };
 }
 
 /** Put the signals into a new record: `put` gets the name of a field, a value and an index. */
-export function putSignals(driven, { forms, shapes, numbers, tables }, acting, put) {
+export function putSignals(driven, tables, acting, put) {
   driven.forEach(({ name, input, signal, order, knots, first }, row) => {
     const [number, index] = acting(input);
     const fields = {
-      form: forms.indexOf(signal.form),
-      shape: Math.max(shapes.indexOf(signal.shape), 0),
+      form: SIGNALS.FORMS.indexOf(signal.form),
+      shape: Math.max(SIGNALS.SHAPES.indexOf(signal.shape), 0),
       source: driven.findIndex((other) => other.name === name),
       input: number,
       index,
@@ -131,7 +137,7 @@ export function putSignals(driven, { forms, shapes, numbers, tables }, acting, p
       first,
       segment: first,
       last: first + knots - 1,
-      ...Object.fromEntries(numbers.map((key) => [key, signal[key] ?? 0])),
+      ...Object.fromEntries(SIGNALS.NUMBERS.map((key) => [key, signal[key] ?? 0])),
     };
     Object.entries(fields).forEach(([key, value]) => put(`signal_${key}`, value, row));
     if (signal.form === "steps") {

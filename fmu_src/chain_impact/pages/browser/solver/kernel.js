@@ -137,7 +137,7 @@ export class Kernel {
         impacts.push(...this.#collectFinished());
       }
       this.reals[word] = value;
-      this.integers[this.scene.layout.inputsChanged] = BigInt(this.scene.inputsJump);
+      this.integers[this.scene.layout.inputsChanged] = BigInt(SHARED.kernel.AT_ONCE);
     }
     const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
     const reason = Number(this.integers[this.scene.layout.reason]);

@@ -202,7 +202,7 @@ export class GridMap {
       const status = (1 + output.words.length) * column;
       const index = row * points + column;
       const largest = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
-      const fault = this.#refusalOf(index) || (integers[status] === 0n ? "" : this.changes.scene.statuses[integers[status]]);
+      const fault = this.#refusalOf(index) || (integers[status] === 0n ? "" : SHARED.kernel.STATUS_TEXT[integers[status]]);
       results[index] = fault ? null : largest;
       if (fault) this.shown.faults.set(index, fault);
     }

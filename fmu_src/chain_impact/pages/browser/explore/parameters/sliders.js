@@ -19,8 +19,8 @@ export const MAIN_PARAMETERS = [
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
 const STEPS = 400; // number of steps of a slider
-// numbers of a signal that get a slider only if the scene gives them, because they are 0 otherwise
-const TRIVIAL = ["mean", "frequency_rate", "phase", "initial", "start", "rise"];
+// keys of a signal that get a slider only if the scene gives them, because they are 0 otherwise
+const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
 /** Return the functions between the position of a slider, from 0 to 1, and its value. */
 function scaleOf({ ends, logarithmic, decades, spread }, start) {

@@ -1,0 +1,112 @@
+"""Scene files that may be wrong: the page takes those that Python takes, with the same record, and no others.
+
+Some values that do not go together are refused by the kernel, which runs in the page, too.
+"""
+
+import tomllib
+from copy import deepcopy
+
+import numpy as np
+import pytest
+
+from chain_impact import SceneError, load_scene, model_names
+from chain_impact.scene.models import scene_path
+from chain_impact.scene.scene import scene_from_dict
+from chain_impact.simulation.instance import kernel_for
+from chain_impact.variables.prepared import PreparedScene
+from tests.pages.conftest import page_contents
+from tests.pages.test_edit import BODIES, WRITTEN
+
+PAGE = """([kit, contents]) => {
+  try {
+    const { record, contactPoints } = describe(kit, complete(contents, kit), []);
+    return { words: [...new BigInt64Array(record.buffer)].map(String), touching: contactPoints.length };
+  } catch (error) {
+    if (error instanceof RangeError) return { refusal: error.message };
+    throw error;
+  } }"""
+NUMBERS = (0, 1, -1, 0.5, 2, -3.0, 0.3, 1e-3, 1e6, "90 deg", "-10 deg")
+TEXTS = ("y_min", "ramp", "slider_min", "joint_min", "two words", "joint[1].torque", "base.x", "base.vy")
+VALUES = {"float": NUMBERS, "int": (0, 1, 2, 3, -1), "bool": (True, False), "table": ({},)}
+WRONG = (0, -1.0, True, "", "free", [], [0.5], {}, "deg", None)
+FILES = [WRITTEN, *BODIES.values()]
+FILES += [scene_path(model).read_text(encoding="utf-8") for model in model_names()]
+CASES = 60
+
+
+@pytest.mark.full("more random changes", but=4)
+@pytest.mark.parametrize("seed", range(20))
+def test_a_changed_file_is_taken_or_refused_as_by_python(script, seed):
+    kit = page_contents(load_scene("rod_drop"))["kit"]
+    chance = np.random.default_rng(seed)
+    for _ in range(CASES):
+        contents = changed(chance, tomllib.loads(FILES[chance.integers(len(FILES))]), kit["keys"])
+        assert_as_python(script, kit, contents)
+
+
+def assert_as_python(script, kit, contents):
+    scene, refusal = None, ""
+    try:
+        scene = scene_from_dict(deepcopy(contents), "changed.toml")
+    except SceneError as error:
+        refusal = str(error)
+    found = script.evaluate(PAGE, [kit, contents])
+    if "refusal" in found:
+        assert refusal, f"{contents}: only the page refuses it: {found['refusal']}"
+        return
+    words = np.array([int(word) for word in found["words"]])
+    if scene is not None:
+        record = PreparedScene(scene).new_instance([]).view(np.int64)
+        np.testing.assert_array_equal(words, record, err_msg=str(contents))
+    elif found["touching"]:  # without contacts, the kernel takes contact laws and boxes that Python refuses
+        assert status_of(words) != 0, f"{contents}: only Python refuses it: {refusal}"
+
+
+def status_of(words):
+    """Return the status with which the kernel for any scene, as that of the page, initializes a record."""
+    kernel = kernel_for(load_scene("shaken_pendulum"), derivatives=False)
+    record = words.copy()
+    return kernel.initialize(record.ctypes.data, 0.0)
+
+
+def changed(chance, contents, keys):
+    """Return the contents of a file with one or two values changed, added or removed."""
+    for _ in range(chance.integers(1, 3)):
+        places = list(places_in(contents, keys))
+        table, key, rule = places[chance.integers(len(places))]
+        value = chosen(chance, WRONG if chance.random() < 0.1 else values_of(chance, rule))
+        if value is not None:
+            table[key] = deepcopy(value)
+        elif key in table:
+            del table[key]
+    return contents
+
+
+def places_in(table, keys):
+    """Yield each table in a table of a file, with each of its possible keys and the rule of the key."""
+    for key, rule in keys.items():
+        yield table, key, rule
+        inner = table.get(key)
+        inside = {
+            "table": [inner],
+            "tables": inner if isinstance(inner, list) else [],
+            "named": inner.values() if isinstance(inner, dict) else [],
+        }
+        for each in inside.get(rule["kind"], []):
+            if isinstance(each, dict):
+                yield from places_in(each, rule["keys"])
+
+
+def values_of(chance, rule):
+    if rule["kind"] == "list":
+        each = values_of(chance, rule["each"])
+        return [[chosen(chance, each) for _ in range(count)] for count in range(4)]
+    if rule["kind"] == "named":
+        return [{name: {}} for name in ("y_min", "ramp", "x_max")]
+    if rule["kind"] == "tables":
+        return [[], [{"name": "more", "point": [0, -3], "angle": 0.1}]]
+    return VALUES.get(rule["kind"]) or rule.get("choices") or TEXTS
+
+
+def chosen(chance, values):
+    return values[chance.integers(len(values))]
