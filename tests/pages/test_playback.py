@@ -259,6 +259,7 @@ def test_it_is_dark_where_that_is_wanted_and_changes_while_open(show_recording):
 def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show_recording, viewport):
     page = show_recording(viewport=viewport, has_touch=True)
     assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
+    assert page.evaluate("(({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth)(controls)")
     for name in ("Previous impact", "Play", "Next impact"):
         box = page.get_by_role("button", name=name, exact=True).bounding_box()
         assert box["y"] + box["height"] <= viewport["height"]

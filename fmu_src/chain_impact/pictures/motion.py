@@ -73,13 +73,9 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) ->
     rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
-        rim = RIM if row == 0 and is_covered(recording) else 0.0
-        style = {
-            "color": colour,
-            "linewidth": 3.0 + rim,
-            "markersize": 5.5 + 0.5 * rim,
-            "label": name,
-        } | marks
+        style = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
+        if row == 0 and is_covered(recording):  # behind its own drawing, which the legend shows
+            draw_chain(axes, recording.points[row], **style | {"linewidth": 3.0 + RIM, "label": "_"})
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
     if recording.stops:

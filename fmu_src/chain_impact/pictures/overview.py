@@ -50,6 +50,7 @@ BESIDE, BROADEST = 2.2, 1.7
 # ROUND: the width that numbers and labels take at the left and right of the motion; HEADS: the sum of the
 # heights of the headline, the legend above the motion, and the labels below
 PANEL, LOWEST, HIGHEST, ROUND, HEADS = 1.9, 2.7, 4.0, 0.9, 1.3
+BESIDE_LEGEND = 1.1  # the width that a legend beside the motion takes, relative to its own width
 LABELS = 0.6  # [inch] the height of the legend and the labels of a motion above other panels
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
@@ -96,7 +97,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     settle(figure, motion)
     if motion is not None:
         room = motion.get_position(original=True).transformed(figure.transFigure)
-        free = room.width - legend.get_window_extent().width if legend else 0.0
+        free = room.width - BESIDE_LEGEND * legend.get_window_extent().width if legend else 0.0
         is_slim = free >= broadness(recording) * room.height
         motion.clear()
         draw_motion(motion, recording, room.height / (free if is_slim else room.width))

@@ -2,6 +2,8 @@
 
 /** The time [s] that is shown before and after an impact without a duration. */
 export const MOMENT = 1e-3;
+/** The least number of ticks on a vertical axis. */
+export const FEWEST_TICKS = 3;
 const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
 const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label
 

@@ -38,7 +38,7 @@ class UnitChart extends TimeChart {
     Object.assign(this, { recording, time, curves: withoutRoundOff(curves, recording) });
     const data = [time, ...this.curves.map(({ values }) => values)];
     if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
-    else this.makeCurves(curves, data, 16);
+    else this.makeCurves(curves, data);
   }
 
   draw(now, close) {

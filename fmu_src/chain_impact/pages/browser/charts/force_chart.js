@@ -3,10 +3,9 @@
 import { durationText, forceText, unitsOf } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 import { lastBefore } from "../recording/recording.js";
-import { axisOptions, Chart, drawCurve, labelledWidth, MOMENT, styleColour } from "./chart.js";
+import { axisOptions, Chart, drawCurve, FEWEST_TICKS, labelledWidth, MOMENT, styleColour } from "./chart.js";
 
 const AROUND = 0.35; // shown time before and after a contact, relative to the duration of the contact
-const FEWEST_TICKS = 3; // least number of ticks of the force
 const NO_FORCE = 1e-9; // [N] force below which a contact counts as having no force
 
 /** Return the largest of the numbers in some arrays, but at least a tiny number above zero. */

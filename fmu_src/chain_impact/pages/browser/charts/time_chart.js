@@ -1,7 +1,8 @@
 // Charts of quantities over the whole time, among them the chart of the energies.
 
 import { fixed, ticksOf } from "../base/format.js";
-import { axisOptions, Chart, drawCurve, labelledWidth, styleColour } from "./chart.js";
+import { ticksBetween } from "../base/ticks.js";
+import { axisOptions, Chart, drawCurve, FEWEST_TICKS, labelledWidth, styleColour } from "./chart.js";
 
 const WIDTHS = { total: 2.4 };
 
@@ -26,10 +27,9 @@ export class TimeChart extends Chart {
   }
 
   /**
-   * Make the plot of curves. A curve has a name, a colour of the style sheet, and optionally dashes and `isStepped`; `space`
-   * is the least distance of ticks.
+   * Make the plot of curves. A curve has a name, a colour of the style sheet, and optionally dashes and `isStepped`.
    */
-  makeCurves(curves, data, space = 30) {
+  makeCurves(curves, data) {
     this.names = curves.map(({ name }) => name);
     const series = curves.map(({ name, stroke, dash, isStepped }) => ({
       stroke: () => styleColour(stroke),
@@ -42,7 +42,7 @@ export class TimeChart extends Chart {
       {
         series: [{}, ...series],
         scales: { x: { time: false, range: () => this.span }, y: { range: (_, least, most) => this.#range(least, most) } },
-        axes: [axisOptions({ size: 26, space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }), axisOptions({ size: labelledWidth, space, values: (_, ticks) => ticksOf(ticks) })],
+        axes: [axisOptions({ size: 26, space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }), axisOptions({ size: labelledWidth, splits: (_, axis, low, high) => ticksBetween(low, high, FEWEST_TICKS), values: (_, ticks) => ticksOf(ticks) })],
         hooks: {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
           draw: [(plot) => {
