@@ -66,6 +66,11 @@ PARAMETERS = (
     "slider.min",
     "signal.push.amplitude",
     "signal.push.frequency",
+    "signal.push.final",
+    "signal.push.start",
+    "signal.push.duration",
+    "signal.push.value[2]",
+    "signal.push.time[2]",
 )
 Given = tuple[dict[str, Any], dict[str, Any]]  # a scene as a table, and inputs
 
@@ -197,6 +202,36 @@ def carts(draw: Draw) -> Given:
     }, {}
 
 
+def moved_bases(draw: Draw) -> Given:
+    """Return a pinned chain whose base begins to move, or changes its acceleration, by jumps."""
+    ramp = {"form": "ramp", "start": draw.real(0.05, 0.2), "duration": draw.real(0.1, 0.3)}
+    push = draw.one(
+        (
+            {"input": "base.y", **ramp, "final": draw.real(-0.05, 0.05), "shape": "trapezoid"},
+            {"input": "base.vx", **ramp, "final": draw.real(-0.5, 0.5), "shape": "linear"},
+            {
+                "input": "base.ay",
+                "form": "steps",
+                "times": [0.0, draw.real(0.05, 0.2), draw.real(0.25, 0.4)],
+                "values": [0.0, draw.real(-5.0, 5.0), 0.0],
+            },
+        )
+    )
+    links = [_body(draw) for _ in range(draw.whole(1, 2))]
+    return {
+        "name": "Moved",
+        "chain": {"base": "pinned", "links": links},
+        "box": {"y_min": -draw.real(0.3, 0.6)},
+        "contact": {"restitution": draw.real(0.3, 0.8), "stiffness": draw.power(1e4, 1e6), "radius": 0.01},
+        "inputs": {"base_motion": True},
+        "signals": {"push": push},
+        "initial": {"angles": [draw.real(-0.3, 0.2) for _ in links]},
+        "outputs": {"loads": True},
+        "solver": {"tolerance": 1e-10},
+        "simulation": {"stop_time": 0.6, "step_size": 2e-3},
+    }, {}
+
+
 def bodies(draw: Draw) -> Given:
     """Return one or two links with offset centres of mass and more points, thrown on a floor."""
     links = [_body(draw) for _ in range(draw.whole(1, 2))]
@@ -246,6 +281,7 @@ KINDS: dict[str, Callable[[Draw], Given]] = {
     "driven": driven,
     "servos": servos,
     "carts": carts,
+    "moved bases": moved_bases,
     "bodies": bodies,
 }
 

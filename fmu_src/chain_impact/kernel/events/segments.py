@@ -125,9 +125,10 @@ def begin_segment(d, j):
     after, rate_after, bend_after = signal_at(d, j, d.step.end)
     locate_points(d, y)
     ensure_inputs(d, y)
-    supply(d, energy_balance(d, y) - energy)
     size = d.model.size
     if d.signal.input[j] != CHANNEL:
+        # the position and velocity of base and walls never jump, nor does any energy with them
+        supply(d, energy_balance(d, y) - energy)
         # the number of the chain's energy serves as the natural scale of torques, forces and angles
         return NO_JUMP if same(before, after, abs(rate) + abs(rate_after) + d.model.energy) else BENDS
     if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
