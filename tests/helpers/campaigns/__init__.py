@@ -7,7 +7,8 @@ The random search:
 - ``folds``: the limits of Newton's law for folds
 
 Campaigns with scenes of their own (all are commands):
-- ``random_bodies``: bodies, boxes and sliders; ``random_derivatives``: derivatives against differences
+- ``random_bodies``: bodies, boxes and sliders
+- ``random_derivatives``: derivatives against differences; ``body_derivatives``: its scenes of bodies
 - ``resting``: scenes that come to rest; ``resting_chains``: derivatives of the places where chains rest
 - ``arches``: chains whose sticking elements depend on each other
 """
