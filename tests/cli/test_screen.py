@@ -50,6 +50,14 @@ def test_the_walls_that_were_hit_are_explained():
     assert "x_max is the right wall" in walls
     assert "y_min is the floor" in walls
     assert "x_min" not in walls
+    (points,) = (line for line in lines if line.startswith("point "))
+    assert points.endswith("and so on")
+    sliding = [part for part in summary(record_scene(load_scene("sliding_rod"), {})) if isinstance(part, str)]
+    (walls,) = (line for line in sliding if line.startswith("wall "))
+    turned = math.degrees(load_scene("sliding_rod").walls[0].angle)
+    assert f"ramp has the angle {turned:.4g} deg" in walls
+    (points,) = (line for line in sliding if line.startswith("point "))
+    assert points.endswith("0 is the first end of the link, 1 its other end")
     joint = summary(record_scene(load_scene("kneed_leg"), {}))  # hits a stop only
     assert not [part for part in joint if isinstance(part, str) and part.startswith(("point", "wall"))]
 

@@ -1,9 +1,11 @@
 """The table of impacts from an FMU's record equals that of simulate() for any communication step."""
 
+import warnings
+
 import numpy as np
 import pytest
 
-from chain_impact import impacts_of, load_scene, simulate
+from chain_impact import SceneWarning, impacts_of, load_scene, simulate
 from chain_impact.recording.impacts import COLUMNS
 from chain_impact.simulation.instance import Instance
 
@@ -63,8 +65,24 @@ def test_a_contact_that_lasts_has_no_end():
 
 def test_more_in_a_step_than_are_shown_are_missing():
     scene = load_scene("four_link_box").with_values({"outputs.impacts": 2})
-    table, expected = impacts_of(recorded(scene, [0.0, 1.0, 2.0])), simulate(scene).impacts
+    expected = simulate(scene).impacts
+    with pytest.warns(SceneWarning, match=f"{len(expected) - 4} of {len(expected)} impacts are missing"):
+        table = impacts_of(recorded(scene, [0.0, 1.0, 2.0]))
     assert sorted(table["onset"]) == [*expected["onset"][1:3], *expected["onset"][-2:]]
+
+
+def test_a_contact_that_newer_impacts_hide_before_its_end_is_told():
+    values = {"contact.restitution": 0.4}  # a point stays at the floor while others bounce
+    scene = load_scene("four_link_box").with_values(values)
+    times = np.linspace(0.0, 2.0, 201)
+    with pytest.warns(SceneWarning, match=r"1 contact is known in part only.*outputs\.impacts"):
+        table = impacts_of(recorded(scene, times))
+    assert len(table) == len(simulate(scene).impacts)
+    assert np.isnan(table["peak_force"]).sum() == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        table = impacts_of(recorded(scene.with_values({"outputs.impacts": 32}), times))
+    assert not np.isnan(table["peak_force"]).any()
 
 
 def test_what_an_importer_returns_is_taken_as_it_is():

@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
 from chain_impact.results.ranking import ranking_of
+from chain_impact.scene.unit_text import of_power
 from tests.helpers.scenes.stops import knee
 
 NAMES = ("contact.*", "link[2].mass", "link[2].joint_rest_angle", "initial.*", "joint[1].torque")
@@ -37,6 +38,15 @@ def test_parameters_stand_in_the_order_of_their_effect_and_those_without_apart(r
     derivative = result.impact_sensitivity("peak_force", "contact.stiffness")[0]
     assert stiffness.derivative == derivative
     assert stiffness.change == 0.01 * stiffness.value * derivative
+
+
+def test_the_unit_of_a_stiffness_has_the_exponent_of_the_scene(result):
+    (effect,) = result.ranking("peak_force", "contact.stiffness").effects
+    assert effect.unit == "N/m^1.5"
+    assert result.sensitivities.units["sensitivity.contact.stiffness.point[2].x"] == "m/(N/m^1.5)"
+    stop = simulate(load_scene("kneed_leg"), 0.4, sensitivities=["stop.stiffness"])
+    exponent = stop.scene.stops.exponent
+    assert stop.sensitivities.units["stop.stiffness"] == of_power("N.m/rad", exponent)
 
 
 def test_an_exponent_is_ranked_only_if_asked_for(result):

@@ -1,10 +1,12 @@
 """Tables of measurements in their original formats."""
 
 import math
+import warnings
 
 import pytest
 
-from chain_impact.scene.table_file import read_table
+from chain_impact import SceneWarning
+from chain_impact.scene.table_file import read_table, samples_of
 from tests.helpers.tools.refusal import refusal
 
 
@@ -59,3 +61,17 @@ def test_bytes_that_are_no_text(tmp_path):
     path = tmp_path / "data.csv"
     path.write_bytes(b"time,\xff\n1,2\n")
     assert refusal(read_table, path).startswith(f"{path}: not a CSV table")
+
+
+def test_rows_that_seem_to_be_missing_are_told():
+    def read(times):
+        samples_of(read_table({"time": times, "joint[1].torque": [0.0] * len(times)}), 1.0)
+
+    every = [0.01 * k for k in range(101)]
+    with pytest.warns(SceneWarning, match=r"between time = 0\.2 and 0\.7 s.* 0\.01 s apart"):
+        read([time for time in every if not 0.205 < time < 0.695])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read(every)
+        read([0.0, 0.001, 0.002, 1.0])  # a few samples
+        read([0.01 * 1.4**k for k in range(12)])  # samples with growing steps

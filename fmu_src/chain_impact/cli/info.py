@@ -86,6 +86,8 @@ def _as_set(value: object) -> object:
     """Return a value of a scene in the form that ``--set`` accepts."""
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, float) and "e" in (short := f"{value:g}") and float(short) == value:
+        return short
     return list(value) if isinstance(value, tuple) else value
 
 
@@ -102,6 +104,8 @@ def _rounded(value: object) -> object:
 
 def _start(variable: Any) -> object:
     """Return the start value; for an enumeration, the name of the choice."""
+    if variable.type in ("Real", "Float64"):
+        return _as_set(float(variable.start))
     if variable.type != "Enumeration":
         return variable.start
     return next(item.name for item in variable.declaredType.items if str(item.value) == str(variable.start))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
@@ -9,6 +10,7 @@ from io import StringIO
 from textwrap import wrap
 from typing import Any
 
+import numpy as np
 from rich.console import Console, RenderableType
 from rich.markup import escape
 from rich.table import Table
@@ -16,6 +18,7 @@ from rich.table import Table
 from chain_impact.cli.progress import out, say
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.bodies import sites_of_links
+from chain_impact.recording.impacts import cut_sentence
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import phase_cells
@@ -27,7 +30,7 @@ from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
 CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")  # the text before each number in the description of a status
-PHASES = 20  # the table shows the first phases of dry friction, at most this number
+PHASES = 8  # the table shows the first phases of dry friction, at most this number
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",
@@ -129,11 +132,23 @@ def meanings(recording: Recording) -> Iterator[str]:
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:
-        last = recording.link_count
-        others = f" to {last}; {site_numbers(recording)}" if max(row["point"] for row in hits) > last else ""
-        yield f"point    0 is the first end of the chain, 1 the end of its first link, and so on{others}"
-    if sides := [f"{wall} is the {side}" for wall, side in SIDES.items() if wall in hit]:
+        last, has_points = recording.link_count, max(row["point"] for row in hits) > recording.link_count
+        ends = "0 is the first end of the chain, 1 the end of its first link, and so on"
+        if last == 1:
+            ends = "0 is the first end of the link, 1 its other end"
+        elif has_points:
+            ends += f" to {last}"
+        yield f"point    {ends}" + (f"; {site_numbers(recording)}" if has_points else "")
+    sides = [f"{wall} is the {side}" for wall, side in SIDES.items() if wall in hit]
+    for name, wall in recording.walls.items():
+        if name in hit and name not in SIDES:
+            x, y = wall.normal
+            sides.append(f"{name} has the angle {math.degrees(math.atan2(0.0 - x, y)):.4g} deg")
+    if sides:
         yield f"wall     {', '.join(sides)}"
+    cut = np.isnan(recording.impacts["peak_force"])
+    if cut.any() and not cut.all():
+        yield f"note     {cut_sentence(int(cut.sum()))}"
 
 
 def site_numbers(recording: Recording) -> str:
@@ -156,7 +171,11 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
         table.add_row(*phase_cells(phase, recording.wall_names, recording.point_names))
     yield table
     if len(phases) > PHASES:
-        yield f"and {plural(len(phases) - PHASES, 'more phase')} of dry friction"
+        more, sticking = phases[PHASES:], int((phases[PHASES:]["mode"] == STICKS).sum())
+        yield (
+            f"and {plural(len(more), 'more phase')} of dry friction, {sticking} of sticking, the last from "
+            f"{more['start'][-1]:.6f} s on; Result.stick_slip in Python has all"
+        )
     if (phases["mode"] != STICKS).any():
         yield "mode     slip + along +x at a floor, in a joint with a positive rate; slip - against it"
 

@@ -17,7 +17,7 @@ from chain_impact.pictures.film_files import write_gif, write_mp4
 from chain_impact.progress import Progress
 from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.checks import warn
+from chain_impact.scene.warning import warn
 
 # [1/s] frames per second, by suffix; a gif stores the time of a frame in hundredths of a second
 RATES = {".gif": 20, ".mp4": 30}

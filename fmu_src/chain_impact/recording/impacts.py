@@ -11,6 +11,7 @@ import numpy as np
 
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, is_like
+from chain_impact.scene.warning import warn
 
 LOG_DTYPE = np.dtype(
     [
@@ -105,7 +106,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
 
     An FMU shows the latest impacts at each communication point: `impact[1].time` and so on. The table is
     complete if no communication step has more new impacts than the FMU shows (`[outputs] impacts` of the
-    scene). Otherwise `impact.count` at the end is larger than the number of rows.
+    scene). A ``SceneWarning`` tells if impacts are missing, or if newer impacts hid a contact before its end.
 
     Args:
         record: columns of values over time, each of shape (T,), by their names: a mapping, a structured array
@@ -117,9 +118,9 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     Returns:
         A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. An FMU has no outputs
             for the effective mass and the joint of an impact, so the effective mass is NaN, and the joint 0.
-            If a contact lasts to the end of the record, its end and its separation speed are NaN. Peak force,
-            penetration and impulse are NaN, too, if newer impacts pushed the contact out of the FMU's list
-            before it ended.
+            If a contact lasts to the end of the record, or if newer impacts push it out of the FMU's list
+            before it ends, its end and its separation speed are NaN; in the second case peak force,
+            penetration and impulse are NaN, too.
 
     Raises:
         ValueError: when a column is missing.
@@ -127,6 +128,33 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     stored = getattr(record, "impacts", None)
     if isinstance(stored, np.ndarray) and stored.dtype == IMPACT_DTYPE:
         return stored
+    table = _table(record, walls)
+    count, cut = int(_column(record, "impact.count")[-1]), int(np.isnan(table["peak_force"]).sum())
+    told = []
+    if len(table) < count:
+        told.append(
+            f"{count - len(table)} of {count} impacts are missing, as a communication step has more than the "
+            "FMU shows: give the scene a larger outputs.impacts, or take shorter steps"
+        )
+    warn("impacts_of", [*told, *([cut_sentence(cut)] if cut else [])])
+    return table
+
+
+def cut_sentence(count: int) -> str:
+    """Return a sentence on a number of contacts that newer impacts pushed out of an FMU's list."""
+    what = (
+        "contact is known in part only: it was"
+        if count == 1
+        else "contacts are known in part only: they were"
+    )
+    return (
+        f"{count} {what} still going on when newer impacts filled the FMU's list, so peak force, "
+        "penetration and impulse are NaN; give the scene a larger outputs.impacts"
+    )
+
+
+def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
+    """Return the table of impacts from the columns `impact[j].*`."""
     time, counts = _column(record, "time"), _column(record, "impact.count").astype(np.int64)
     shown = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
     if len(time) == 0:
@@ -170,7 +198,7 @@ def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
     last impact of each communication step, without its end and the quantities that are known only at the end.
     """
     if "impact[1].time" in names_of(record):
-        return impacts_of(record, walls)
+        return _table(record, walls)
     rows = np.flatnonzero(np.diff(record["impact.count"], prepend=0))
     table = np.full(len(rows), np.nan, np.dtype([(name, np.float64) for name in LOG_DTYPE.names or ()]))
     for field in ("point", "wall", "onset", "impact_speed"):

@@ -12,7 +12,7 @@ from chain_impact.recording.equality import same
 from chain_impact.recording.text import Table, as_html, plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
-from chain_impact.scene.unit_text import in_brackets, with_unit
+from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.variables.listing import derivatives
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
@@ -65,7 +65,7 @@ class Sensitivities:
         prepared = self.prepared
         added = derivatives(prepared.motion, self.varied)
         variables = (*prepared.parameters, *prepared.inputs, *prepared.outputs, *added)
-        return {variable.name: variable.unit for variable in variables}
+        return {variable.name: of_scene(variable.unit, prepared.scene) for variable in variables}
 
     @cached_property
     def columns(self) -> dict[str, int]:

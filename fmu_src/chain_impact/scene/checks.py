@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-import warnings
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -19,12 +17,11 @@ from chain_impact.scene.angles import radians_hint, turns_hint
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS
-from chain_impact.scene.reading import SceneError, SceneWarning, shown
+from chain_impact.scene.reading import SceneError, shown
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
-PACKAGE = __name__.partition(".")[0]
 # A link longer than LONG [m] with less mass per length than LIGHT [kg/m] is probably given in mm: only a long
 # rope is so light.
 LONG, LIGHT = 20.0, 0.2
@@ -370,17 +367,6 @@ def law_hints(scene: Contents) -> list[str]:
     if law in (model, scene.stops.model):
         return []
     return [f'contact.law_file gives the law {law}, but contact.model is "{model}"']
-
-
-def warn(source: str, hints: list[str]) -> None:
-    """Warn of probable mistakes; the warnings name the line of the user's code that called this package."""
-    if not hints:
-        return
-    frame, level = inspect.currentframe(), 1
-    while frame and frame.f_globals.get("__name__", "").partition(".")[0] == PACKAGE:
-        frame, level = frame.f_back, level + 1
-    for hint in hints:
-        warnings.warn(f"{source}: {hint}", SceneWarning, stacklevel=level)
 
 
 def has_counts(data: Any) -> bool:

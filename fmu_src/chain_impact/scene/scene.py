@@ -36,6 +36,7 @@ from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
 from chain_impact.scene.tables import Link
 from chain_impact.scene.text_file import text_of
+from chain_impact.scene.warning import warn
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 """A scene, or an argument of ``load_scene``."""
@@ -103,7 +104,7 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
         wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
         raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None
     scene = parse_scene(text, str(path))
-    checks.warn(str(path), checks.law_hints(scene))
+    warn(str(path), checks.law_hints(scene))
     return scene
 
 
@@ -130,7 +131,7 @@ def parse_scene(text: str, source: str) -> Scene:
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the checked scene of the data of a scene file; a SceneError names the data as `source`."""
     scene = _validated(data, source, in_file=True)
-    checks.warn(source, checks.hints(scene))
+    warn(source, checks.hints(scene))
     return scene
 
 
@@ -242,13 +243,13 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[DataPat
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
     scene = scene_of(scene)
-    checks.warn(scene.name, checks.turning_hints(scene, changes))
+    warn(scene.name, checks.turning_hints(scene, changes))
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
     with as_typed(changes):
         changed = _with_any(scene, [_path_and_value(scene, *change) for change in changes.items()])
     hints_before = checks.hints(scene)
-    checks.warn(scene.name, [hint for hint in checks.hints(changed) if hint not in hints_before])
+    warn(scene.name, [hint for hint in checks.hints(changed) if hint not in hints_before])
     return changed
 
 

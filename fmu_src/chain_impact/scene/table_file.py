@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, decimal_comma, shown
 from chain_impact.scene.text_file import check_separator, likely_time, text_of
+from chain_impact.scene.warning import warn
 
 Source = str | Path | Mapping[str, Sequence[Any]]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
@@ -22,6 +23,9 @@ TIME = "time"
 # a table that lasts longer than the run by this factor cannot be in seconds: with times in milliseconds the
 # factor is 1000
 TOO_LONG = 990.0
+# rows seem to be missing where a step is longer than the usual one by the factor MISSING, in a table with at
+# least ROWS steps of which half are equal, up to the part EQUAL
+MISSING, ROWS, EQUAL = 10.0, 10, 0.01
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
 
@@ -149,7 +153,22 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
     if times[-1] - times[0] > TOO_LONG * stop:
         lasts = f"lasts {times[-1] - times[0]:g} s, and the run {stop:g} s"
         raise SceneError(f"{table.source}: {TIME} {lasts}: is it in seconds?")
+    warn(table.source, list(_gaps(times)))
     return times, columns
+
+
+def _gaps(times: np.ndarray) -> Iterator[str]:
+    """Yield a sentence on the longest step among equal ones, if rows seem to be missing."""
+    steps = np.diff(times)
+    if len(steps) < ROWS:
+        return
+    usual, longest = float(np.median(steps)), int(steps.argmax())
+    is_regular = np.median(np.abs(steps - usual)) <= EQUAL * usual
+    if is_regular and steps[longest] > MISSING * usual:
+        yield (
+            f"no row between {TIME} = {times[longest]:g} and {times[longest + 1]:g} s, while other rows are "
+            f"{usual:.3g} s apart: are rows missing?"
+        )
 
 
 def _column(table: Table, name: str) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from typing import Any
 
 PRODUCT, SQUARE = re.compile(r"(?<=[a-zA-Z])\.(?=[a-zA-Z])"), re.compile(r"(?<=[a-zA-Z])2\b")
 
@@ -46,6 +47,13 @@ def of_power(unit: str, exponent: float | None) -> str:
     if exponent is None:
         return f"{unit}^exponent"
     return unit if exponent == 1.0 else f"{unit}^{exponent:g}"
+
+
+def of_scene(unit: str, scene: Any) -> str:
+    """Return the unit of a value of a scene: N/m^1.5 for N/m^exponent, with the exponent 1.5."""
+    base, power, end = unit.partition("^exponent")
+    part = scene.stops if base.endswith("/rad") else scene.contact
+    return of_power(base, part.exponent) + end if power else unit
 
 
 def with_unit(text: str, unit: str | None) -> str:

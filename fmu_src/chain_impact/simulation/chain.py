@@ -19,10 +19,10 @@ from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.recording.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.checks import warn
 from chain_impact.scene.names import input_asked, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.warning import warn
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, spans_of
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint

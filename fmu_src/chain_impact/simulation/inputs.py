@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chain_impact.kernel.forces.inputs import AT_ONCE, CONTINUES
-from chain_impact.scene.checks import warn
 from chain_impact.scene.names import AXES, DataPath, input_asked
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.table_file import TIME, Source, read_table, samples_of
+from chain_impact.scene.warning import warn
 from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
 from chain_impact.simulation.motions import (
     ACCURACY,

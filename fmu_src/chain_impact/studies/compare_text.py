@@ -15,6 +15,7 @@ from chain_impact.studies.law_runs import LawRun, LawRuns
 # the largest difference from the prescribed restitution with which a law realises it, relative to the
 # restitution
 NEAR = 0.05
+NAMED = 3  # the largest number of laws that the advice names
 NOTHING = "–"
 
 
@@ -88,7 +89,7 @@ def legend(comparison: LawRuns) -> str:
 
 
 def advice(comparison: LawRuns) -> str:
-    """Return a sentence: which laws realise the prescribed restitution in the impact of the table.
+    """Return a sentence: which laws realise the prescribed restitution in the impact, and one to take.
 
     For an impact that is not free, the text also gives the restitution that can be reached. Only an impulse
     gives such an impact the prescribed restitution; a force gives a similar restitution only by chance.
@@ -97,11 +98,27 @@ def advice(comparison: LawRuns) -> str:
     near = [run.law for run in comparison.runs if abs(run.restitution - e) <= NEAR * e]
     within = f"within {100 * NEAR:g} % of e = {e:g} in this impact: "
     if comparison.is_free:
-        return within + (", ".join(near) or "none of these laws")
+        return within + (_few(near) or "none of these laws") + _choice(comparison, near)
     sure = [law for law in near if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
     chance = [law for law in near if law not in sure]
-    parts = [", ".join(sure)] * bool(sure) + [f"by chance {', '.join(chance)}"] * bool(chance)
+    parts = [", ".join(sure)] * bool(sure) + [f"by chance {_few(chance)}"] * bool(chance)
     return f"{within}{'; '.join(parts) or 'none of these laws'}\n{_reach(comparison)}"
+
+
+def _few(laws: Sequence[str]) -> str:
+    """Return the names of a few laws, or the number of many laws."""
+    return ", ".join(laws) if len(laws) <= NAMED else f"{len(laws)} laws, see e′"
+
+
+def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
+    """Return words that name one of several laws that realise the restitution, with the reason."""
+    if len(near) < 2:  # noqa: PLR2004
+        return ""
+    if EXACT in near:
+        return f"; take {EXACT}, which gives any free impact exactly e"
+    e = comparison.contact.restitution
+    best = min(near, key=lambda law: abs(comparison[law].restitution - e))
+    return f"; take {best}, which is the nearest here"
 
 
 def _reach(comparison: LawRuns) -> str:

@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 
 from chain_impact.pictures.style import legend_at_foot, raised
-from chain_impact.scene.unit_text import in_brackets, of_power
+from chain_impact.scene.unit_text import in_brackets, of_scene
 from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -154,7 +154,5 @@ def label_of(runs: Runs, variation: Variation) -> str:
 def unit_of(runs: Runs, variation: Variation) -> str:
     """Return the unit of a parameter; it has the exponent if all runs have the same exponent."""
     unit = variation.variable.unit
-    part = runs.scene.stops if unit.startswith("N.m") else runs.scene.contact
-    if part.exponent is not None and not {"contact.exponent", "stop.exponent"} & {*runs.varied}:
-        unit = of_power(unit.removesuffix("^exponent"), part.exponent) if "^" in unit else unit
-    return unit
+    varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}
+    return unit if varied else of_scene(unit, runs.scene)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
-from chain_impact.scene.checks import warn
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.names import fmu_name, parameter_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.warning import warn
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.parameters import EXPERIMENT
 from chain_impact.variables.prepared import PreparedScene, prepared_scene

@@ -1,0 +1,21 @@
+"""Warnings of values and motions that are probably mistakes."""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+
+from chain_impact.scene.reading import SceneWarning
+
+PACKAGE = __name__.partition(".")[0]
+
+
+def warn(source: str, hints: list[str]) -> None:
+    """Warn of probable mistakes; the warnings name the line of the user's code that called this package."""
+    if not hints:
+        return
+    frame, level = inspect.currentframe(), 1
+    while frame and frame.f_globals.get("__name__", "").partition(".")[0] == PACKAGE:
+        frame, level = frame.f_back, level + 1
+    for hint in hints:
+        warnings.warn(f"{source}: {hint}", SceneWarning, stacklevel=level)
