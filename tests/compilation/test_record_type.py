@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from chain_impact.compilation.affine import COUNTS, Affine, affine
+from chain_impact.compilation.affine import SAMPLES, Affine, affine
 from chain_impact.compilation.record_type import TABLES
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.duals import tangent_dtype
@@ -23,8 +24,8 @@ LAYOUT = {"instance": lambda dtype: dtype, "tangent": tangent_dtype}
 
 
 def number(affine, links, candidates, elements):
-    sizes = affine.per_link * links + affine.per_candidate * candidates + affine.per_element * elements
-    return affine.constant + sizes
+    counts = Counts(links, candidates, elements)
+    return affine.constant + sum(slope * count for slope, count in zip(affine.slopes, counts, strict=True))
 
 
 def places(dtype, path=(), offset=0):
@@ -65,21 +66,23 @@ def test_what_has_to_do_with_candidates_and_elements_comes_last():
     for path in ("step", "work", "statistics", "friction"):
         for place, field in TABLE.items():
             if place[:1] == (path,):
-                assert (field.offset.per_candidate, field.size.per_candidate) == (0, 0)
-                assert (field.offset.per_element, field.size.per_element) == (0, 0)
-    assert TABLE["touch", "active_count"].offset.per_candidate == 0
+                assert {field.offset.per(count) for count in ("candidates", "elements")} == {0}
+                assert {field.size.per(count) for count in ("candidates", "elements")} == {0}
+    assert TABLE["touch", "active_count"].offset.per("candidates") == 0
     for path in ("touch", "law", "search", "finished"):
-        assert TABLE[path,].offset.per_element == 0
+        assert TABLE[path,].offset.per("elements") == 0
     moving = (("motion",), ("moved",), ("shift",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():
         if place[:1] not in ((), ("output",), ("transmitted",), *moving):
-            assert (field.offset.per_load, field.size.per_load) == (0, 0)
+            assert (field.offset.per("loads"), field.size.per("loads")) == (0, 0)
 
 
 def test_a_size_that_is_not_affine_is_refused():
-    with pytest.raises(ValueError, match="49"):
-        affine([25, 36, *[25] * (len(COUNTS) - 1), 49])
-    assert affine([25, 36, *[25] * (len(COUNTS) - 1), 47]) == Affine(-30, 11, *[0] * (len(COUNTS) - 1))
+    others = [25] * (len(COUNTS) - 1)
+    right = 25 + 11 * (SAMPLES[-1][0] - SAMPLES[0][0])
+    with pytest.raises(ValueError, match=f"{right + 2}"):
+        affine([25, 36, *others, right + 2])
+    assert affine([25, 36, *others, right]) == Affine(25 - 11 * SAMPLES[0][0], (11, *[0] * len(others)))
 
 
 def chain():

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from chain_impact.compilation.affine import COUNTS
 from chain_impact.kernel import hooks
+from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.tangent import entry
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS

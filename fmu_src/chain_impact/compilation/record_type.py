@@ -1,8 +1,9 @@
 """The instance as a numba type: one lowering of the kernel serves every number of links and candidates.
 
 numba's own record types contain all sizes. Code for this type gets the numbers of links, candidates and so on
-(affine.py), and two flags, by calls of functions that are defined when a kernel is linked (compilers.py): as
-constants, or as numbers that the instance holds. All sizes and offsets follow from these numbers.
+(kernel/record/counts.py), and two flags, by calls of functions that are defined when a kernel is linked
+(compilers.py): as constants, or as numbers that the instance holds. All sizes and offsets follow from these
+numbers.
 
 A value of this type is the address of the instance. The type says which record or field of the instance is
 meant, and whether its reals are ordinary or dual numbers (dual_numbers.py).
@@ -30,9 +31,10 @@ from numba.extending import (
     type_callable,
 )
 
-from chain_impact.compilation.affine import COUNTS, FEATURES, SAMPLES, Affine, affine
+from chain_impact.compilation.affine import SAMPLES, Affine, affine
 from chain_impact.compilation.dual_numbers import DUAL
 from chain_impact.kernel import functions
+from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.record.fields import GIVEN, REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
@@ -156,7 +158,7 @@ class _Fields(AttributeTemplate):
 def _built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
     """Return the LLVM value of an affine number: a constant plus factors times counts of the instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
-    for factor, name in zip(number[1:], COUNTERS.values(), strict=True):
+    for factor, name in zip(number.slopes, COUNTERS.values(), strict=True):
         if factor:
             count = builder.call(_counter(builder, name), [instance])
             total = builder.add(total, builder.mul(count, cgutils.intp_t(factor)))

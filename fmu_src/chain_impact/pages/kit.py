@@ -17,9 +17,10 @@ from typing import Any, get_args, get_origin
 
 import numpy as np
 
-from chain_impact.compilation.affine import COUNTS, SAMPLES, affine
+from chain_impact.compilation.affine import SAMPLES, affine
 from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
@@ -43,7 +44,7 @@ IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 LONGEST = 1e9
 """[s] the longest stop time, and the longest communication step, that a reader can set"""
 PATHS: dict[str, DataPath] = {
-    **{name: (name,) for name in (*COUNTS, "skewed", "slides")},
+    **{name: (name,) for name in (*COUNTS, *FEATURES)},
     "site_link": ("site", "link", AT),
     "site_corner": ("site", "corner", AT),
     "regularized": ("step", "regularized"),
@@ -253,4 +254,5 @@ def _affine(number: Callable[[np.dtype], int]) -> list[int]:
 
     The number is c₀ + Σ cᵢ · countᵢ, with the counts that ``COUNTS`` names, such as the number of links.
     """
-    return [*affine([number(layout_of(*sizes)) for sizes in SAMPLES])]
+    constant, slopes = affine([number(layout_of(*counts)) for counts in SAMPLES])
+    return [constant, *slopes]

@@ -20,13 +20,14 @@ from chain_impact.kernel.forces.contact_law import USER_LAW
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Chain, Contact, Link, Slider
 from chain_impact.variables.driving import fill_signals
-from chain_impact.variables.indices import WORD, Sizes, layout_of, word_index
+from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -40,7 +41,7 @@ class _Kept:
     words: np.ndarray
 
 
-_kept: dict[Sizes, _Kept] = {}
+_kept: dict[Counts, _Kept] = {}
 """The last scene of each record size, with its record."""
 MOST_KEPT = 16
 _GIVEN_IF = {kind.given_if for _, kinds in PARAMETERS for kind in kinds if kind.given_if}
@@ -71,7 +72,7 @@ _OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
 can reach."""
 
 
-def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Sizes) -> np.ndarray:
+def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Counts) -> np.ndarray:
     """Return an uninitialized instance with the parameters of a scene, an array with one record.
 
     Args:
@@ -252,7 +253,7 @@ def _choice(kind: Kind, name: str) -> float:
     return real
 
 
-def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
+def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
     """Write the numbers of a table of the scene to the words of the scene's record."""
     # the record has room for the walls at any angle only if points may touch them
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
@@ -263,7 +264,7 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Sizes) -> None:
 
 @lru_cache(MOST_KEPT * len(keys(Scene)))
 def _words_of(
-    table: str, sizes: Sizes, lines: int, slides: bool, met: tuple[str, ...]
+    table: str, sizes: Counts, lines: int, slides: bool, met: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
     """Return the indices of the words for the numbers of a table, and the functions that read the numbers.
 

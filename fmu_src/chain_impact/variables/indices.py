@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.instance import STATE_OUTPUTS, instance_dtype
 from chain_impact.scene.names import DataPath
 from chain_impact.variables.listing import SHAPES, outputs_of
@@ -29,19 +30,6 @@ layout_of = cache(instance_dtype)
 HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
 """The number of words at the start of a record that determine its layout: its sizes, two flags, and the
 number of tangent instances."""
-
-
-class Sizes(NamedTuple):
-    """The numbers that determine the layout of a record, in the order of the arguments of ``layout_of``."""
-
-    links: int
-    candidates: int
-    elements: int
-    loads: int
-    channels: int
-    sites: int
-    signals: int
-    knots: int
 
 
 def word_index(dtype: np.dtype, path: DataPath) -> int:
@@ -89,11 +77,11 @@ class LogWords(NamedTuple):
 
 
 @cache
-def log_words(sizes: Sizes) -> LogWords:
-    """Return where the log of contacts is in a record of some sizes."""
-    layout = layout_of(*sizes)
-    counts = ("finished", "count"), ("finished", "collected"), ("touch", "active_count"), ("changes", "count")
-    ended, collected, active, changes = (word_index(layout, path) for path in counts)
+def log_words(counts: Counts) -> LogWords:
+    """Return where the log of contacts is in a record with some counts."""
+    layout = layout_of(*counts)
+    paths = ("finished", "count"), ("finished", "collected"), ("touch", "active_count"), ("changes", "count")
+    ended, collected, active, changes = (word_index(layout, path) for path in paths)
     room = layout["finished"]["point"].shape[0]
     return LogWords(ended, collected, active, changes, word_index(layout, ("finished", "point", 0)), room)
 
@@ -131,12 +119,12 @@ def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.n
 
 
 @lru_cache(SHAPES)
-def output_indices(shape: Shape, sizes: Sizes) -> OutputIndices:
+def output_indices(shape: Shape, counts: Counts) -> OutputIndices:
     """Return the indices of the outputs for all scenes of a shape.
 
     The indices are kept, because computing them takes as long as a short simulation.
     """
-    layout = layout_of(*sizes)
+    layout = layout_of(*counts)
     motion: dict[str, int] = {}
     stepwise: dict[str, tuple[int, bool]] = {}
     for name, output in outputs_of(shape).items():

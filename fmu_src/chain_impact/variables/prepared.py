@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.compilers import GENERAL
+from chain_impact.kernel.record.counts import Counts
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.limits import keys
@@ -25,7 +26,6 @@ from chain_impact.variables.filling import changed_numbers, new_record, with_tan
 from chain_impact.variables.indices import (
     WORD,
     OutputIndices,
-    Sizes,
     first_word,
     indices_of,
     layout_of,
@@ -75,7 +75,7 @@ class PreparedScene:
             elements = links + pairs + slides if scene.has_friction else 0
             driven = driven_by(scene)
             knots = sum(signal.knots for signal in driven)
-            self.sizes = Sizes(links, pairs, elements, loads, channels, sites, len(driven), knots)
+            self.sizes = Counts(links, pairs, elements, loads, channels, sites, len(driven), knots)
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
         PreparedScene._last = self  # at the end: other threads take over only complete parts

@@ -5,14 +5,12 @@ record without pointers, so the state of an FMU is a copy of its bytes. Every sc
 double or an integer), so it has an index counted in doubles from the start of the record. The FMU's code
 needs no other knowledge of the layout.
 
-Letters: N links, points 0…N (0 is the base, N is the tip), P sites (further points of links), C candidates
-(pairs of a point or site and a wall), F elements of dry friction, L loads, K channels, D signals, R knots,
-and the state vector y (kernel/chain/state.py).
+Points are numbered 0…N: 0 is the base, N is the tip. The state vector y is in kernel/chain/state.py.
 
-Every size and offset has the form a + bN + cC + dF + eL + fK + gP + hD + iR. The compiled kernel relies on
-this form (compilation/record_type.py). An offset depends on the counts of the fields before it, so the fields
-that every chain has come first. Fields of candidates, of dry friction, of loads, channels, sites and signals
-follow.
+Every size and offset is an affine function of the counts (counts.py): a constant and a multiple of each. The
+compiled kernel relies on this (compilation/record_type.py). An offset depends on the counts of the fields
+before it, so the fields that every chain has come first. Fields of candidates, of dry friction, of loads,
+channels, sites and signals follow.
 """
 
 import numpy as np
@@ -31,6 +29,7 @@ from chain_impact.kernel.record.contacts import (
     share_dtype,
     touch_dtype,
 )
+from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 from chain_impact.kernel.record.given import (
     candidate_dtype,
@@ -168,34 +167,11 @@ def transmitted_dtype(loads: int) -> np.dtype:
     )
 
 
-def instance_dtype(
-    links: int,
-    candidates: int,
-    elements: int = 0,
-    loads: int = 0,
-    channels: int = 0,
-    sites: int = 0,
-    signals: int = 0,
-    knots: int = 0,
-) -> np.dtype:
-    """Return the layout of an instance with N = ``links`` links, C = ``candidates`` candidates, F elements.
-
-    The elements are the parts that may have dry friction: candidates, joints and a slider. F is 0 in a
-    scene without dry friction, whose record has no room for it. The record has room for loads only if they
-    are requested: then ``loads`` L is the number of joints N and walls together. The ``channels`` K are the
-    given motions of the base and of walls (chain/motion.py). The ``sites`` P are points of links beside the
-    joints (chain/sites.py). The ``signals`` D are the inputs that the scene drives, and the ``knots`` R are
-    the starts of their polynomials (chain/signals.py).
-    """
+def instance_dtype(*counts: int) -> np.dtype:
+    """Return the layout of an instance from the values of ``Counts``."""
+    links, candidates, elements, loads, channels, sites, signals, knots = Counts(*counts)
     return record(
-        ("links", INTEGER),  # N
-        ("candidates", INTEGER),  # C
-        ("elements", INTEGER),  # F
-        ("loads", INTEGER),  # L
-        ("channels", INTEGER),  # K
-        ("sites", INTEGER),  # P
-        ("signals", INTEGER),  # D
-        ("knots", INTEGER),  # R
+        *((name, INTEGER) for name in COUNTS),
         ("skewed", INTEGER),  # 1: the centre of mass of some link lies beside its line
         ("slides", INTEGER),  # 1: the base slides along a line
         # number of tangent instances that follow the record in memory (kernel/tangent/)

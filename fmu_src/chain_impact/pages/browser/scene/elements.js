@@ -69,7 +69,7 @@ function factsOf({ file: { chain, inputs, outputs, stops: { model } }, pairs, sl
   };
 }
 
-/** Return the sizes of the record, in the order of `COUNTS` of `affine.py`. */
+/** Return the counts of the record, as in `counts.py`. */
 function sizesOf({ file: { chain: { links, slider }, inputs, outputs }, candidates, hasFriction, wallNames, movingWalls, sites, driven }) {
   return [
     links.length,

@@ -1,0 +1,26 @@
+"""The counts at the start of a record, on which the sizes and places of all its parts depend."""
+
+from typing import NamedTuple
+
+
+class Counts(NamedTuple):
+    """The counts, in their order in the record; comments in the kernel use the letters.
+
+    pages/browser/scene/elements.js computes the same counts for a scene in a browser.
+    """
+
+    links: int  # N
+    candidates: int  # C, pairs of a point or site and a wall, and stops
+    # F, parts that may have dry friction: candidates, joints and a slider; 0 in a scene without dry friction,
+    # whose record has no room for it
+    elements: int = 0
+    loads: int = 0  # L, joints and walls together, if their loads are requested; else 0
+    channels: int = 0  # K, given motions of the base and of walls (chain/motion.py)
+    sites: int = 0  # P, points of links beside the joints (chain/sites.py)
+    signals: int = 0  # D, inputs that the scene drives (chain/signals.py)
+    knots: int = 0  # R, starts of the polynomials of signals
+
+
+COUNTS = Counts._fields
+FEATURES = ("skewed", "slides")
+"""The fields of an instance that follow the counts: two flags, each of which is 0 or 1."""
