@@ -1,9 +1,9 @@
 """heyoka: Taylor series, with its own event detection, compiled by LLVM for a tolerance.
 
-It needs the model as expressions: the recursion of kernel/chain/tree.py once more. There is one integrator
-for each set of contacts that are active at once. A Taylor series cannot begin at an onset, where δ^{3/2} has
-no derivatives: for the first nanosecond, in which the force is nil, the integrator of the set without the new
-contact is used, and the steps grow from there.
+It needs the model as expressions: the recursion of kernel/chain/elimination.py once more. There is one
+integrator for each set of contacts that are active at once. A Taylor series cannot begin at an onset, where
+δ^{3/2} has no derivatives: for the first nanosecond, in which the force is nil, the integrator of the set
+without the new contact is used, and the steps grow from there.
 """
 
 from __future__ import annotations

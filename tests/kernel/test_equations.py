@@ -65,7 +65,7 @@ def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
 def test_moments_of_the_joints_act_on_both_links_and_their_powers_are_theirs(base, count, sprung):
     """Gᵀ (u − c G ω) with the rates G ω of the joints; dissipated Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
-    d.model.sprung = sprung
+    d.model.has_springs = sprung
     dissipated, supplied = equations.joint_moments(d, y)
     found = d.work.moment.copy()
     if sprung:
@@ -91,7 +91,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     loads = rng.normal(size=(count + 1, 2))
     set_vectors(d.work.load, loads)
     moments, powers = np.zeros(count), (0.0, 0.0)
-    if inputs or d.model.resisting:
+    if inputs or d.model.has_springs_or_dampers:
         powers = equations.joint_moments(d, y)
         moments = d.work.moment.copy()
         d.work.moment[:] = 9.0

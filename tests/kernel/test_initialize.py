@@ -79,11 +79,11 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
 def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
     for count in (1, 3):
         _, d = prepared(count, base, springs=springs, dampers=dampers)
-        d.model.damped = d.model.sprung = d.model.resisting = 7
+        d.model.has_dampers = d.model.has_springs = d.model.has_springs_or_dampers = 7
         derive_resistance(d)
         joints = count > 1 or base == "pinned"
         expected = dampers and joints, springs and joints, (dampers or springs) and joints
-        assert (d.model.damped, d.model.sprung, d.model.resisting) == expected
+        assert (d.model.has_dampers, d.model.has_springs, d.model.has_springs_or_dampers) == expected
         assert (d.model.joint_bound > 0.0) == expected[2]
 
 
@@ -266,7 +266,7 @@ def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
     assert check_parameters(d) == OK
     d.stops[name] = bad
     assert check_parameters(d) == PARAMETER_OUT_OF_RANGE
-    d.model.stopped = 0  # without stops the value is not used
+    d.model.has_stops = 0  # without stops the value is not used
     assert check_parameters(d) == OK
 
 

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -42,10 +43,24 @@ def others(file, allowed):
 
 
 def test_the_kernel_imports_numbers_numpy_and_itself_only_and_the_slave_the_standard_library():
-    allowed = ("dataclasses", "fractions", "math", "numpy", "chain_impact.kernel")
+    allowed = ("dataclasses", "fractions", "math", "numpy", "typing", "chain_impact.kernel")
     found = {file.name: others(file, allowed) for file in (PACKAGE / "kernel").rglob("*.py")}
     found[SLAVE.name] = others(SLAVE, (*sys.stdlib_module_names, "pythonfmu"))
     assert {name: modules for name, modules in found.items() if modules} == {}
+
+
+def constants(file):
+    """Yield the names of the constants that a file defines."""
+    for node in ast.parse(file.read_text("utf-8")).body:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        found = (one for target in targets if target for one in ast.walk(target))
+        yield from {one.id for one in found if isinstance(one, ast.Name) and one.id.isupper()}
+
+
+def test_no_two_files_of_the_kernel_define_a_constant_of_the_same_name():
+    found = Counter(name for file in (PACKAGE / "kernel").rglob("*.py") for name in constants(file))
+    assert found
+    assert {name for name, count in found.items() if count > 1} == set()
 
 
 def needs(file):

@@ -15,7 +15,7 @@ from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import INSTANCE, TANGENT
 from chain_impact.kernel import functions, hooks
-from chain_impact.kernel.chain.response import COMPLEX
+from chain_impact.kernel.chain.response import COMPLEX_RULES
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.rules import RULES
@@ -42,7 +42,7 @@ EXTERNAL: dict[Any, types.Type] = {
     **{hook: types.ExternalFunction(hook.__name__, kind) for hook, kind in HOOK_SIGNATURES.items()},
 }
 _RULES: dict[Any, Any] = RULES
-_COMPLEX: dict[Any, Any] = COMPLEX
+_COMPLEX: dict[Any, Any] = COMPLEX_RULES
 # functions for which dual_numbers.py and record_type.py give numba the code
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.sloped, duals.carried, duals.varies),
@@ -67,7 +67,7 @@ class Function(types.Dispatcher):
         """Return the compiled function for arguments of some types: the function itself, or a replacement.
 
         A function has a replacement for dual numbers if ``RULES`` has one, and for complex numbers if
-        ``COMPLEX`` has one.
+        ``COMPLEX_RULES`` has one.
         """
         rules = _RULES if any(carries_derivatives(argument) for argument in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules

@@ -3,6 +3,7 @@
 chain/state.py describes y.
 """
 
+from chain_impact.kernel.chain.elimination import accelerations
 from chain_impact.kernel.chain.joints import (
     elastic_stiffness,
     is_drive,
@@ -29,7 +30,6 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.chain.tree import accelerations
 from chain_impact.kernel.forces.contact import apply_contacts, apply_true_contacts
 from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_margins, static_power
@@ -58,7 +58,7 @@ def other_energy(d, y):
 
 def stored_energy(d, y):
     """Return the elastic energy [J] of the active contacts, for the located points, and of the springs."""
-    energy = spring_energy(d, y) if d.model.sprung else 0.0
+    energy = spring_energy(d, y) if d.model.has_springs else 0.0
     if d.slides:
         energy += slider_spring_energy(d, y)
     for k in range(d.touch.compliant_count):
@@ -89,7 +89,7 @@ def mechanical_energy(d, y):
     if d.slides:
         of_motion, of_height = carriage_energy(d, y)
         kinetic, potential = kinetic + of_motion, potential + of_height
-    return kinetic + rotor_energy(d, y) if d.model.geared else kinetic, potential
+    return kinetic + rotor_energy(d, y) if d.model.has_armatures else kinetic, potential
 
 
 def rotor_energy(d, y):
@@ -151,7 +151,7 @@ def loaded_rate(d, y, dissipated, rate):
     """Set rate = f(y) for the loads that are set; the argument ``dissipated`` is the contacts' power [W]."""
     n = d.links
     supplied = 0.0
-    if d.model.resisting or d.model.driven or d.model.jointed:
+    if d.model.has_springs_or_dampers or d.model.driven or d.model.has_joint_places:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
     if d.slides:
@@ -162,7 +162,7 @@ def loaded_rate(d, y, dissipated, rate):
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
     carry_sites(d, d.work.link, d.work.load)
-    if d.model.geared:
+    if d.model.has_armatures:
         geared_accelerations(d, y, rate)
     else:
         accelerations(d, y, rate)
@@ -209,11 +209,11 @@ def joint_moments(d, y):
         if i > 0:
             d.work.moment[i - 1] -= torque
         before = omega
-    if d.model.limited:
+    if d.model.has_drive_limits:
         d.drive.margin = min(d.drive.margin, mode_margin(d, y))
-    if d.model.sprung:
+    if d.model.has_springs:
         add_spring_moments(d, y)
-    if d.model.jointed:
+    if d.model.has_joint_places:
         add_place_moments(d)
     return dissipated, supplied
 

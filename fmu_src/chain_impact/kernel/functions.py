@@ -1,4 +1,4 @@
-"""Functions that the compiler treats specially: they clear memory, are inlined, or combine functions."""
+"""Functions that the compiler treats specially, marks for functions, and functions that combine functions."""
 
 
 def clear(part):
@@ -9,6 +9,18 @@ def clear(part):
 def inlined(function):
     """Mark a function for inlining into its callers, so that the compiler knows the arguments."""
     function.inlined = True
+    return function
+
+
+def has_dual_rule(function):
+    """Mark a function that RULES in tangent/rules.py replaces if an argument carries derivatives."""
+    function.has_dual_rule = True
+    return function
+
+
+def has_complex_rule(function):
+    """Mark a function that COMPLEX_RULES in chain/response.py replaces if an argument is complex."""
+    function.has_complex_rule = True
     return function
 
 

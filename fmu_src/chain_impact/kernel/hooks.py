@@ -2,9 +2,9 @@
 
 The functions of this module do nothing. A kernel that carries derivatives is linked with the functions of
 HOOKS in kernel/tangent/entry.py instead. Two more tables replace functions when a kernel is compiled: RULES
-in kernel/tangent/rules.py, for dual numbers, and COMPLEX in kernel/chain/response.py, for complex ones. A
-user's contact law (kernel/forces/user_law.py) is linked in the same way as the hooks: see EXTERNAL in
-compilation/functions.py.
+in kernel/tangent/rules.py, for dual numbers, and COMPLEX_RULES in kernel/chain/response.py, for complex ones;
+``has_dual_rule`` and ``has_complex_rule`` mark these functions. A user's contact law
+(kernel/forces/user_law.py) is linked in the same way as the hooks: see EXTERNAL in compilation/functions.py.
 """
 
 

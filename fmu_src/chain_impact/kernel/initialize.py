@@ -169,27 +169,27 @@ def derive_chain(d):
         total += model.mass[i]
         armatures += joint_armature(d, i)
     model.energy = total * model.size * model.size + armatures
-    model.geared = 1 if resists(armatures) else 0
+    model.has_armatures = 1 if resists(armatures) else 0
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
-    model.stopped, model.rubbing, model.limited = 0, 0, 0
+    model.has_stops, model.has_joint_friction, model.has_drive_limits = 0, 0, 0
     for i in range(0 if model.pinned else 1, len(model.length)):
         if model.joint_friction[i] > 0.0:
-            model.rubbing = 1
+            model.has_joint_friction = 1
         if model.joint_torque_limit[i] < math.inf:
-            model.limited = 1
+            model.has_drive_limits = 1
     for c in range(d.candidates):
         if at_joint(d, c):
-            model.stopped = 1
+            model.has_stops = 1
     if d.slides:
         derive_slider(d)
-    model.jointed = max(model.stopped, model.rubbing)
+    model.has_joint_places = max(model.has_stops, model.has_joint_friction)
 
 
 def derive_slider(d):
     """Derive the direction of the slider's line, and whether the slider's drive has a limit."""
     d.slider.ux, d.slider.uy = direction(d.slider.angle)
     if d.slider.force_limit < math.inf:
-        d.model.limited = 1
+        d.model.has_drive_limits = 1
 
 
 def derive_sites(d):
@@ -217,15 +217,15 @@ def derive_resistance(d):
     """
     clear_saturation(d)
     model = d.model
-    model.damped, model.sprung = 0, 0
+    model.has_dampers, model.has_springs = 0, 0
     for i in range(d.links):
         if resists(joint_damping(d, i)):
-            model.damped = 1
+            model.has_dampers = 1
         if resists(spring_stiffness(d, i)):
-            model.sprung = 1
-    model.resisting = max(model.damped, model.sprung)
+            model.has_springs = 1
+    model.has_springs_or_dampers = max(model.has_dampers, model.has_springs)
     if d.slides and (resists(slider_damping(d)) or resists(slider_stiffness(d))):
-        model.resisting = 1
+        model.has_springs_or_dampers = 1
     model.joint_bound = joint_bound(d)
 
 
@@ -248,7 +248,7 @@ def check_parameters(d):
     invalid = (d.slides and not slider_is_valid(d)) or (d.signals > 0 and not signals_are_valid(d))
     if not (d.contact.radius >= 0.0 and walls_are_finite(d)) or invalid:
         return PARAMETER_OUT_OF_RANGE
-    status = check_stops(d) if d.model.stopped else OK
+    status = check_stops(d) if d.model.has_stops else OK
     if status != OK:
         return status
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):

@@ -48,7 +48,7 @@ def fill_outputs(d):
     if d.loads > 0:
         fill_load_impulses(d)
     list_latest(d)
-    if d.model.stopped:
+    if d.model.has_stops:
         combine_forces(d)
         combine_impulses(d)
     if d.loads > 0:
@@ -60,7 +60,7 @@ def refill_motion(d):
     """Fill again the outputs that are not integrals over time, at ``step.time``."""
     counted = counted_work(d)
     fill_motion(d, fraction(d, d.step.time))
-    if d.model.stopped:
+    if d.model.has_stops:
         combine_forces(d)
     uncount_work(d, counted)
 

@@ -67,7 +67,7 @@ def as_plain_python() -> Iterator[None]:
         return (of_complex if any(isinstance(one, complex) for one in arguments) else function)(*arguments)
 
     with ExitStack() as stack:
-        for function, of_complex in response.COMPLEX.items():
+        for function, of_complex in response.COMPLEX_RULES.items():
             chosen = partial(by_type, function, of_complex)
             stack.enter_context(mock.patch.object(response, function.__name__, chosen))
         yield

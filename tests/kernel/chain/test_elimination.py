@@ -4,9 +4,9 @@ import mpmath
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.elimination import accelerations, arms
 from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.response import FREE, HELD, factorize, no_impedance, solve, take_factors
-from chain_impact.kernel.chain.tree import accelerations, arms
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import derive_chain, derive_resistance
 from chain_impact.scene.scene import scene_from_dict

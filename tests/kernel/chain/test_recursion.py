@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import sympy
 
+from chain_impact.kernel.chain.elimination import accelerations
 from chain_impact.kernel.chain.kinematics import link_vectors
-from chain_impact.kernel.chain.tree import accelerations
 from chain_impact.kernel.equations import state_rate
 from tests.helpers.models.reference import generalized_force, mass_matrix, set_vectors
 from tests.kernel.chains import chain, random_state

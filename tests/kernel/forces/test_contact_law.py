@@ -213,14 +213,19 @@ def test_laws_are_in_use_as_long_as_what_is_given_is_the_same(given, name):
     assert not own_law.laws_in_use(d)
 
 
-def test_a_copied_law_is_the_same_in_all_parts(given):
-    d, (c, other, *_) = given
-    names = set(d._record["law"].dtype.names) - {"same_as"}
-    for k, name in enumerate(names):
-        d.law[name][c], d.law[name][other] = 10 + k, 99
-    own_law.copy_law(d.law, c, other)
-    for name in names:
-        assert d.law[name][other] == d.law[name][c] != 99
+@pytest.mark.parametrize("number", [law.number for law in CONTACT_LAWS.values() if law.allows_exponent(1.5)])
+def test_candidates_of_one_origin_have_the_same_law_in_all_parts(number):
+    d = stopped_chain(2)[1]
+    d.given.law = d.stops.law = number
+    assert start_laws(d) == OK
+    for name in d._record["law"].dtype.names:
+        assert d.law[name].tolist() == d.law[name][d.law.same_as].tolist(), name
+
+
+@pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=lambda law: law.id)
+def test_the_table_of_laws_says_which_walls_are_rigid(law):
+    assert laws.is_impulsive(law.number) == law.impulsive
+    assert not laws.is_impulsive(laws.LAW_COUNT + 1)  # a user's law
 
 
 @pytest.mark.parametrize("value", [math.nan, 0.0, -1.0])

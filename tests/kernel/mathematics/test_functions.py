@@ -66,9 +66,11 @@ def test_whole_powers_of_whole_numbers_are_exact():
 
 
 def test_logarithms_and_exponentials_rise_across_the_joints_of_their_tables():
-    patterns = [logarithms.FIRST + (i << logarithms.WIDTH_BITS) for i in range(logarithms.SIZE + 1)]
+    patterns = [
+        logarithms.FIRST + (i << logarithms.WIDTH_BITS) for i in range(logarithms.MANTISSA_INTERVALS + 1)
+    ]
     joints = [doubles.double(pattern) for pattern in patterns]
-    steps = [(j + 0.5) * math.log(2.0) / exponentials.SIZE for j in range(-200, 200)]
+    steps = [(j + 0.5) * math.log(2.0) / exponentials.POWER_COUNT for j in range(-200, 200)]
     for function, places in ((logarithms.log, joints), (exponentials.exp, steps)):
         for place in places:
             near = place + np.arange(-5, 6) * math.ulp(place)

@@ -293,7 +293,7 @@ def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
         d.step.last_method = method
         d.step.end = d.step.start + number * methods.STABLE / (methods.joints_over(d, 1e3) / 1e3)
         assert balance.is_long(d) == (method == EXPLICIT and number > 1.0)
-    d.step.last_method, d.model.resisting = EXPLICIT, 0
+    d.step.last_method, d.model.has_springs_or_dampers = EXPLICIT, 0
     assert not balance.is_long(d)
 
 

@@ -146,7 +146,7 @@ def stiff_joint(damping, tolerance=1e-8):
     """
     scene, d = at_start(tolerance)
     d.inputs.joint_damping[:] = 0.0, damping, 0.0
-    d.model.resisting, d.implicit.listing = 1, STALE
+    d.model.has_springs_or_dampers, d.implicit.listing = 1, STALE
     equations.state_rate(d, d.step.state_end, d.work.rate_start)
     across = np.zeros(N + 2)
     across[2:4] = -1.0, 1.0

@@ -13,7 +13,7 @@ from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.ode import control, explicit, last_step, methods, sundman
 from chain_impact.kernel.ode.dense import interpolate
-from chain_impact.kernel.ode.explicit import FORCELESS, PAST_END, estimate, toward_end
+from chain_impact.kernel.ode.explicit import PAST_END, UNRESOLVED_END, estimate, toward_end
 from chain_impact.kernel.rows import geometry
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.friction import pendulum
@@ -82,7 +82,9 @@ def test_step_fulfils_every_order_condition(order, count):
 
 
 def test_step_is_of_no_higher_order():
-    assert max(abs(B @ weights(tree) - 1 / density(tree)) for tree in trees(explicit.ORDER + 1)) > 1e-6
+    assert (
+        max(abs(B @ weights(tree) - 1 / density(tree)) for tree in trees(explicit.EXPLICIT_ORDER + 1)) > 1e-6
+    )
 
 
 @pytest.mark.parametrize(("estimate", "order"), [(E5, 5), (E3, 3)])
@@ -298,8 +300,8 @@ def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_w
     assert toward_end(d, 0.8 * min(left)) == pytest.approx(0.5 * min(left), rel=1e-9)
     assert toward_end(d, 0.1 * min(left)) == 0.1 * min(left)
     # a contact that has almost left does not count
-    assert toward_end(d, 0.99 * min(left) / FORCELESS) == longest
-    assert toward_end(d, 1.01 * min(left) / FORCELESS) == 1.01 * min(left) / FORCELESS
+    assert toward_end(d, 0.99 * min(left) / UNRESOLVED_END) == longest
+    assert toward_end(d, 1.01 * min(left) / UNRESOLVED_END) == 1.01 * min(left) / UNRESOLVED_END
 
 
 def test_in_its_own_variable_a_step_passes_the_end_of_a_contact_that_is_near():

@@ -115,7 +115,7 @@ def test_order_is_nine_with_any_jacobian(kind):
     _, step = problem(oscillator, JACOBIANS[kind])
     errors = [np.abs(integrate(step, start, 2.0, n) - exact.y[:, -1]).max() for n in (5, 7, 10)]
     slope = np.log(errors[0] / errors[-1]) / np.log(2.0)
-    assert slope == pytest.approx(radau.ORDER, abs=0.7)
+    assert slope == pytest.approx(radau.RADAU_ORDER, abs=0.7)
 
 
 @pytest.mark.parametrize("kind", JACOBIANS)

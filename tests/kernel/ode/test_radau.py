@@ -12,8 +12,8 @@ def test_each_stage_is_of_the_stage_order_and_the_result_of_its_order_and_no_mor
     """Σ_j Q_ij c_j^(k−1) = c_i^k/k. The method is stiffly accurate, and collocates at the end."""
     for k in range(1, radau.RADAU_STAGES + 1):
         np.testing.assert_allclose(MATRIX @ C ** (k - 1), C**k / k, rtol=0, atol=2e-16)
-    for k in range(1, radau.ORDER + 2):
-        assert (abs(MATRIX[-1] @ C ** (k - 1) - 1 / k) < 2e-16) == (k <= radau.ORDER)
+    for k in range(1, radau.RADAU_ORDER + 2):
+        assert (abs(MATRIX[-1] @ C ** (k - 1) - 1 / k) < 2e-16) == (k <= radau.RADAU_ORDER)
     assert radau.NODES[-1] == 1.0
     assert np.linalg.matrix_rank(MATRIX) == radau.RADAU_STAGES
 
@@ -38,6 +38,6 @@ def test_all_shifts_lie_in_a_sector_in_which_no_pivot_vanishes():
 
 @pytest.mark.parametrize("k", range(radau.RADAU_STAGES))
 def test_the_polynomials_of_the_error_estimates(k):
-    assert np.dot(radau.AT_START, C**k) == pytest.approx(0.0**k, abs=3e-15)
+    assert np.dot(radau.START_WEIGHTS, C**k) == pytest.approx(0.0**k, abs=3e-15)
     if k < radau.RADAU_STAGES - 1:
-        assert np.dot(radau.AT_END, C[:-1] ** k) == pytest.approx(1.0, abs=3e-15)
+        assert np.dot(radau.END_WEIGHTS, C[:-1] ** k) == pytest.approx(1.0, abs=3e-15)

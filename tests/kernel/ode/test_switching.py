@@ -96,7 +96,7 @@ def pressed(rng):
     touched = [d.candidate.point.tolist().index(point) for point in (0, 1)]
     struck(rng, d, touched)
     d.touch.effective_mass[touched] = 1.0
-    assert not d.model.resisting
+    assert not d.model.has_springs_or_dampers
     d.solver.method = AUTO
     methods.begin_explicit(d)
     d.touch.onset[touched] = 0.0

@@ -61,7 +61,7 @@ def assert_moved(scene, d, angles, change):
     count = d.links
     moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
     np.testing.assert_allclose(vectors(d.work.motion), moved, rtol=0, atol=1e-9)
-    if d.model.stopped:
+    if d.model.has_stops:
         turns = d.model.size * (relative_motion(count) @ change)
         np.testing.assert_allclose(d.work.motion.x[count + 1 :], turns, rtol=0, atol=1e-9)
 
@@ -73,7 +73,7 @@ def assert_loads(scene, d, angles, added, work):
         at = point_jacobian(scene, angles, k)
         work = work - at.T @ load
         added = added - at.T @ [[own.xx[k], own.xy[k]], [own.xy[k], own.yy[k]]] @ at
-    for i, turn in enumerate(d.model.size * relative_motion(count) if d.model.stopped else ()):
+    for i, turn in enumerate(d.model.size * relative_motion(count) if d.model.has_stops else ()):
         work = work - d.work.load.x[count + 1 + i] * turn
         added = added - own.xx[count + 1 + i] * np.outer(turn, turn)
     np.testing.assert_allclose(work, 0.0, rtol=0, atol=1e-12)
@@ -90,7 +90,7 @@ def test_it_gives_way_as_assembled(case, resist, time):
     """
     scene, d, angles, _, jacobian, rng = made(case, resist)
     count, active, across = d.links, len(jacobian), relative_motion(d.links)
-    assert d.model.resisting == (resist and (count > 1 or d.model.pinned))
+    assert d.model.has_springs_or_dampers == (resist and (count > 1 or d.model.pinned))
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
     compliance.factorize_contacts(d, response.HELD, impedance)
     compliance.solve_contacts(d, response.HELD, impulse, d.rigid.change)
@@ -100,7 +100,7 @@ def test_it_gives_way_as_assembled(case, resist, time):
     assert_moved(scene, d, angles, expected)
     assert_loads(scene, d, angles, added, work)
     geometry.join(d, d.work.impedance, time)
-    with_joints = d.model.resisting or d.model.stopped
+    with_joints = d.model.has_springs_or_dampers or d.model.has_stops
     response.factorize(d, d.work.link, d.work, response.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
     joints[0] *= d.model.pinned  # a free base is no joint

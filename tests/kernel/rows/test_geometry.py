@@ -213,7 +213,7 @@ def test_any_place_may_be_the_fastest(place):
         d.work.motion[axis][:] = 0.25
     d.work.motion.x[place] = -4.0
     assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 4.0)
-    d.model.stopped = 0
+    d.model.has_stops = 0
     assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 0.5)
 
 

@@ -1,20 +1,24 @@
 """Derivatives by explicit rules, where the computation of a value does not give its derivative."""
 
+import importlib
 import inspect
 import math
+import pkgutil
 from types import SimpleNamespace
 
 import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import kinematics
+import chain_impact.kernel
+from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.forces import contact_force, user_law
 from chain_impact.kernel.ode import dense
 from chain_impact.kernel.tangent import rules
 from tests.kernel.tangent.dual import Dual
 
+RULES = {"has_dual_rule": rules.RULES, "has_complex_rule": response.COMPLEX_RULES}
 DEPTH, EXPONENT = [0.3, -1.0, 2.0], [0.7, 0.2, 0.0]  # slopes
 
 
@@ -23,6 +27,14 @@ def test_a_rule_is_called_as_the_function_that_it_stands_for(function):
     rule = rules.RULES[function]
     assert rule.__name__ == function.__name__
     assert len(inspect.signature(rule).parameters) == len(inspect.signature(function).parameters)
+
+
+@pytest.mark.parametrize("mark", RULES)
+def test_the_functions_with_a_rule_are_marked_and_no_others(mark):
+    package = chain_impact.kernel
+    names = [module.name for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")]
+    values = {one for name in names for one in vars(importlib.import_module(name)).values() if callable(one)}
+    assert {one for one in values if getattr(one, mark, False)} == set(RULES[mark])
 
 
 @pytest.mark.parametrize("varies", [EXPONENT, [0.0, 0.0, 0.0]])

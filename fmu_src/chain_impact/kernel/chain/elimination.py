@@ -28,7 +28,7 @@ elimination in this form is derived in docs/computation.md.
 """
 
 from chain_impact.kernel.chain.state import omega_at, velocity_at
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.functions import has_complex_rule, inlined
 
 
 @inlined
@@ -57,6 +57,7 @@ def arm(d, link, i, outward):
     return lx, ly, sx, sy, inertia
 
 
+@has_complex_rule
 @inlined
 def hinge(link, axx, axy, ayy):
     """Return the coupling h and the inertia H of a link's rotation about its inner joint.

@@ -32,6 +32,7 @@ from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, so
 from chain_impact.kernel.chain.sites import clear_link_moments
 from chain_impact.kernel.chain.slider import slide_along, slider_damping, slider_stiffness, wanted_force
 from chain_impact.kernel.chain.state import ANGLES, omega_at
+from chain_impact.kernel.functions import has_dual_rule
 
 
 def joint_damping(d, i):
@@ -54,6 +55,7 @@ def joint_resistance(d, i, time):
     return time * (joint_damping(d, i) + time * spring_stiffness(d, i))
 
 
+@has_dual_rule
 def resists(constant):
     """Return whether a damping or stiffness of a joint is not zero, so that its terms are needed."""
     return constant != 0.0

@@ -10,10 +10,11 @@ link, and y is 0. So all other modules treat a stop like a wall at a point. The 
 from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.sites import accelerate_sites, clear_sites, place_sites, turn_sites
 from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sine, direction
 
 
+@has_dual_rule
 def polar(radius, y, first, horizontal, vertical):
     """Set r cos φ and r sin φ for each radius r; the angles φ are in y from index ``first`` on.
 
@@ -96,7 +97,7 @@ def place_points(d, y):
         vx -= omega * link.y[i]
         vy += omega * link.x[i]
     position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
-    if d.model.jointed:
+    if d.model.has_joint_places:
         place_joints(d, y, ANGLES, position)
         place_joints(d, y, omega_at(n), velocity)
     place_sites(d, y, omega_at(n), position, velocity)
@@ -127,7 +128,7 @@ def accelerate_points(d, y, rate):
         ax -= alpha * link.y[i] + w2 * link.x[i]
         ay += alpha * link.x[i] - w2 * link.y[i]
     acceleration.x[n], acceleration.y[n] = ax, ay
-    if d.model.jointed:
+    if d.model.has_joint_places:
         place_joints(d, rate, omega_at(n), acceleration)
     accelerate_sites(d, y, rate, omega_at(n), acceleration)
 
@@ -137,7 +138,7 @@ def zero(d, vectors):
     # The numbers of links and points are constants for the compiler, which unrolls this loop.
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
-    if d.model.jointed:
+    if d.model.has_joint_places:
         for k in range(d.links + 1, 2 * d.links + 1):
             vectors.x[k], vectors.y[k] = 0.0, 0.0
     clear_sites(d, vectors)
@@ -178,7 +179,7 @@ def move_points(d, links, change, response):
         x -= change[ANGLES + i] * links.y[i]
         y += change[ANGLES + i] * links.x[i]
     response.x[n], response.y[n] = x, y
-    if d.model.jointed:
+    if d.model.has_joint_places:
         place_joints(d, change, ANGLES, response)
     turn_sites(d, links, change, ANGLES, response)
 
@@ -188,7 +189,7 @@ def largest(d, vectors):
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
-    if d.model.jointed:
+    if d.model.has_joint_places:
         for k in range(d.links + 1, 2 * d.links + 1):
             most = max(most, abs(vectors.x[k]))
     for k in range(2 * d.links + 1, 2 * d.links + 1 + d.sites):

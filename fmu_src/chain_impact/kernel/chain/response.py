@@ -1,4 +1,4 @@
-"""The response of the chain to impulses: M + Jᵀ D J + K, eliminated by the recursion of chain/tree.py.
+"""The response of the chain to impulses: M + Jᵀ D J + K, eliminated by the recursion of chain/elimination.py.
 
 ``factorize`` and ``solve`` solve linear systems with M + Jᵀ D J + K in O(N), for real, complex and dual
 numbers alike. M is the mass matrix, J maps rates of the coordinates to motions of the points, and D are
@@ -14,8 +14,8 @@ depends on the motion a of the joint and on the rotation β of the link next to 
 
 with A, e and p a symmetric 3×3 articulated inertia, and with the impulse b and the angular impulse t by which
 the loads on the outer part act at the joint. Link i adds its own inertia and its damper, and is eliminated,
-Δ_i = α. L, m c, I and x⊥ are those of chain/tree.py, and τ is a moment on the link. The coefficients A', b',
-e', p' and t' belong to the part of the chain outside of link i, for which β is the α of link i:
+Δ_i = α. L, m c, I and x⊥ are those of chain/elimination.py, and τ is a moment on the link. The coefficients
+A', b', e', p' and t' belong to the part of the chain outside of link i, for which β is the α of link i:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
@@ -26,8 +26,8 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
     A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
-in which nothing cancels, however large κ is. As in chain/tree.py, two arms meet at the middle joint: the
-inward arm begins at the base, the outward arm at the tip. The damper of the middle joint belongs to the
+in which nothing cancels, however large κ is. As in chain/elimination.py, two arms meet at the middle joint:
+the inward arm begins at the base, the outward arm at the tip. The damper of the middle joint belongs to the
 outward arm. For this arm β is the α of the last link of the inward arm, so e, p and t of the outward arm add
 to h, H and s of that link. A light link at an end is eliminated before heavier links, because the sum with a
 heavier link would lose digits of the light one.
@@ -37,10 +37,10 @@ pivoting is needed: the argument of every s is below 61°, so all quadratic form
 122°, and no pivot vanishes.
 """
 
+from chain_impact.kernel.chain.elimination import arm, hinge, inertia_along
 from chain_impact.kernel.chain.sites import has_link_moments, site_arm, site_place
 from chain_impact.kernel.chain.state import ANGLES
-from chain_impact.kernel.chain.tree import arm, hinge, inertia_along
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.functions import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
 """Rows of the factors. FREE: the mass matrix alone. HELD: also impedances of constraints. SHIFTED: a real
@@ -48,6 +48,7 @@ shift."""
 ROWS = 3
 
 
+@has_complex_rule
 def reciprocal(number):
     """Return the reciprocal of a number that is not zero and far from overflow."""
     return 1.0 / number
@@ -62,6 +63,7 @@ def complex_reciprocal(number):
     return complex(number.real * size, -number.imag * size)
 
 
+@has_complex_rule
 def cross(lx, ly, bx, by):
     """Return L⊥·b, the cross product L × b of a link vector L and a vector b."""
     return lx * by - ly * bx
@@ -82,7 +84,7 @@ def complex_hinge(link, axx, axy, ayy):
     return complex(hx, gx), complex(hy, gy), complex(about_joint, part)
 
 
-COMPLEX = {reciprocal: complex_reciprocal, cross: complex_cross, hinge: complex_hinge}
+COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge: complex_hinge}
 """Function of the kernel → its replacement for complex arguments."""
 
 
@@ -90,7 +92,7 @@ def no_impedance(d, impedance):
     """Set the impedances at all places to zero."""
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
-    if d.model.jointed:
+    if d.model.has_joint_places:
         for k in range(d.links + 1, 2 * d.links + 1):
             impedance.xx[k] = 0.0
     for s in range(d.sites):
@@ -143,7 +145,7 @@ def take_factors(d, coupled):
     ``coupled`` has the same meaning as for ``factorize``. In a chain with armatures the function does
     nothing, because ``geared_accelerations`` in rows/compliance.py has already set this row.
     """
-    if d.model.geared:
+    if d.model.has_armatures:
         return
     elimination, factors = d.work.elimination, d.work.factors
     set_middle(d, factors, FREE, elimination.middle_xx, elimination.middle_xy, elimination.middle_yy)

@@ -46,10 +46,10 @@ FRACTION_ERROR = 1e-17  # the relative error at which the fraction has enough le
 LARGEST_TURN, PANEL = 24.0, 6.0
 # Gauss and Legendre's nodes and weights on [0, 1]
 # fmt: off
-NODES = (0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
+GAUSS_NODES = (0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
     0.3160842505009099, 0.43738329574426554, 0.5626167042557345, 0.6839157494990901,
     0.7936589771433087, 0.8849513370971523, 0.9520586281852375, 0.9907803171233597)
-WEIGHTS = (0.023587668193255914, 0.05346966299765921, 0.08003916427167311, 0.10158371336153296,
+GAUSS_WEIGHTS = (0.023587668193255914, 0.05346966299765921, 0.08003916427167311, 0.10158371336153296,
     0.1167462682691774, 0.12457352290670139, 0.12457352290670139, 0.1167462682691774,
     0.10158371336153296, 0.08003916427167311, 0.05346966299765921, 0.023587668193255914)
 # fmt: on
@@ -176,11 +176,11 @@ def fresnel(middle, since, g, u, v):
 
     ``middle`` is Φ* = Φ(s*), and ``since`` is the time since s* [s].
     """
-    for n in range(len(NODES)):
-        t = since * NODES[n]
+    for n in range(len(GAUSS_NODES)):
+        t = since * GAUSS_NODES[n]
         cosine, sine = direction(middle + 0.5 * g * t * t)
-        u += WEIGHTS[n] * since * cosine
-        v += WEIGHTS[n] * since * sine
+        u += GAUSS_WEIGHTS[n] * since * cosine
+        v += GAUSS_WEIGHTS[n] * since * sine
     return u, v
 
 
@@ -194,11 +194,11 @@ def by_quadrature(d, i, m, s, rise):
         panels += 1
     total = 0.0 * s
     for panel in range(panels):
-        for n in range(len(NODES)):
-            t = s * ((panel + NODES[n]) / panels)
+        for n in range(len(GAUSS_NODES)):
+            t = s * ((panel + GAUSS_NODES[n]) / panels)
             r, _, _ = smooth(t / rise)
             _, sine = direction(phase(d, i, t))
             for _ in range(1, m):
                 r *= s - t
-            total += WEIGHTS[n] / panels * s * r * sine
+            total += GAUSS_WEIGHTS[n] / panels * s * r * sine
     return total

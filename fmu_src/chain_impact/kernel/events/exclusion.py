@@ -142,7 +142,7 @@ def way_per_radian(d):
     its relative angle, at most 2 rad, times the length of the longest link. This distance is larger if one
     link is longer than all others together.
     """
-    if d.model.stopped and d.links > 1:
+    if d.model.has_stops and d.links > 1:
         return max(d.model.reach, 2.0 * d.model.size)
     return d.model.reach
 

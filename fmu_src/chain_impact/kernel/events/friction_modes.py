@@ -31,6 +31,7 @@ from chain_impact.kernel.forces.friction import (
     set_mode,
 )
 from chain_impact.kernel.forces.holding import project_state
+from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
@@ -135,6 +136,7 @@ def first_guess(d, e, jumped):
     return STICKS if before == NO_FRICTION else before
 
 
+@has_dual_rule
 def choose_modes(d):
     """Change the modes of undecided elements until all modes are consistent.
 

@@ -122,7 +122,7 @@ def apply_events(d):
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
-    changed = d.friction.used != 0 or d.model.limited != 0
+    changed = d.friction.used != 0 or d.model.has_drive_limits != 0
     if changed:
         expect_peaks(d)
     return jumped or rigid or changed

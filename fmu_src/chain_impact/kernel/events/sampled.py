@@ -337,7 +337,7 @@ find_mode_change = search_by_inputs(
 
 def is_past_limit(d, _c):
     """Return whether a stage of the last step, or its end, is beyond the end of a drive's mode."""
-    if not d.model.limited:
+    if not d.model.has_drive_limits:
         return False
     ensure_inputs(d, d.step.state_end)
     return min(d.drive.margin, mode_margin(d, d.step.state_end)) < 0.0
@@ -354,8 +354,8 @@ def may_pass_limit(d, c):
     """Return whether to search all drives with limits: fast inputs act in one of these drives."""
     if d.signals > 0 and d.inputs.course.order == 0:
         turn = (d.step.end - d.step.start) * rate_of_drives(d)
-        return is_past_limit(d, c) or (d.model.limited != 0 and turn > SWEPT)
-    return d.model.limited != 0
+        return is_past_limit(d, c) or (d.model.has_drive_limits != 0 and turn > SWEPT)
+    return d.model.has_drive_limits != 0
 
 
 def mark_limit(d, _c, _theta):

@@ -5,6 +5,7 @@ from chain_impact.kernel.chain.joints import wanted_torque
 from chain_impact.kernel.chain.slider import wanted_force
 from chain_impact.kernel.events.marks import mark_saturation
 from chain_impact.kernel.forces.inputs import ensure_inputs
+from chain_impact.kernel.functions import has_dual_rule
 
 
 def clear_saturation(d):
@@ -18,9 +19,10 @@ def clear_saturation(d):
     mark_saturation(d, 0)
 
 
+@has_dual_rule
 def choose_saturation(d):
     """Choose the modes of all drives at the end of the last step, where a drive has left its mode."""
-    if not d.model.limited:
+    if not d.model.has_drive_limits:
         return
     ensure_inputs(d, d.step.state_end)
     for i in range(d.links):

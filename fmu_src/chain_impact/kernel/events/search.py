@@ -103,7 +103,7 @@ def find_event_without_crossing(d):
         ensure_dense(d, SOLVER)  # `update_held_extremes` needs the dense output as well
         return find_sampled_event(d, -1.0)
     theta = find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
-    return find_saturation(d, theta) if d.model.limited else theta
+    return find_saturation(d, theta) if d.model.has_drive_limits else theta
 
 
 def find_sampled_event(d, theta):

@@ -11,6 +11,7 @@ from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import renew_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.forces.inputs import SAME_TIME, ensure_inputs, limit_to
+from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
@@ -136,8 +137,9 @@ def begin_segment(d, j):
     return NO_JUMP if same(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS
 
 
+@has_dual_rule
 def shift_start(_d, _delay):
     """Move the start of the next step to the end of a segment, which is a ``delay`` [s] later.
 
-    The delay is only round-off, but may have derivatives (tangent/rules.py).
+    The delay is only round-off, but may have derivatives.
     """

@@ -215,7 +215,7 @@ def list_touching(d):
     if d.contact.any_rigid:
         list_kind(d, 1)
     touch.stop_count = 0
-    for k in range(touch.active_count if d.model.stopped else 0):
+    for k in range(touch.active_count if d.model.has_stops else 0):
         touch.stop_count += at_joint(d, touch.active_index[k])
     if d.friction.used:
         list_friction(d)

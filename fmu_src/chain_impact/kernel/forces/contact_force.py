@@ -15,7 +15,7 @@ import math
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.contact_law import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint, lever
 
@@ -27,6 +27,7 @@ INCREMENT = 1e-5
 TURNED = 0.3
 
 
+@has_dual_rule
 def power_of_depth(depth, exponent):
     """Return δ^exponent for δ ≥ 0; the most usual exponents need roots and products only."""
     if exponent == 1.5:
@@ -207,6 +208,7 @@ def user_contact_force(d, c, depth, rate):
     return force / arm
 
 
+@has_dual_rule
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
     """Return the force of a user's law, before it is cut off at 0."""
     return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)

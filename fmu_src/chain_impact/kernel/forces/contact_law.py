@@ -6,7 +6,7 @@ moment M = K φⁿ of the stiffness K, the stiffness of this contact is K/sⁿ�
 m/s is s times the given speed in rad/s.
 
 Candidates whose parameters have the same origin, such as the same wall, have the same law. The kernel derives
-the law's constants for the first of these candidates; the others copy the constants (``law.same_as``).
+the damping of the law for the first of these candidates; the others copy it (``law.same_as``).
 """
 
 import math
@@ -19,9 +19,9 @@ from chain_impact.kernel.forces.laws import (
     EXPONENTS,
     LAW_COUNT,
     LEAST_RESTITUTIONS,
-    NEWTON_IMPACT,
     RATE_EXPONENTS,
     damping_factor,
+    is_impulsive,
     wall_friction,
 )
 from chain_impact.kernel.mathematics.powers import power
@@ -82,10 +82,10 @@ def update_laws(d):
         first = d.law.same_as[c]
         if first == c:
             derive_damping(d, c)
-            set_parameters(d, c)
-            note_kind(d, c)
         else:
-            copy_law(d.law, first, c)
+            copy_damping(d.law, first, c)
+        set_parameters(d, c)
+        note_kind(d, c)
     return OK
 
 
@@ -97,7 +97,7 @@ def check_laws(d):
             return refuse_candidate(d, c, status)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
-        if given_number(d, c) == NEWTON_IMPACT:
+        if is_impulsive(given_number(d, c)):
             return refuse_candidate(d, c, RIGID_WHILE_TOUCHING)
     return OK
 
@@ -175,7 +175,7 @@ def check_law(d, c):
     status = check_values(d, c)
     if status != OK:
         return status
-    if number == NEWTON_IMPACT and max(given_friction(d, c)) > 0.0:
+    if is_impulsive(number) and max(given_friction(d, c)) > 0.0:
         return FRICTION_WITH_RIGID_WALLS
     if number == USER_LAW:
         return OK
@@ -206,7 +206,7 @@ def derive_damping(d, c):
     if is_derived(d, c):
         return
     law, number = d.law, given_number(d, c)
-    law.impulsive[c] = number == NEWTON_IMPACT
+    law.impulsive[c] = is_impulsive(number)
     law.rate_exponent[c], law.approach_only[c], law.damping_factor[c] = exponent(d, c), 0, 0.0
     if number <= LAW_COUNT:
         if RATE_EXPONENTS[number - 1] != ANY:
@@ -215,15 +215,10 @@ def derive_damping(d, c):
         law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
 
 
-def copy_law(law, source, c):
-    """Copy the law of candidate ``source`` to candidate c."""
-    law.number[c], law.exponent[c] = law.number[source], law.exponent[source]
-    law.stiffness[c], law.restitution[c] = law.stiffness[source], law.restitution[source]
+def copy_damping(law, source, c):
+    """Copy what ``derive_damping`` has derived for candidate ``source`` to candidate c."""
     law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]
     law.rate_exponent[c], law.damping_factor[c] = law.rate_exponent[source], law.damping_factor[source]
-    law.minimum_impact_speed[c] = law.minimum_impact_speed[source]
-    law.harmless_depth[c] = law.harmless_depth[source]
-    law.friction[c], law.static_friction[c] = law.friction[source], law.static_friction[source]
 
 
 def set_parameters(d, c):

@@ -51,7 +51,7 @@ def joint_of(d, e):
 
 def set_friction_used(d):
     """Record whether any contact or joint has dry friction, in a record with room for friction."""
-    rubs = max(d.contact.any_friction, d.model.rubbing)
+    rubs = max(d.contact.any_friction, d.model.has_joint_friction)
     if d.slides and d.slider.friction > 0.0:
         rubs = 1
     d.friction.used = rubs if d.elements > 0 else 0
@@ -90,7 +90,7 @@ def list_friction(d):
             d.element.index[friction.count] = d.touch.active_index[k]
             friction.count += 1
     friction.contact_count = friction.count
-    for i in range(0 if d.model.pinned else 1, d.links if d.model.rubbing else 0):
+    for i in range(0 if d.model.pinned else 1, d.links if d.model.has_joint_friction else 0):
         if d.model.joint_friction[i] > 0.0:
             e = d.candidates + i
             d.element.index[friction.count] = e

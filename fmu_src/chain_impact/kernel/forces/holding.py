@@ -17,6 +17,7 @@ from chain_impact.kernel.chain.response import FREE, take_factors
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
 from chain_impact.kernel.forces.contact import keep_force
 from chain_impact.kernel.forces.friction import NOT_HELD, keep_static_forces
+from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass, solve_space
 from chain_impact.kernel.rows.constraints import (
     activate_all,
@@ -236,6 +237,7 @@ def momentum(d, vectors):
     return x, y
 
 
+@has_dual_rule
 def contact_resistance(d):
     """Return the resistance [kg] of a contact with a force law against a projection."""
     return RESISTANCE * mean_mass(d)

@@ -26,7 +26,7 @@ from chain_impact.kernel.mathematics.exponentials import exp, expm1
 from chain_impact.kernel.mathematics.logarithms import log, log1p
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
-POWERS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ "}
+DEPTH_FACTORS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ "}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 
@@ -74,7 +74,7 @@ class ContactLaw:
             return FAMILY_FORCE
         rate = "max(0, δ̇)" if self.approach_only else "δ̇"
         spring = "Kδ" if self.exponent == 1.0 else "Kδ√δ"
-        return f"{spring} + d {POWERS[self.rate_exponent]}{rate}"
+        return f"{spring} + d {DEPTH_FACTORS[self.rate_exponent]}{rate}"
 
     @property
     def damping(self) -> str:
@@ -343,11 +343,10 @@ def newton_impact(e):
     return 0.0 * e
 
 
-__all__ = ["CONTACT_LAWS", "LAW_COUNT", "NEWTON_IMPACT", "contact_law", "damping_factor", "wall_friction"]
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "contact_law", "damping_factor", "is_impulsive", "wall_friction"]
 
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
-NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
 _factor = dispatch([law.damping_factor for law in _LAWS])
 # stands for "any exponent", or for "equal to the exponent", in the kernel
 ANY = -1.0
@@ -357,11 +356,17 @@ RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent f
 LEAST_RESTITUTIONS = tuple(0.0 if law.allows_zero else 1e-300 for law in _LAWS)
 MASS_POWERS = tuple(law.mass_power for law in _LAWS)
 APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
+IMPULSIVE = tuple(int(law.impulsive) for law in _LAWS)
 
 
 def damping_factor(law, restitution):
     """Return f(e) of the law with the number ``law``, counted from 1."""
     return _factor(law - 1, restitution)
+
+
+def is_impulsive(law):
+    """Return whether the law with the number ``law`` has impulses, not a force; a user's law has a force."""
+    return law <= LAW_COUNT and IMPULSIVE[law - 1] != 0
 
 
 def wall_friction(sliding, static, own_sliding, own_static):

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits, double
 
 # [rad] the largest angle that ``cosine_and_sine`` accepts; the reduction of a larger angle loses digits
@@ -30,12 +30,12 @@ C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
 # the bits of 2/π in pieces of PIECE bits; a reduction takes PIECES of them, and more would not change the
 # result
 PIECE, PIECES = 24, 6
-LAST = 971  # the exponent of 2 in the last binary digit of the largest double
+LAST_DIGIT = 971  # the exponent of 2 in the last binary digit of the largest double
 
 
 def _pieces():
     """Return the binary digits of 2/π after the point, in pieces of PIECE digits."""
-    count = LAST // PIECE + PIECES + 1
+    count = LAST_DIGIT // PIECE + PIECES + 1
     places = PIECE * count + 32
     # π = 16 arctan(1/5) − 4 arctan(1/239) (Machin 1706)
     digits = (2 << 2 * places) // (16 * _fixed_arctangent(5, places) - 4 * _fixed_arctangent(239, places))
@@ -55,6 +55,7 @@ def _fixed_arctangent(n, places):
 DIGITS = _pieces()
 
 
+@has_dual_rule
 def direction(angle):
     """Return the cosine and sine of any angle."""
     if abs(angle) < LARGEST_ANGLE:

@@ -7,22 +7,22 @@ import math
 
 import numpy as np
 
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import FIXED, FRACTION, ROUND, bits, double, in_two
 from chain_impact.kernel.mathematics.logarithms import LN_2, PLACES, TINY, parts_beside_one
 
-SIZE_BITS = 7  # the table has 2⁷ powers
-SIZE = 1 << SIZE_BITS
+POWER_COUNT_BITS = 7  # the table has 2⁷ powers
+POWER_COUNT = 1 << POWER_COUNT_BITS
 # coefficients of the best approximation on |r| < ln 2/256, by Remez's exchange: e^r = 1 + r + r² P(r)
-P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.008333335946890487)
-STEP_HIGH, STEP_LOW = in_two(LN_2 // SIZE, PLACES)
-STEPS_PER_ONE = (SIZE << FIXED) / LN_2
+EXP_P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.008333335946890487)
+STEP_HIGH, STEP_LOW = in_two(LN_2 // POWER_COUNT, PLACES)
+STEPS_PER_ONE = (POWER_COUNT << FIXED) / LN_2
 ROUND_BITS = bits(ROUND)
 COMMON = 650.0  # the largest |x| for ``common``: e^x is finite, and not so small that it would lose digits
 # Half of the range of exponents. For |x| > COMMON, e^x is e^(x ∓ 512 ln 2) times 2^±512, which rounds once.
-FAR = 512
-UP, DOWN = 2.0**FAR, 2.0**-FAR
-FAR_HIGH, FAR_LOW = in_two(FAR * LN_2, PLACES)
+HALF_RANGE = 512
+UP, DOWN = 2.0**HALF_RANGE, 2.0**-HALF_RANGE
+HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two(HALF_RANGE * LN_2, PLACES)
 OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
 NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 gives eleven digits of e^x − 1
 STEEP = 40.0  # from this x on, the 1 in e^x − 1 is less than a hundredth of the last digit of e^x
@@ -31,9 +31,9 @@ STEEP = 40.0  # from this x on, the 1 in e^x − 1 is less than a hundredth of t
 def _table():
     """Return the bits of 2^(j/128), and the rounding errors of these powers, relative to the powers."""
     patterns, rests = [], []
-    for j in range(SIZE):
+    for j in range(POWER_COUNT):
         power, root = 1 << FIXED, 2 << FIXED
-        for bit in reversed(range(SIZE_BITS)):  # a factor √2, √√2, … for each bit of the index j in the table
+        for bit in reversed(range(POWER_COUNT_BITS)):  # a factor √2, √√2, … for each bit of the index j
             root = math.isqrt(root << FIXED)
             power = power * root >> FIXED if j >> bit & 1 else power
         high, low = in_two(power, FRACTION)
@@ -52,9 +52,9 @@ def common(high, low):
     steps = shifted - ROUND
     count = bits(shifted) - ROUND_BITS
     r = ((high - steps * STEP_HIGH) - steps * STEP_LOW) + low
-    j, r2 = count & (SIZE - 1), r * r
-    tail = (float(REST[j]) + r) + r2 * ((P[0] + r * P[1]) + r2 * (P[2] + r * P[3]))
-    power = double(int(POWER_BITS[j]) + ((count >> SIZE_BITS) << FRACTION))
+    j, r2 = count & (POWER_COUNT - 1), r * r
+    tail = (float(REST[j]) + r) + r2 * ((EXP_P[0] + r * EXP_P[1]) + r2 * (EXP_P[2] + r * EXP_P[3]))
+    power = double(int(POWER_BITS[j]) + ((count >> POWER_COUNT_BITS) << FRACTION))
     return power + power * tail
 
 
@@ -67,15 +67,17 @@ def of_sum(high, low):
     if high < UNDERFLOW:
         return 0.0
     if high > 0.0:
-        return common(high - FAR_HIGH, low - FAR_LOW) * UP
-    return common(high + FAR_HIGH, low + FAR_LOW) * DOWN
+        return common(high - HALF_RANGE_HIGH, low - HALF_RANGE_LOW) * UP
+    return common(high + HALF_RANGE_HIGH, low + HALF_RANGE_LOW) * DOWN
 
 
+@has_dual_rule
 def exp(x):
     """Return e^x."""
     return math.nan if math.isnan(x) else of_sum(x, 0.0)
 
 
+@has_dual_rule
 def expm1(x):
     """Return e^x − 1."""
     if abs(x) < TINY:

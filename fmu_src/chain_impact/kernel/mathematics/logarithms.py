@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from chain_impact.kernel.functions import inlined
+from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import (
     FIXED,
     FRACTION,
@@ -21,14 +21,20 @@ from chain_impact.kernel.mathematics.doubles import (
     in_two,
 )
 
-SIZE, WIDTH_BITS = 256, 44  # number of intervals of m; an interval has 2⁴⁴ doubles
+MANTISSA_INTERVALS, WIDTH_BITS = 256, 44  # number of intervals of m; an interval has 2⁴⁴ doubles
 # The first interval begins near √½. The interval MIDDLE, where c = 1, reaches as far below 1 as above it: so
 # ln x is exact near x = 1.
 MIDDLE = 150
 FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
 PLACES = 42  # number of bits after the point in ln 2 and ln c; k ln 2 − ln c is then exact for |k| < 2¹¹
 # coefficients of the best approximation on |r| < 0.0035, by Remez's exchange: ln(1 + r) = r − r²/2 + r³ P(r)
-P = (0.33333333333333337, -0.24999999999045547, 0.1999999999789618, -0.1666689359914569, 0.14285993276740327)
+LOG_P = (
+    0.33333333333333337,
+    -0.24999999999045547,
+    0.1999999999789618,
+    -0.1666689359914569,
+    0.14285993276740327,
+)
 TINY = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are equal to x in double precision
 
 
@@ -46,7 +52,7 @@ def fixed_logarithm(a, b):
 def _table():
     """Return three columns with a row for each interval of m: c, and −ln c in two parts."""
     rows = []
-    for i in range(SIZE):
+    for i in range(MANTISSA_INTERVALS):
         m = double(FIRST + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))
         # c has 9 bits, so r = m c − 1 is exact
         unit = 512 if m > 1.0 else 256
@@ -68,7 +74,7 @@ def parts(pattern):
         pattern: the bits of the number.
     """
     k = (pattern - FIRST) >> FRACTION
-    i = ((pattern - FIRST) >> WIDTH_BITS) & (SIZE - 1)
+    i = ((pattern - FIRST) >> WIDTH_BITS) & (MANTISSA_INTERVALS - 1)
     m, c = double(pattern - (k << FRACTION)), float(INVERSE[i])
     # r = m c − 1 is the sum of u and v; u, v, r and u² are exact
     m_front = front(m)
@@ -82,7 +88,7 @@ def parts(pattern):
     # the part of −r²/2 that −u²/2 lacks: r² − u² = v (u + r)
     small = (float(k) * LN_2_LOW + float(LOG_LOW[i])) - 0.5 * v * (u + r)
     r2 = r * r
-    tail = r * r2 * ((P[0] + r * P[1]) + r2 * ((P[2] + r * P[3]) + r2 * P[4]))
+    tail = r * r2 * ((LOG_P[0] + r * LOG_P[1]) + r2 * ((LOG_P[2] + r * LOG_P[3]) + r2 * LOG_P[4]))
     return high, (rounded + small) + tail
 
 
@@ -94,6 +100,7 @@ def any_parts(x):
     return parts(pattern)
 
 
+@has_dual_rule
 def log(x):
     """Return ln x; −∞ for x = 0, and NaN for x < 0."""
     if 0.0 < x < math.inf:
@@ -113,6 +120,7 @@ def parts_beside_one(x):
     return high, low + (lost - 0.5 * lost * lost) / whole
 
 
+@has_dual_rule
 def log1p(x):
     """Return ln(1 + x)."""
     if abs(x) < TINY:

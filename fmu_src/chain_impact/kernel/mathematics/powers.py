@@ -2,6 +2,7 @@
 
 import math
 
+from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.mathematics.doubles import INFINITY, LEAST_NORMAL, bits, product
 from chain_impact.kernel.mathematics.exponentials import COMMON, common, of_sum
 from chain_impact.kernel.mathematics.logarithms import any_parts, parts
@@ -10,6 +11,7 @@ ALL_EVEN = 2.0**53  # from this number on all doubles are even integers
 HUGE_EXPONENT = 2.0**64  # |y| from which x^y is 0, 1 or infinite
 
 
+@has_dual_rule
 def power(x, y):
     """Return x^y."""
     pattern = bits(x)

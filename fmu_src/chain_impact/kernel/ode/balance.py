@@ -245,7 +245,7 @@ def is_long(d):
         return True
     if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
         return True
-    resisted = d.model.resisting and d.step.last_method == EXPLICIT
+    resisted = d.model.has_springs_or_dampers and d.step.last_method == EXPLICIT
     return resisted and joints_over(d, d.step.end - d.step.start) > STABLE
 
 
@@ -293,7 +293,7 @@ def scales(d, y):
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
-    if d.model.sprung:
+    if d.model.has_springs:
         for i in range(d.links):
             moment = spring_stiffness(d, i) * abs(stretch(d, y, i))
             scale += moment

@@ -30,6 +30,7 @@ from chain_impact.kernel.ode.control import (
     INFINITE,
     LATE,
     ORDER,
+    PAST_END,
     clear_faded,
     conclude,
     largest_errors,
@@ -56,14 +57,14 @@ from chain_impact.kernel.ode.extended import (
 )
 from chain_impact.kernel.ode.friction_work import keep_friction, settle_friction, work_along
 from chain_impact.kernel.ode.radau import (
-    AT_END,
-    AT_START,
     COMPLEX_EIGENVALUES,
+    END_WEIGHTS,
     ITERATIONS,
     NODES,
     PAIRS,
     RADAU_STAGES,
     REAL_EIGENVALUE,
+    START_WEIGHTS,
     lagrange,
     simplified_newton,
 )
@@ -78,9 +79,6 @@ FORETOLD = (1.2, 2.0, 3.0)
 # complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
 # solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-# The size of a step divided by the predicted time to the end of a contact. The prediction has an error of
-# some hundredths, so a smaller value would leave a tiny step before the end.
-PAST_END = 1.04
 FORCELESS = 1e-3  # a contact that ends within this part of a step has practically no force left
 # the length of the first step after an event at a tolerance of 1, in time constants of a fast motion
 DECAY_TIMES = 3.0
@@ -299,9 +297,9 @@ def estimate(d, h, size):
     for j in range(size):
         start, end = implicit.start_rate[j], implicit.rates[LAST, j]
         for i in range(RADAU_STAGES):
-            start -= AT_START[i] * implicit.rates[i, j]
+            start -= START_WEIGHTS[i] * implicit.rates[i, j]
         for i in range(LAST):
-            end -= AT_END[i] * implicit.rates[i, j]
+            end -= END_WEIGHTS[i] * implicit.rates[i, j]
         implicit.parts[0, j], implicit.parts[1, j] = shift * start, shift * end
     solve_real(d, shift, implicit.parts[0])
     solve_real(d, shift, implicit.parts[1])

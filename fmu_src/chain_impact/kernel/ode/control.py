@@ -45,6 +45,9 @@ ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
 ONSET_ORDER = (8, 3.5)  # the implicit order: the force is proportional to δ^(3/2) and is integrated twice
+# The size of a step over the predicted time to the end of a contact, for both methods. The prediction has an
+# error of some hundredths, so a smaller value would leave a tiny step before the end.
+PAST_END = 1.04
 
 
 def chosen(choice):
@@ -260,7 +263,7 @@ def scaled_errors(d):
     for k in range(d.touch.active_count):
         first = max(first, abs(d.touch.gap_error[0, k]) / scale[gaps + k])
         second = max(second, abs(d.touch.gap_error[1, k]) / scale[gaps + k])
-    if any_constraint(d) and d.model.resisting:
+    if any_constraint(d) and d.model.has_springs_or_dampers:
         first, second = max(first, moment_error(d, 0)), max(second, moment_error(d, 1))
     if not math.isfinite(total):
         return math.inf, math.inf

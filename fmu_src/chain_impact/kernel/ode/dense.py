@@ -13,6 +13,7 @@ nothing in a scene that does not request them.
 import numpy as np
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.functions import has_dual_rule
 
 # p, q of the basis functions θᵖ (1−θ)^q, which F₀ to F₆ multiply
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
@@ -60,6 +61,7 @@ def change_within(step, theta, j):
     return theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
 
 
+@has_dual_rule
 def fraction(d, time):
     """Return the fraction θ of the last step at a time [s]."""
     elapsed = time - d.step.start

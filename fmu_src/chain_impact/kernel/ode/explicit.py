@@ -15,6 +15,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.functions import inlined, sequence
 from chain_impact.kernel.ode.control import (
+    PAST_END,
     RUNS_BACK,
     conclude,
     controlled_count,
@@ -27,7 +28,7 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_
 from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
 from chain_impact.kernel.status import count_evaluations
 
-ORDER = 8
+EXPLICIT_ORDER = 8
 # number of stages of a step; stage 12 is the rate at the end of the step, stages 13 to 15 are for dense
 # output
 STEP_STAGES = 12
@@ -99,21 +100,21 @@ D: tuple[dict[int, float], ...] = (
 
 
 STAGES = len(A)
-LAST = STEP_STAGES  # index of the stage at the end of the step
+END_STAGE = STEP_STAGES  # index of the stage at the end of the step
 # The limits near the end of a contact. If a step that is longer by up to STRETCH passes the end of the
-# contact, the step gets PAST_END times the predicted time to the end, because the prediction has an error of
-# some hundredths. Otherwise the step covers at most half of this time, so that no tiny step remains.
-PAST_END, STRETCH = 1.04, 1.2
+# contact, the step gets PAST_END times the predicted time to the end. Otherwise the step covers at most half
+# of this time, so that no tiny step remains.
+STRETCH = 1.2
 # The last part of a step in which a contact that ends has practically no force left: its penetration may be
 # round-off. The search for events finds this end. A step that ends there could be shorter than the resolution
 # of time.
-FORCELESS = 1e-6
+UNRESOLVED_END = 1e-6
 # The errors, relative to the tolerance, below which and above which a square could underflow or overflow. At
 # rest, held points have practically no speed, and such small errors occur.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # number of new right-hand sides in a step, without the one at the end of the step
-STEP_EVALUATIONS = LAST - 1
-DENSE_EVALUATIONS = STAGES - LAST  # number of right-hand sides for the dense output
+STEP_EVALUATIONS = END_STAGE - 1
+DENSE_EVALUATIONS = STAGES - END_STAGE  # number of right-hand sides for the dense output
 
 
 def weighted_sum(row):
@@ -181,9 +182,9 @@ def _stage(i, accepted):
     return stage
 
 
-_stages = sequence(*(_stage(i, accepted=False) for i in range(1, LAST)))
+_stages = sequence(*(_stage(i, accepted=False) for i in range(1, END_STAGE)))
 _step_end, _step_sum = combination(B), weighted_sum(B)
-_dense_stages = sequence(*(_stage(i, accepted=True) for i in range(LAST + 1, STAGES)))
+_dense_stages = sequence(*(_stage(i, accepted=True) for i in range(END_STAGE + 1, STAGES)))
 _errors = combinations(E5, E3)
 _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 
@@ -230,7 +231,7 @@ def up_to(h, left):
 
     Both are in the step's integration variable.
     """
-    if left < FORCELESS * h:
+    if left < UNRESOLVED_END * h:
         return h
     if PAST_END * left < STRETCH * h:
         return PAST_END * left
@@ -293,8 +294,8 @@ def change_by_rates(d, j):
 def dense_output(d, h):
     """Set the dense output of the last step, of size h."""
     locate_points(d, d.step.state_end)
-    regularize(d, d.step.state_end, d.work.rate_end, d.work.stage[LAST])
-    set_quadrature_stage_at_end(d, LAST)
+    regularize(d, d.step.state_end, d.work.rate_end, d.work.stage[END_STAGE])
+    set_quadrature_stage_at_end(d, END_STAGE)
     _dense_stages(d, h)
     _interpolant(d.step, d.work.stage, len(d.work.y), h)
     if d.quadrature.count > 0:
@@ -308,6 +309,6 @@ def _interpolant(step, stages, count, h):
         change = step.state_end[j] - step.state[j]
         step.dense[0, j] = change
         step.dense[1, j] = h * stages[0, j] - change
-        step.dense[2, j] = 2.0 * change - h * (stages[LAST, j] + stages[0, j])
+        step.dense[2, j] = 2.0 * change - h * (stages[END_STAGE, j] + stages[0, j])
     _high_01(stages, h, step.dense[3, :count], step.dense[4, :count])
     _high_23(stages, h, step.dense[5, :count], step.dense[6, :count])

@@ -177,14 +177,14 @@ def factorize_shift(d, s, space, row):
     for k in range(compliant(d), constraint_rows(d)):
         add_impedance(constraint(d, k), space.impedance, holding_impedance(d))
     join(d, space.impedance, s)
-    factorize(d, d.implicit.link, space, row, d.model.resisting != 0 or joints_loaded(d))
+    factorize(d, d.implicit.link, space, row, d.model.has_springs_or_dampers != 0 or joints_loaded(d))
 
 
 def solve_shift(d, s, space, row, x):
     """Solve (1 − s A) x = r for the shift s [s] that ``factorize_shift`` had; x holds r at the start."""
     n, implicit, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
-    if d.model.resisting:
+    if d.model.has_springs_or_dampers:
         for i in range(n):
             # angular impulse of damper and spring of joint i: its part of K r_v + s S r_q
             turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)

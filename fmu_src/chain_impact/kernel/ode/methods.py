@@ -61,13 +61,13 @@ def choose_method(d):
     """Choose the method of the next step, with the points located at the start of this step."""
     step = d.step
     touching = d.touch.active_count > 0
-    if d.contact.any_rigid and not (d.contact.any_force or d.model.resisting):
+    if d.contact.any_rigid and not (d.contact.any_force or d.model.has_springs_or_dampers):
         begin_explicit(d)  # constraints by rigid walls are not stiff
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
         if touching and step.method == EXPLICIT:
             keep_stable(d)
-    elif not (touching or d.model.resisting):
+    elif not (touching or d.model.has_springs_or_dampers):
         begin_explicit(d)  # nothing is stiff
     elif step.end > step.start:  # the run was not re-initialized just now
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
@@ -168,7 +168,7 @@ def reset_stiff_count(d):
 def stiffness_number(d, h):
     """Return the product hρ for a step of size h [s]; ρ is the fastest rate of contacts and of joints."""
     z = h * fastest_contact(d)
-    return max(z, joints_over(d, h)) if d.model.resisting else z
+    return max(z, joints_over(d, h)) if d.model.has_springs_or_dampers else z
 
 
 def joints_over(d, h):

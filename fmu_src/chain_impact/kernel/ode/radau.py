@@ -25,7 +25,7 @@ import math
 from chain_impact.kernel.functions import sequence
 from chain_impact.kernel.mathematics.powers import power
 
-ORDER = 9
+RADAU_ORDER = 9
 RADAU_STAGES = 5
 PAIRS = 2  # number of pairs of complex eigenvalues
 
@@ -74,9 +74,9 @@ RIGHT: tuple[tuple[float, ...], ...] = (
 )
 # The weights that give the value at 0 of the polynomial through the values at all nodes, and the value at 1
 # of the polynomial through the values at all nodes except the last.
-AT_START = (1.5864079001863283, -1.008117881498373, 0.7309748661597875, -0.5092648848477427,
+START_WEIGHTS = (1.5864079001863283, -1.008117881498373, 0.7309748661597875, -0.5092648848477427,
     0.2)
-AT_END = (-0.4529527392493014, 1.3954519620824528, -2.1329496909650074, 2.1904504681318557)
+END_WEIGHTS = (-0.4529527392493014, 1.3954519620824528, -2.1329496909650074, 2.1904504681318557)
 # fmt: on
 
 

@@ -46,14 +46,14 @@ def model_dtype(links: int) -> np.dtype:
         # ---- derived at initialization
         ("center_of_mass", REAL, (links,)),  # m from the proximal joint
         ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
-        ("damped", INTEGER),  # 1: some joint has damping
-        ("sprung", INTEGER),  # 1: some joint has a spring
-        ("stopped", INTEGER),  # 1: some joint has a stop
-        ("rubbing", INTEGER),  # 1: some joint has dry friction
-        ("jointed", INTEGER),  # 1: some joint has a stop or dry friction, so that all joints have places
-        ("geared", INTEGER),  # 1: some joint has an armature
-        ("limited", INTEGER),  # 1: the torque of a joint, or the force of the slider, has a limit
-        ("resisting", INTEGER),  # 1: some joint has damping or a spring
+        ("has_dampers", INTEGER),  # 1: some joint has damping
+        ("has_springs", INTEGER),  # 1: some joint has a spring
+        ("has_springs_or_dampers", INTEGER),  # 1: some joint, or the slider, has damping or a spring
+        ("has_stops", INTEGER),  # 1: some joint has a stop
+        ("has_joint_friction", INTEGER),  # 1: some joint has dry friction
+        ("has_joint_places", INTEGER),  # 1: some joint has a stop or dry friction: all joints have places
+        ("has_armatures", INTEGER),  # 1: some joint has an armature
+        ("has_drive_limits", INTEGER),  # 1: the torque of a joint, or the force of the slider, has a limit
         # 1/s, upper bound on the rates of the motions that dampers and springs of joints cause
         ("joint_bound", REAL),
         # distance of the centre of mass from the proximal joint, divided by the length

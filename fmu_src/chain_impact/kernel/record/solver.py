@@ -142,7 +142,7 @@ def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
 
 
 def elimination_dtype(links: int) -> np.dtype:
-    """Return the layout of the results h/H, 1/H and h₀/H of chain/tree.py for each link."""
+    """Return the layout of the results h/H, 1/H and h₀/H of chain/elimination.py for each link."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
         # kg, articulated inertia at the joint where the arms of a free chain meet
@@ -160,7 +160,7 @@ def elimination_dtype(links: int) -> np.dtype:
     factors="chain/response.py",
     moment="equations.py",
     thrust="equations.py",
-    elimination="chain/tree.py",
+    elimination="chain/elimination.py",
     change="ode/friction_work.py",
     reach="events/crossing.py",
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),

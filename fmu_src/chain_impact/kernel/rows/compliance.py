@@ -80,7 +80,7 @@ def factorize_contacts(d, row, impedance):
 
 def joints_loaded(d):
     """Return whether joints transmit moments: by armatures, or constraints at stops or sticking joints."""
-    return d.model.geared != 0 or d.touch.stop_count + d.friction.stuck_joints > 0
+    return d.model.has_armatures != 0 or d.touch.stop_count + d.friction.stuck_joints > 0
 
 
 def solve_space(d, links, space, row, change):
@@ -162,7 +162,7 @@ def effective_mass(d, c):
     work, row = d.work, normal(d, c)
     no_impedance(d, work.impedance)
     join(d, work.impedance, 0.0)
-    factorize(d, work.link, work, FREE, d.model.geared != 0 or at_joint(d, c))
+    factorize(d, work.link, work, FREE, d.model.has_armatures != 0 or at_joint(d, c))
     clear_loads_of(d, work.load)
     add_along(row, work.load, 1.0)
     solve_space(d, work.link, work, FREE, work.change)

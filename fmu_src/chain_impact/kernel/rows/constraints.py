@@ -29,6 +29,7 @@ the residual.
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
+from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.rows.compliance import (
     SWEEPS,
     factorize_contacts,
@@ -218,10 +219,11 @@ def solve_single(d, row):
     return True
 
 
+@has_dual_rule
 def iterated_enough(_d, _iterations):
     """Return whether the iteration may end after so many iterations once the residual is round-off.
 
-    Dual numbers need more iterations: there tangent/rules.py replaces this function.
+    Dual numbers need more iterations.
     """
     return True
 

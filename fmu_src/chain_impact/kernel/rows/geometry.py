@@ -202,18 +202,18 @@ def constraint_acceleration(d, k):
 
 def to_joints(d, load):
     """Add the forces at the joints' places, as moments, to the moments in the joints."""
-    if d.model.jointed:
+    if d.model.has_joint_places:
         for i in range(d.links):
             load.joint[i] += d.model.size * load.x[d.links + 1 + i]
 
 
 def join(d, impedance, time):
     """Set the impedance of each joint: its armature, and its damper and spring over a time [s]."""
-    if d.model.jointed or d.model.resisting or d.model.geared:
+    if d.model.has_joint_places or d.model.has_springs_or_dampers or d.model.has_armatures:
         square = d.model.size * d.model.size
         for i in range(d.links):
             impedance.joint[i] = joint_armature(d, i) + joint_resistance(d, i, time)
-            if d.model.jointed:
+            if d.model.has_joint_places:
                 impedance.joint[i] += square * impedance.xx[d.links + 1 + i]
     if d.slides:
         add_impedance((0, d.slider.ux, d.slider.uy), impedance, slider_resistance(d, time))
@@ -222,7 +222,7 @@ def join(d, impedance, time):
 def clear_loads_of(d, load):
     """Set to zero the loads at all places and, in a scene that uses them, the moments in all joints."""
     zero(d, load)
-    if d.model.jointed or d.model.resisting or d.model.geared:
+    if d.model.has_joint_places or d.model.has_springs_or_dampers or d.model.has_armatures:
         clear_joints(load)
 
 
@@ -254,7 +254,7 @@ def speed_bound(d, vectors):
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
-    if d.model.stopped:
+    if d.model.has_stops:
         for k in range(d.links + 1, 2 * d.links + 1):
             most = max(most, abs(vectors.x[k]))
     for k in range(2 * d.links + 1, 2 * d.links + 1 + d.sites):

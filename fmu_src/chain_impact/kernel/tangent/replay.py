@@ -148,7 +148,7 @@ def copy_modes(d, t):
     """Copy the modes of friction and drives of d to t, which takes them in place of a choice (rules.py)."""
     for e in range(d.elements):
         t.element.chosen[e] = d.element.mode[e]
-    if d.model.limited:
+    if d.model.has_drive_limits:
         for i in range(d.links):
             t.drive.chosen[i] = d.drive.mode[i]
         t.slider.chosen = d.slider.mode
