@@ -7,6 +7,7 @@ import struct
 import uuid
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import accumulate
 from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -19,11 +20,29 @@ from chain_impact.variables.indices import word_index
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
-# the formats of the structures in compilation/c_interface/common/instance.h
-HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s15q"), 24
-ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
+VARIABLE = {
+    **dict.fromkeys(("low", "high"), "d"),  # lowest and highest value that can be set, both included
+    **dict.fromkeys(("word", "set_word"), "q"),  # words of the record; a new value is written to both
+    "length": "q",  # number of words from `word` on; more than one for an array
+    **dict.fromkeys(("type", "kind"), "i"),  # indices in TYPES and KINDS
+    **dict.fromkeys(("name", "allowed"), "i"),  # places of texts
+}
+"""Field of the structure ``Variable`` of the C interface → format. Words are indices, in doubles."""
+HEAD = {
+    "magic": "8s",
+    **dict.fromkeys(("size", "checksum"), "Q"),  # of the whole file; of the file after `checksum`
+    "guid": "40s",
+    **dict.fromkeys(("variable_count", "status_count", "place_count"), "q"),
+    **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "place_word"), "q"),
+    **dict.fromkeys(("contradiction_word", "position_word"), "q"),  # of motions; 0 if nothing moves
+    # places in bytes from the beginning of the file; places of texts are from `texts_at`
+    **dict.fromkeys(("variables_at", "statuses_at", "places_at", "texts_at", "record_at"), "q"),
+    "record_size": "q",
+}
+"""Field of the head of the table → format. docs/generate.py writes both structures for C, in shared.h."""
+CHECKED_FROM = struct.calcsize("<8sQQ")
 Rows = Sequence[tuple[list[Any], int]]
 """A row of the table for each variable, with the number of values of the variable."""
 
@@ -59,7 +78,7 @@ def _guid_of(contents: Iterable[bytes]) -> str:
 def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
     """Return the table with its GUID, and the record with the start values, in the form for the C interface.
 
-    The structures in compilation/c_interface/common/instance.h define the layout.
+    The parts are the head, the variables, the texts of statuses and places, the record, and the texts.
     """
     texts, record = bytearray(), prepared.start.tobytes()
     variables = [*((prepared.table_row(variable), 1) for variable in prepared.variables), *further]
@@ -68,42 +87,57 @@ def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
         texts.extend(content.encode() + b"\0")
         return len(texts) - len(content.encode()) - 1
 
-    rows = b"".join(
-        ROW.pack(
-            *(low, high, word, set_word, length),
-            *(TYPES.index(type_), KINDS.index(kind), text(name), text(allowed)),
-        )
-        for (name, type_, word, kind, low, high, allowed, set_word), length in variables
-    )
-    codes = range(max(STATUS_TEXT) + 1)
-    statuses = b"".join(PLACE.pack(text(STATUS_TEXT.get(code, "unknown status"))) for code in codes)
+    def row(variable: list[Any], length: int) -> dict[str, float]:
+        name, type_, word, kind, low, high, allowed, set_word = variable
+        numbers = {"low": low, "high": high, "word": word, "set_word": set_word, "length": length}
+        numbers |= {"type": TYPES.index(type_), "kind": KINDS.index(kind)}
+        return numbers | {"name": text(name), "allowed": text(allowed)}
+
     places = places_of(prepared.scene)
-    reasons = b"".join(PLACE.pack(text(place)) for place in places)
-    variables_at = HEAD.size
-    statuses_at = variables_at + len(rows)
-    places_at = statuses_at + len(statuses)
-    record_at = places_at + len(reasons)
-    texts_at = record_at + len(record)
-    numbers = [len(variables), len(codes), len(places), *_words(prepared)]
-    numbers += [variables_at, statuses_at, places_at, texts_at, record_at, len(record)]
-    parts = rows + statuses + reasons + record + bytes(texts)
-    head = HEAD.pack(MAGIC, HEAD.size + len(parts), 0, guid.encode(), *numbers)
-    checked = head[CHECKED_FROM:] + parts
-    return head[: CHECKED_FROM - 8] + zlib.crc32(checked).to_bytes(8, "little") + checked
+    codes = range(max(STATUS_TEXT) + 1)
+    parts = {
+        "variables_at": b"".join(_structure(VARIABLE, row(*variable)) for variable in variables),
+        "statuses_at": _numbers(text(STATUS_TEXT.get(code, "unknown status")) for code in codes),
+        "places_at": _numbers(text(place) for place in places),
+        "record_at": record,
+        "texts_at": bytes(texts),
+    }
+    content = b"".join(parts.values())
+    starts = accumulate(map(len, parts.values()), initial=struct.calcsize("<" + "".join(HEAD.values())))
+    head = dict(zip(parts, starts, strict=False)) | _words(prepared)
+    head |= {"variable_count": len(variables), "status_count": len(codes), "place_count": len(places)}
+    head |= {"size": head["texts_at"] + len(texts), "checksum": 0, "record_size": len(record)}
+    packed_head = _structure(HEAD, {**head, "magic": MAGIC, "guid": guid.encode()})
+    checked = packed_head[CHECKED_FROM:] + content
+    return packed_head[: CHECKED_FROM - 8] + zlib.crc32(checked).to_bytes(8, "little") + checked
 
 
-def _words(prepared: PreparedScene) -> list[int]:
+def _structure(formats: Mapping[str, str], values: Mapping[str, Any]) -> bytes:
+    """Return a structure as bytes: little-endian, and without gaps, because C needs none for these fields."""
+    return struct.pack("<" + "".join(formats.values()), *(values[name] for name in formats))
+
+
+def _numbers(numbers: Iterable[int]) -> bytes:
+    return b"".join(struct.pack("<q", number) for number in numbers)
+
+
+def _words(prepared: PreparedScene) -> dict[str, int]:
     """Return the indices of the words of the record that the C interface itself reads or writes.
 
     The index is 0 for a word of moving parts if nothing moves.
     """
-    paths: list[DataPath] = [
-        ("step", "time"),
-        ("given", "changed"),
-        ("solver", "tolerance"),
-        ("fault", "place"),
-    ]
-    if prepared.sizes.channels:
-        paths += [("moved", "contradiction"), (MOTION, "position", 0)]
-    words = [word_index(prepared.start.dtype, path) for path in paths]
-    return words if prepared.sizes.channels else [*words, 0, 0]
+    paths: dict[str, DataPath] = {
+        "time_word": ("step", "time"),
+        "changed_word": ("given", "changed"),
+        "tolerance_word": ("solver", "tolerance"),
+        "place_word": ("fault", "place"),
+    }
+    moving: dict[str, DataPath] = {
+        "contradiction_word": ("moved", "contradiction"),
+        "position_word": (MOTION, "position", 0),
+    }
+    moves = prepared.sizes.channels > 0
+    words = {name: word_index(prepared.start.dtype, path) for name, path in paths.items()}
+    return words | {
+        name: word_index(prepared.start.dtype, path) if moves else 0 for name, path in moving.items()
+    }

@@ -2,36 +2,17 @@
 
    The interface is the same for every scene. It reads the data of a scene from resources/model.bin, which
    chain_impact/fmu/table.py writes: the word of the record for each value reference, when a variable may be set and
-   in which range, the texts, and the record with the start values. All numbers are little-endian. */
+   in which range, the texts, and the record with the start values. All numbers are little-endian. shared.h has the
+   structures of this file. */
 #ifndef instance_h
 #define instance_h
 
 #include <stddef.h>
 #include <stdint.h>
 
+#include "shared.h"
+
 typedef union { double real; int64_t integer; } Word;
-
-enum { REAL, INTEGER };                 /* values of Variable.type; an enumeration is an integer */
-enum { FIXED, TUNABLE, INPUT, OUTPUT, TIME }; /* values of Variable.kind */
-
-typedef struct {
-    double low, high;       /* lowest and highest value that can be set, both included */
-    int64_t word, set_word; /* indices of words of the record; a new value is written to both */
-    int64_t length;         /* number of words from `word` on; more than one for an array */
-    int32_t type, kind;
-    int32_t name, allowed; /* places of texts */
-} Variable;
-
-/* The head of the file. Places are in bytes from the beginning of the file; places of texts are from `texts_at`. */
-typedef struct {
-    char magic[8];
-    uint64_t size, checksum; /* size of the whole file; checksum of the file after `checksum` */
-    char guid[40];
-    int64_t variable_count, status_count, place_count;
-    int64_t time_word, changed_word, tolerance_word, place_word;
-    int64_t contradiction_word, position_word; /* indices of words with motions; 0 without motions */
-    int64_t variables_at, statuses_at, places_at, texts_at, record_at, record_size;
-} Table;
 
 /* The states of an instance: 4.2.4 of FMI 2.0, without the states of unfinished asynchronous steps, and 2.3 and 4.2
    of FMI 3.0. EVENT is event mode. */
@@ -41,10 +22,6 @@ enum { ANY_PHASE = IN(PHASES) - 1 };
 
 /* values of fmi2Status and fmi3Status; PENDING exists in FMI 2.0 only. Functions that return a status return an int. */
 enum { OK, WARNING, DISCARD, ERROR, PENDING = 5 };
-
-/* The sizes at the start of a record, on which its layout depends: COUNTS and FEATURES of compilation/affine.py, and
-   the number of tangent instances. */
-enum { COUNTS = 8, FEATURES = 2, SIZES = COUNTS + FEATURES + 1 };
 
 typedef struct Instance Instance;
 
@@ -139,7 +116,6 @@ const char *text_of(const Table *table, int64_t place);
 /* the kernel, chain_impact/compilation/entry_points.py */
 extern int32_t initialize(Word *record, double time);
 extern int32_t advance(Word *record, double time);
-enum { PAUSED = -2, ONSET_DUE = -3 }; /* statuses of the kernel that are no faults */
 extern int32_t advance_awhile(Word *record, double time);
 extern int32_t advance_to_onset(Word *record, double time);
 extern int32_t event_update(Word *record);

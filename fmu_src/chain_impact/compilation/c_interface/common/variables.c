@@ -10,7 +10,7 @@
 
 enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(STEPPING) | IN(EVENT) };
 static const unsigned SETTABLE[] = {
-    [FIXED] = BEFORE, [TUNABLE] = AT_ANY_TIME, [INPUT] = AT_ANY_TIME, [OUTPUT] = 0, [TIME] = 0,
+    [FIXED] = BEFORE, [TUNABLE] = AT_ANY_TIME, [INPUT] = AT_ANY_TIME, [OUTPUT] = 0, [INDEPENDENT] = 0,
 };
 static const char *const KINDS[] = {"a fixed parameter", "a tunable parameter", "an input", "an output",
                                     "the independent variable"};
@@ -92,7 +92,7 @@ int get(Instance *instance, const char *call, Element element, const uint32_t vr
     if (!record) return ERROR;
     for (size_t i = 0, at = 0; i < count; i++) {
         const Variable *from = variable(instance, vr[i], element);
-        const Word *word = from->kind == TIME ? &(const Word){.real = instance->time} : record + from->word;
+        const Word *word = from->kind == INDEPENDENT ? &(const Word){.real = instance->time} : record + from->word;
         for (int64_t k = 0; k < from->length; k++) store(word[k], element, values, at++);
     }
     return status;
@@ -148,7 +148,7 @@ int set(Instance *instance, const char *call, Element element, const uint32_t vr
     if (IN(instance->phase) & BEFORE)
         instance->initialized = 0;
     else
-        instance->record[instance->table->changed_word].integer = 1; /* the solver re-initializes at the present time */
+        instance->record[instance->table->changed_word].integer = AT_ONCE; /* the solver re-initializes at the present time */
     return OK;
 }
 

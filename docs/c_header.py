@@ -1,0 +1,53 @@
+"""The header shared.h of the C interface: the structures and numbers that C shares with Python."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from chain_impact.compilation.compilers import INTERFACE
+from chain_impact.fmu.table import HEAD, KINDS, MAGIC, TYPES, VARIABLE
+from chain_impact.kernel.forces.inputs import AT_ONCE
+from chain_impact.kernel.record.counts import COUNTS, FEATURES
+from chain_impact.kernel.status import ONSET_DUE, PAUSED
+
+FILE: Path = INTERFACE / "common" / "shared.h"
+C_TYPES = {"d": "double", "q": "int64_t", "Q": "uint64_t", "i": "int32_t"}
+"""Format of a number in Python's struct → C's type."""
+
+
+def header() -> str:
+    """Return the text of the header."""
+    parts = [
+        "/* Structures and numbers that Python shares with C. docs/generate.py writes this file. */",
+        "#ifndef shared_h\n#define shared_h\n\n#include <stdint.h>",
+        "/* fmu/table.py: values of Variable.type and Variable.kind; an enumeration is an integer */\n"
+        + f"{_indices(TYPES)}\n{_indices(KINDS)}",
+        f'/* fmu/table.py: the structures of the file model.bin */\n#define TABLE_MAGIC "{MAGIC.decode()}"',
+        _structure("Variable", VARIABLE),
+        _structure("Table", HEAD),
+        "/* kernel/record/counts.py: the sizes at the start of a record, the last for tangent instances */\n"
+        f"enum {{ COUNTS = {len(COUNTS)}, FEATURES = {len(FEATURES)}, SIZES = COUNTS + FEATURES + 1 }};",
+        "/* kernel/status.py: statuses of the kernel that are no faults */\n"
+        f"enum {{ PAUSED = {PAUSED}, ONSET_DUE = {ONSET_DUE} }};",
+        "/* kernel/forces/inputs.py: the value of given.changed with which the solver re-initializes */\n"
+        f"enum {{ AT_ONCE = {AT_ONCE} }};",
+        "#endif\n",
+    ]
+    return "\n\n".join(parts)
+
+
+def _indices(names: Sequence[str]) -> str:
+    return f"enum {{ {', '.join(names).upper()} }};"
+
+
+def _structure(name: str, formats: Mapping[str, str]) -> str:
+    fields = "".join(f"    {_field(*field)};\n" for field in formats.items())
+    return f"typedef struct {{\n{fields}}} {name};"
+
+
+def _field(name: str, kind: str) -> str:
+    if text := re.fullmatch(r"(\d+)s", kind):
+        return f"char {name}[{text[1]}]"
+    return f"{C_TYPES[kind]} {name}"
