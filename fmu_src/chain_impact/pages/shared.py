@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.affine import COUNTS
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.recording import curves, joint_stops, pacing, view

@@ -111,7 +111,7 @@ def stops_dtype() -> np.dtype:
 
 
 @given(AT_START)
-@written_by("initialize.py", mode="events/saturation.py", chosen="tangent/replay.py")
+@written_by("initialize.py", mode="events/saturation.py")
 def slider_dtype() -> np.dtype:
     """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py.
 
