@@ -303,6 +303,29 @@ def test_a_base_follows_a_spline_of_its_position_and_integrals_of_the_others(tmp
     np.testing.assert_allclose(run["point[0].y"], run["base.y"], rtol=0.0, atol=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("driven", "numbers", "function"),
+    [
+        (
+            "base.ay",
+            'form = "steps"\ntimes = [0.0, 0.3]\nvalues = [1.0, -2.0]',
+            lambda t: 1.0 if t < 0.3 else -2.0,
+        ),
+        (
+            "base.vy",
+            'form = "ramp"\nfinal = -0.3\nstart = 0.05\nduration = 0.1\nshape = "linear"',
+            lambda t: -3.0 * min(0.1, max(0.0, t - 0.05)),
+        ),
+    ],
+)
+def test_a_function_with_jumps_and_bends_moves_the_base_as_a_signal_does(driven, numbers, function):
+    signal = f'{ARM}\n[signals.drive]\ninput = "{driven}"\n{numbers}\n'
+    run = simulate(parse_scene(signal, "arm.toml"), tolerance=1e-12)
+    same = simulate(parse_scene(ARM, "arm.toml"), tolerance=1e-12, inputs={driven: function})
+    np.testing.assert_allclose(same["base.y"], run["base.y"], rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(same["link[2].angle"], run["link[2].angle"], rtol=0.0, atol=1e-10)
+
+
 def test_a_table_moves_the_base_alike_in_runs_that_end_before_and_after_its_last_row(tmp_path):
     columns = {"time": [0.1, 0.25, 0.4, 0.55, 0.7], "base.y": [0.0, -0.05, 0.02, 0.0, 0.03]}
     scene = with_table(tmp_path, ["base.y"], columns, "")

@@ -94,7 +94,7 @@ def motion_of(
     belt = not channel.position
     value, breaks = as_function(given, signals[given], called, joined=_joined(lines=lines, belt=belt))
     for _ in range(channel.names.index(given) + belt):
-        value = _integrated(value, breaks, stop)
+        value, breaks = _integrated(value, breaks, stop)
     if given == channel.position or belt:
         return Motion(given, value, breaks)
     return Motion(given, lambda times: channel.start + value(times), breaks)
@@ -124,8 +124,14 @@ def as_function(
     return lambda times: spline(np.clip(times, at[0], at[-1])), at
 
 
-def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) -> Callable[[Any], Any]:
-    """Return the integral of a function from time 0 on, as a function of time."""
+def _integrated(
+    value: Callable[[Any], Any], breaks: np.ndarray, stop: float
+) -> tuple[Callable[[Any], Any], np.ndarray]:
+    """Return the integral of a function from time 0 on, as a function of time, and its breaks.
+
+    The breaks are the given ones, and the times at which the function jumps or bends, because the integral
+    itself shows these times only up to the square root of round-off.
+    """
     inside = breaks[(breaks > 0.0) & (breaks < stop)]
     grid = np.concatenate([[0.0], inside, [stop]])
     placeholder = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
@@ -149,7 +155,8 @@ def _integrated(value: Callable[[Any], Any], breaks: np.ndarray, stop: float) ->
         at = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, None)
         return np.asarray(before[at] + from_middle(times, at))
 
-    return integral
+    bends = jumps(pieces, np.array([0]), 0) | jumps(pieces, np.array([0]), 1)
+    return integral, np.union1d(breaks, pieces.start[bends[:, 0]])
 
 
 def derivatives(pieces: Pieces, order: int) -> np.ndarray:
