@@ -211,7 +211,10 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
     bare = NUMBER.sub("", name)
     numbered = [one for one in every if one != name and NUMBER.sub("", one) == bare]
     if numbered:
-        return numbered[0]
+        numbers = _numbers(name)
+        return min(
+            numbered, key=lambda one: sum(abs(a - b) for a, b in zip(_numbers(one), numbers, strict=False))
+        )
     same = [one for one in every if owner and len(last) > 1 and one.rpartition(".")[2] == last]
     found = get_close_matches(name, every, n=1, cutoff=at_least)
     if not found or found[0] not in same:
@@ -223,6 +226,11 @@ def longer(name: str, names: Iterable[str]) -> str | None:
     """Return the shortest name that contains all words of ``name``, ``rod_drop`` for ``rod``; else None."""
     words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
     return min((one for one in names if name and words.search(one)), key=len, default=None)
+
+
+def _numbers(name: str) -> list[int]:
+    """Return the numbers in a name: 2 for ``link[2].mass``."""
+    return [int(number[1:-1] or 0) for number in NUMBER.findall(name)]
 
 
 NUMBER = re.compile(r"\[\d*\]")
