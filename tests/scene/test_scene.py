@@ -12,6 +12,7 @@ from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import (
     SOLVER_METHODS,
     SceneError,
+    fixed_hint,
     load_scene,
     model_names,
     parse_scene,
@@ -289,3 +290,14 @@ def test_what_is_no_scene_file_is_refused(tmp_path, monkeypatch, name):
     with pytest.raises(SceneError, match=r"or a model; .* --list models") as caught:
         load_scene(name)
     assert str(caught.value).startswith(f"{name}: cannot be read (")
+
+
+def test_only_a_value_of_the_scene_has_a_hint_how_to_change_it(tmp_path):
+    (tmp_path / "push.csv").write_text("time,tip.force.y\n0,0\n0.1,1\n0.2,0\n")
+    signal = "[signals.push]\ninput = 'tip.force.y'\nform = 'table'\nfile = 'push.csv'\nperiod = 0.2\n"
+    (tmp_path / "rod.toml").write_text(f"{MINIMAL}\ninputs.tip_force = true\n{signal}")
+    scene = load_scene(tmp_path / "rod.toml")
+    for name in ("signal.push.period", "contact.points", "chain.base"):
+        assert fixed_hint(scene, name)
+    for name in ("signal.push.shape", "signal.pull.period", "link[1].height", "box.x_min"):
+        assert fixed_hint(scene, name) is None

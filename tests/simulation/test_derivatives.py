@@ -47,6 +47,7 @@ def test_a_name_counts_once():
         ("contact.minimum_impact_speed", "it is a choice, or a setting of the solver"),
         ("solver.tolerance", "it is a choice, or a setting of the solver"),
         ("point[2].x", "it is an output"),
+        ("contact.points", "change it in the scene file"),
         ("joint[1].torque", "the scene does not have this input: it needs inputs.joint_torques = true"),
         ("*.wall", "`chain-impact info` lists the names"),
     ],

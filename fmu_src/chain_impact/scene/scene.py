@@ -291,6 +291,12 @@ def _path_and_value(scene: Scene, change: str | DataPath, given: Any) -> tuple[D
     return names[change], _chosen(scene, change, given)
 
 
+def fixed_hint(scene: Scene, name: str) -> str | None:
+    """Return a hint how to change a value of the scene that is no parameter; None if it has no such value."""
+    there = scene.values.get(name) is not None
+    return "change it in the scene file, with --set or with_values" if there else None
+
+
 @functools.cache
 def _keys() -> dict[str, DataPath]:
     """Return the path of every dotted key, except keys inside lists of tables and tables by name."""

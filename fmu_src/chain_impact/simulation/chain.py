@@ -21,7 +21,7 @@ from chain_impact.recording.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import input_asked, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
-from chain_impact.scene.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, spans_of
 from chain_impact.variables.indices import word_index
@@ -341,7 +341,7 @@ class Chain:
         """Return a hint: the key of the scene that makes an input, or a parameter of friction, exist."""
         key = input_key(name)
         if key is None or (key != "wall_motion" and getattr(self.scene.inputs, key)):
-            return absent_hint(name)
+            return absent_hint(name) or fixed_hint(self.scene, name)
         if key == "wall_motion":
             return f"{input_asked(name)} in the scene makes this input"
         return f"[inputs] {key} = true in the scene makes this input"

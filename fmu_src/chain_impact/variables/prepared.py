@@ -19,7 +19,7 @@ from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import DataPath, input_asked, parameter_hint
 from chain_impact.scene.reading import matches, matching
-from chain_impact.scene.scene import Scene
+from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.signals import driven_by
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
@@ -206,7 +206,8 @@ class PreparedScene:
                 return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
             if input_asked(name):
                 return f"the scene does not have this input: it needs {input_asked(name)}"
-            return absent_hint(name) or parameter_hint(name, len(self.scene.chain.links), self.scene.signals)
+            hint = parameter_hint(name, len(self.scene.chain.links), self.scene.signals)
+            return absent_hint(name) or hint or fixed_hint(self.scene, name)
 
         wanted = (names,) if isinstance(names, str) else tuple(names)
         if not wanted:

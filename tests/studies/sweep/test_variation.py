@@ -56,6 +56,7 @@ def test_intervals():
         ("contact.restitutio", "0.1", "no parameter that can be varied; the nearest is contact.restitution"),
         ("point[4].x", "0.1", "no parameter that can be varied"),
         ("base.vx", "0,1", "no parameter that can be varied; it is an input"),
+        ("contact.points", "0,1", "no parameter that can be varied; change it in the scene file"),
         (
             "initial.joint_angles[1]",
             "0,1",

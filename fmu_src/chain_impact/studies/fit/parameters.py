@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.scene.angles import in_radians
 from chain_impact.scene.names import fmu_name, nearest
 from chain_impact.scene.reading import SceneError, UnknownNameError, shown
-from chain_impact.scene.scene import Scene
+from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
@@ -100,8 +100,9 @@ def parameters_of(
     bounds = {fmu_name(name): values for name, values in bounds.items()}
     for typed in names:
         if fmu_name(typed) not in variables:
-            what = "no parameter that can be fitted"
-            raise UnknownNameError(scene.name, typed, variables, what, absent_hint(typed))
+            what, hint = "no parameter that can be fitted", absent_hint(typed)
+            hint = hint or fixed_hint(scene, fmu_name(typed))
+            raise UnknownNameError(scene.name, typed, variables, what, hint)
     names = [*free, *free_each]
     for k, name in enumerate(names):
         if name in names[:k]:

@@ -12,7 +12,7 @@ from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.names import fmu_name, parameter_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
-from chain_impact.scene.scene import Scene
+from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.warning import warn
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.parameters import EXPERIMENT
@@ -92,7 +92,7 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
         if name not in parameters:
             what = "no parameter that can be varied"
             hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links), scene.signals)
-            hint = hint or named_point_hint(scene, name, parameters)
+            hint = hint or fixed_hint(scene, name) or named_point_hint(scene, name, parameters)
             raise UnknownNameError(scene.name, typed, parameters, what, hint)
         with as_typed([typed]):
             variation = _read(parameters[name], values, scene.name)
