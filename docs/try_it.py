@@ -11,6 +11,7 @@ from html import escape
 from pathlib import Path
 
 from chain_impact import explore, load_scene, model_names
+from chain_impact.scene.models import models_folder
 
 DOCS = Path(__file__).parent
 PAGE = DOCS / "try_it.md"
@@ -33,6 +34,7 @@ drag the chain at its start, or choose another scene below.
 
 """
 LINK = '<p class="try-link"><a href="../{folder}/{model}.html">Open it in the browser, and change it</a></p>'
+SCENE = "<details><summary>Its scene file</summary><pre><code>{}</code></pre></details>"
 
 
 def write_page() -> None:
@@ -78,8 +80,13 @@ def begin_with_page(start: str) -> str:
     return begun
 
 
+def scene_file(model: str) -> str:
+    """Return the folded text of a model's scene file, for the page of the model."""
+    return SCENE.format(escape((models_folder() / model / "scene.toml").read_text(encoding="utf-8")))
+
+
 def finish(site: Path) -> None:
-    """Copy the simulating pages into the site, and link to them from the pages of the models."""
+    """Copy the simulating pages into the site, and add links and scene files to the pages of the models."""
     start = site / "index.html"
     start.write_text(begin_with_page(start.read_text(encoding="utf-8")), encoding="utf-8")
     gallery = site / "models" / "index.html"
@@ -88,8 +95,8 @@ def finish(site: Path) -> None:
     for model in model_names():
         explore(model, site / FOLDER / f"{model}.html")
         page = site / "models" / f"{model}.html"
-        link = LINK.format(folder=FOLDER, model=model)
-        text, count = re.subn(r"(</h1>)", rf"\1\n{link}", page.read_text(encoding="utf-8"), count=1)
-        if count != 1:
+        link = LINK.format(folder=FOLDER, model=model) + scene_file(model)
+        head, end, text = page.read_text(encoding="utf-8").partition("</h1>")
+        if not end:
             raise RuntimeError(f"{page} has no headline")
-        page.write_text(text, encoding="utf-8")
+        page.write_text(f"{head}{end}\n{link}{text}", encoding="utf-8")

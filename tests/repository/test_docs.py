@@ -7,6 +7,7 @@ import shlex
 import sys
 import tomllib
 import unicodedata
+from html import unescape
 from pathlib import Path
 from typing import NamedTuple
 
@@ -262,6 +263,12 @@ def test_the_page_to_try_has_every_model_and_links_to_its_page(tmp_path, monkeyp
     for model in found:
         assert f'<a href="models/{model}.html">' in text
         assert (ROOT / "docs" / "models" / f"{model}.md").is_file()
+
+
+@pytest.mark.parametrize("model", ["elastic_ball", "hopper"])
+def test_a_page_of_a_model_has_its_scene_file(model):
+    shown = unescape(re.search(r"<code>(.*)</code>", try_it.scene_file(model), re.S)[1])
+    assert shown == (ROOT / "models" / model / "scene.toml").read_text(encoding="utf-8")
 
 
 def test_the_start_page_of_the_site_opens_with_a_page_that_simulates():
