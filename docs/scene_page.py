@@ -9,6 +9,7 @@ from itertools import groupby
 from typing import Any, get_args, get_origin
 
 from markdown_text import code, short_description
+from scene_schema import ALTERNATIVES
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.limits import Derived, allowed, without_none
@@ -25,7 +26,7 @@ def scene_reference() -> str:
         if entry.metadata and not _is_table(entry.type):
             rule = entry.metadata
             meaning, _, missing = short_description(rule["description"]).partition("; if missing: ")
-            default = missing or _default(rule["default"])
+            default = _other(entry) or missing or _default(rule["default"])
             if default == AS_IN_CONTACT:  # the allowed values and the meaning are the same, too
                 rows.append((code(name), default, ""))
             else:
@@ -64,6 +65,13 @@ def _value(default: str, allowed: str) -> str:
 
 def _is_table(kind: Any) -> bool:
     return dataclasses.is_dataclass(entry_type(kind))
+
+
+def _other(entry: Any) -> str:
+    """Return the default of a key that must be given if another key is not; "" for a key on its own."""
+    pairs = ((dataclasses.fields(table), names) for table, names in ALTERNATIVES.items())
+    others = (set(names) - {entry.name} for fields, names in pairs if entry in fields and entry.name in names)
+    return next((f"required without {code(*other)}" for other in others), "")
 
 
 def _default(default: Any) -> str:

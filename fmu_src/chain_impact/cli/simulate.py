@@ -136,7 +136,8 @@ def add(verbs: Verbs) -> None:
         verb,
         "--curves",
         "NAMES",
-        "draw these outputs over time in place of the motion: contact[*].y_min.force,point[4].x",
+        "draw these outputs over time in place of the motion, with a panel for each unit: "
+        "contact[*].y_min.force,point[4].x",
     )
     complete(named, outputs, listed=True)
     verb.add_argument(
