@@ -266,6 +266,16 @@ def test_a_peak_force_cannot_be_fitted_to_rigid_walls():
     assert fit(rigid, table, free, columns=["onset"]).used.any()
 
 
+def test_columns_of_impacts_that_rigid_walls_do_not_reach_are_left_out():
+    rigid = load_scene("rod_drop").with_values({"contact.model": "newton_impact"})
+    result = simulate(rigid)
+    count = len(result.impacts)
+    beyond = {"impact": [count + 1, count + 2], "impact_speed": [1.0, 0.9], "impulse": [0.2, 0.1]}
+    found = fit(rigid, [[impacts(result, ["onset"]), beyond]], ["contact.restitution"])
+    assert (found.used == (np.array(found.data[0].quantity) == "onset")).all()
+    assert found.values["contact.restitution"] == pytest.approx(rigid.contact.restitution)
+
+
 def test_residuals_that_are_no_noise_are_said():
     columns, _ = motion(0.45)
     columns[TIP[1]] += 5e-3 * np.sin(40.0 * columns["time"])

@@ -16,7 +16,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.scene.table_file import Source, is_table
 from chain_impact.simulation.inputs import Interpolation
-from chain_impact.studies.fit.data import QUANTITIES, Measurements, read_measurements, standard_deviation
+from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
@@ -30,6 +30,8 @@ FEW = 10  # the estimated standard deviation of a column with fewer values is ro
 # if the data last longer than this number of times the scene's stop time, their times are probably not in
 # seconds
 LONG = 100.0
+OF_FORCE = ("peak_force", "max_penetration")
+"""The quantities that an impact has only under a law with a force."""
 
 
 def fit(
@@ -174,7 +176,7 @@ def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
     if not (law and law.impulsive):
         return
     for group, name in enumerate(problem.names):
-        if name in QUANTITIES and not usable[problem.group == group].any():
+        if name in OF_FORCE and not usable[problem.group == group].any():
             raise SceneError(
                 f"{scene.name}: a rigid impact, contact.model = {law.id}, has no {name}: leave the column "
                 "out, or choose a law with a force"
