@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import zipfile
 
 import pytest
 
@@ -102,3 +103,36 @@ def test_info_into_a_closed_pipe_is_quiet(fmu):
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
             process.stdout.close()
             assert process.stderr.read() == b""
+
+
+def test_an_array_of_another_tool_has_a_list_of_start_values(run, here):
+    text = """<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="3.0" modelName="Other" instantiationToken="{0}" generationTool="another">
+  <CoSimulation modelIdentifier="other"/>
+  <TypeDefinitions>
+    <EnumerationType name="Law">
+      <Item name="hertz" value="1"/>
+      <Item name="flores" value="2"/>
+    </EnumerationType>
+  </TypeDefinitions>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+    <Float64 name="list" valueReference="1" causality="parameter" variability="fixed" start="1 2 3">
+      <Dimension start="3"/>
+    </Float64>
+    <Float64 name="one" valueReference="2" causality="parameter" variability="fixed" start="2.50"/>
+    <Enumeration name="laws" valueReference="3" causality="parameter" variability="fixed" declaredType="Law"
+                 start="2 1">
+      <Dimension start="2"/>
+    </Enumeration>
+    <Enumeration name="law" valueReference="4" causality="parameter" variability="fixed" declaredType="Law"
+                 start="2"/>
+  </ModelVariables>
+  <ModelStructure/>
+</fmiModelDescription>
+"""
+    with zipfile.ZipFile(here / "other.fmu", "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+    code, said, errors = run("info", "other.fmu")
+    assert (code, errors) == (0, "")
+    assert {"  list = 1 2 3", "  one = 2.5", "  laws = 2 1", "  law = flores"} <= {*said.splitlines()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +106,9 @@ def _rounded(value: object) -> object:
 def _start(variable: Any) -> object:
     """Return the start value; for an enumeration, the name of the choice."""
     if variable.type in ("Real", "Float64"):
-        return _as_set(float(variable.start))
+        with suppress(ValueError):  # an array of FMI 3 has a list of numbers
+            return _as_set(float(variable.start))
     if variable.type != "Enumeration":
         return variable.start
-    return next(item.name for item in variable.declaredType.items if str(item.value) == str(variable.start))
+    names = {str(item.value): item.name for item in variable.declaredType.items}
+    return names.get(str(variable.start), variable.start)
