@@ -25,7 +25,7 @@ def variable_patterns() -> str:
     sections = []
     for title, table_of in (("Parameters", PARAMETERS), ("Inputs", INPUTS), ("Outputs", OUTPUTS)):
         alike: dict[str, list[Kind]] = {}
-        for kind in (kind for of_one_element in table_of for kind in of_one_element.kinds):
+        for kind in (kind for of_one_owner in table_of for kind in of_one_owner.kinds):
             meaning = _meaning(kind)
             is_key = meaning in known and bool(kind.unit)
             tunable = "; tunable" if kind.tunable == ALWAYS else ""
@@ -57,7 +57,7 @@ IN_GENERAL = OF_STOPS | {
     "wall_numbers_if_any": "its [code](#codes)",
     "statuses": "see its [codes](troubleshooting.md#statuses-of-the-solver)",
 }
-"""Word of a scene or an element → its general form in the table."""
+"""Word of a scene or an owner → its general form in the table."""
 ALIKE = {
     "stops: least and largest angle": ("link[i].joint_min", "link[i].joint_max"),
     "position of the wall": tuple(f"box.{wall}" for wall in WALLS),

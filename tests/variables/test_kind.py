@@ -11,7 +11,7 @@ from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.shape import ELEMENTS, shape_of
+from chain_impact.variables.shape import OWNERS, shape_of
 
 EVERYTHING = load_scene("four_link_box").with_values(
     {
@@ -37,10 +37,10 @@ KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.ki
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.pattern)
 def test_what_a_row_names_is_there(kind):
-    """Its element, conditions, texts, limits, magnitude and the variable whose derivative it is."""
+    """Its owner, conditions, texts, limits, magnitude and the variable whose derivative it is."""
     shape = shape_of(CART if kind.of == "slider" else EVERYTHING)
-    (element, *_) = ELEMENTS[kind.of](shape)
-    known = shape.known() | element
+    (owner, *_) = OWNERS[kind.of](shape)
+    known = shape.known() | owner
     assert all(isinstance(known[condition], bool) for condition in kind.when)
     assert known.get(kind.tunable or ALWAYS) in (True, False)
     assert "{" not in kind.description.format_map(known)

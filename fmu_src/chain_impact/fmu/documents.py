@@ -143,7 +143,7 @@ def folded(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> st
 def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
     """Return the terminals: one for each joint and point, the base, the tip and each wall.
 
-    A terminal has the inputs and outputs of its element. The terminals of walls are inside a terminal
+    A terminal has the inputs and outputs of its owner. The terminals of walls are inside a terminal
     ``wall``, so that the path is the first part of the variables' names. All members are signals; an importer
     connects members with equal names ("bus").
     """
@@ -162,12 +162,12 @@ def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
         return elements[path]
 
     for variable in variables:
-        if variable.owner:
+        if variable.terminal:
             SubElement(
-                terminal(variable.owner),
+                terminal(variable.terminal),
                 "TerminalMemberVariable",
                 variableName=variable.name,
-                memberName=variable.name.removeprefix(f"{variable.owner}."),
+                memberName=variable.name.removeprefix(f"{variable.terminal}."),
                 variableKind="signal",
             )
     if elements:

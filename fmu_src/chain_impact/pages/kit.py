@@ -40,7 +40,7 @@ from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable
 WITH_STOPS = SimpleNamespace(stops=True, links=())
 """A stand-in for a chain with stops, to evaluate defaults that depend on whether the chain has stops."""
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
-"""Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each element."""
+"""Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each owner."""
 LONGEST = 1e9
 """[s] the longest stop time, and the longest communication step, that a reader can set"""
 PATHS: dict[str, DataPath] = {
@@ -141,7 +141,7 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
-    """Return the templates of a block of variables, and the element for which the block is repeated."""
+    """Return the templates of a block of variables, and the kind of owner for which the block is repeated."""
     return {"of": block.of, "rows": [row(kind) for kind in block.kinds]}
 
 
@@ -165,7 +165,7 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
     items, rule = choices.get(kind.choices, ()), kind.derived
     variable = Variable.of(kind, {}, IN_TEMPLATES, items=tuple(items))
     _, _, _, _, low, high, _, _ = variable_row(variable, 0, 0)
-    owner = kind.name.rpartition(".")[0]
+    table = kind.name.rpartition(".")[0]
     return _named(kind) | {
         "unit": kind.unit,
         "path": kind.path or (),
@@ -177,8 +177,8 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
         "items": [[item.name, _sentence(item)] for item in items],
         "rule": rule
         and {
-            **_rule(rule, owner),
-            "ofBox": rule.of_box and _rule(rule.of_box, owner),
+            **_rule(rule, table),
+            "ofBox": rule.of_box and _rule(rule.of_box, table),
         },
         "trivial": kind.trivial,
         "missing": json.dumps(kind.if_missing),  # as text, because JSON has no infinite numbers
@@ -188,12 +188,12 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
     }
 
 
-def _rule(rule: Derived, owner: str) -> dict[str, Any]:
+def _rule(rule: Derived, table: str) -> dict[str, Any]:
     """Return the rule by which a parameter follows from other parameters.
 
-    Keys without a dot belong to the table ``owner``.
+    Keys without a dot belong to the table ``table``.
     """
-    terms = [[key if "." in key else f"{owner}.{key}" for key in term] for term in rule.terms]
+    terms = [[key if "." in key else f"{table}.{key}" for key in term] for term in rule.terms]
     return {"terms": terms, "divisor": rule.divisor, "text": UNLESS_SET + rule.text}
 
 
@@ -237,9 +237,9 @@ def _is_real(path: DataPath) -> bool:
 
 @cache
 def words(path: DataPath) -> list[int]:
-    """Return the coefficients of the index of a word in the record, and the distance to the next element.
+    """Return the coefficients of the index of a word in the record, and the distance to the next index.
 
-    The distance [words] leads from the word of one element to the same word of the next element.
+    The distance [words] leads from the word of one index ``{at}`` to the word of the next one.
     """
 
     def word(record: np.dtype, index: int) -> int:

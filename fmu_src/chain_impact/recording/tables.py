@@ -42,7 +42,7 @@ STOP_UNITS = {
 SUFFIXES = (".csv", ".json", ".parquet")
 """The suffixes of a file with a list of impacts."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
-"""Kind of element → dimensions that an array of this kind has in addition to the time."""
+"""Kind of owner → dimensions that an array of this kind has in addition to the time."""
 
 
 def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:

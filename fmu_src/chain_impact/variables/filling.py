@@ -205,8 +205,8 @@ def _members(
 ) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[DataPath]]]:
     """Return three functions that find the values of a kind of parameters by the template of their path.
 
-    The first function returns the elements of a scene that have such a value, in order. The second function
-    returns the value of one element. The third function returns the paths of all these values in a scene.
+    The first function returns the owners in a scene that have such a value, in order. The second function
+    returns the value of one owner. The third function returns the paths of all these values in a scene.
     """
     if ENTRY_AT in path:  # points of links
         key = path[-1]

@@ -1,8 +1,8 @@
 """A kind of variables: variables that differ only in the number of a link or point, or in the name of a wall.
 
-Texts and paths in the record are templates. ``{n}`` stands for the number of an element, ``{name}``
-for the name of a wall, ``{axis}`` for an axis. Other words in braces stand for words of a scene or an element
-(shape.py). In a path, ``{at}`` stands for the index of the element and ``{next}`` for the next index.
+Texts and paths in the record are templates. ``{n}`` stands for the number of an owner of the kind, ``{name}``
+for the name of a wall, ``{axis}`` for an axis. Other words in braces stand for words of a scene or an owner
+(shape.py). In a path, ``{at}`` stands for the index of the owner and ``{next}`` for the next index.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ class Kind:
 
     Attributes:
         name: the template of the variables' names.
-        owner: the first part of the name, if the variables with this part form a terminal in FMI 3.0.
-        of: the kind of element that has such a variable: a key of ``shape.ELEMENTS``; "one" if the scene has
+        terminal: the first part of the name, if the variables with this part form a terminal in FMI 3.0.
+        of: the kind of owner that has such a variable: a key of ``shape.OWNERS``; "one" if the scene has
             one such variable.
         heading: see ``Heading``.
         text: the rest of the description, a template.
@@ -56,7 +56,7 @@ class Kind:
         unit: name of the unit; "" for a variable that is not a real number.
         causality: ``parameter``, ``input`` or ``output``.
         record_path: path in the instance record, a template.
-        when: conditions, all of which a scene or an element must meet to have the variable.
+        when: conditions, all of which a scene or an owner must meet to have the variable.
         minimum: value >= minimum; a name stands for a number of the scene.
         above: value > above.
         maximum: value <= maximum; a name stands for a number of the scene.
@@ -79,7 +79,7 @@ class Kind:
     name: str
     text: str
     record_path: DataPath
-    owner: str = ""
+    terminal: str = ""
     of: str = "one"
     heading: Heading = NO_HEADING
     axis: str = ""
@@ -121,7 +121,7 @@ class Kind:
 
         Args:
             words: word of the templates → text for this scene; under "general" a table with texts that hold
-                for every element.
+                for every owner.
         """
         general = {**words, **words.get("general", {}), "n": LETTERS.get(self.of, "i"), "axis": self.axis}
         text = self.text.format_map(general)
@@ -139,42 +139,47 @@ class Kind:
 
 
 OF_SIGNALS = ("signal", "step")
-"""The kinds of elements that belong to signals."""
+"""The kinds of owners that belong to signals."""
 LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
-"""Kind of element → the letter for its number, if this is not i."""
+"""Kind of owner → the letter for its number, if this is not i."""
 
 
 class Block(NamedTuple):
-    """The kinds that one kind of element has; all variables of an element come before the next element's."""
+    """The kinds that one kind of owner has; all variables of an owner come before the next owner's."""
 
     of: str
     kinds: tuple[Kind, ...]
 
 
 def block(
-    of: str, *rows: Kind, owner: str = "", terminal: bool = False, when: tuple[str, ...] = (), **common: Any
+    of: str,
+    *rows: Kind,
+    prefix: str = "",
+    is_terminal: bool = False,
+    when: tuple[str, ...] = (),
+    **common: Any,
 ) -> Block:
-    """Return the block of the kinds that one kind of element has.
+    """Return the block of the kinds that one kind of owner has.
 
     Args:
-        of: the kind of element.
-        rows: the kinds, with names that lack the owner.
-        owner: the first part of the names.
-        terminal: whether the variables of an owner form a terminal in FMI 3.0.
+        of: the kind of owner.
+        rows: the kinds, with names that lack the prefix.
+        prefix: the first part of the names, without the dot.
+        is_terminal: whether the variables of an owner form a terminal in FMI 3.0.
         when: conditions for all kinds, in addition to their own.
         common: other attributes that all kinds have.
     """
-    common = {"of": of, "owner": owner if terminal else "", **common}
-    prefix = f"{owner}." if owner else ""
+    common = {"of": of, "terminal": prefix if is_terminal else "", **common}
+    start = f"{prefix}." if prefix else ""
     return Block(
-        of, tuple(replace(row, name=prefix + row.name, when=(*when, *row.when), **common) for row in rows)
+        of, tuple(replace(row, name=start + row.name, when=(*when, *row.when), **common) for row in rows)
     )
 
 
-def filled(path: DataPath, element: Mapping[str, Any]) -> DataPath:
-    """Return a path in the record or in the scene file, with an element's words in place of the braces."""
-    if not element:
+def filled(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
+    """Return a path in the record or in the scene file, with an owner's words in place of the braces."""
+    if not owner:
         return path
-    steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in element.items()}
-    steps[NEXT] = element.get("at", 0) + 1
+    steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in owner.items()}
+    steps[NEXT] = owner.get("at", 0) + 1
     return tuple([steps.get(step, step) for step in path])

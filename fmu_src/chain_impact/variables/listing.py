@@ -1,4 +1,4 @@
-"""The variables of a scene's FMU: each kind gives one variable for each element of the scene."""
+"""The variables of a scene's FMU: each kind gives one variable for each of its owners in the scene."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.variables.kind import Block, Kind, filled
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
-from chain_impact.variables.shape import ELEMENTS, Element, Shape, shape_of
+from chain_impact.variables.shape import OWNERS, Owner, Shape, shape_of
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 
@@ -34,8 +34,8 @@ _METHODS = tuple(
 def parameters(scene: Scene) -> Iterator[Variable]:
     """Yield the parameters of the scene's FMU: the parameters for which the scene has a value."""
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
-    for kind, element, tables in _each(PARAMETERS, shape_of(scene)):
-        path = filled(kind.path or (), element)
+    for kind, owner, tables in _each(PARAMETERS, shape_of(scene)):
+        path = filled(kind.path or (), owner)
         value = value_at(scene, path)
         if value is not None and value != kind.trivial:
             rule = (
@@ -44,11 +44,11 @@ def parameters(scene: Scene) -> Iterator[Variable]:
             given = kind.given if not kind.given_if or tables[kind.given_if] else None
             yield Variable.of(
                 kind,
-                element,
+                owner,
                 tables,
                 variability="tunable" if kind.tunable and tables[kind.tunable] else "fixed",
                 scene_path=path,
-                given_path=given and filled(given, element),
+                given_path=given and filled(given, owner),
                 rule=rule,
                 items=choices.get(kind.choices, ()),
             )
@@ -82,7 +82,7 @@ def outputs_of(shape: Shape) -> dict[str, Variable]:
 
 def _driven(shape: Shape) -> Iterator[Variable]:
     """Yield the quantities that signals drive, as outputs with the names of the inputs that they replace."""
-    for kind, element, tables in _each(INPUTS, shape) if shape.signals else ():
+    for kind, owner, tables in _each(INPUTS, shape) if shape.signals else ():
         driven = shape.of_signals.get(kind.name.format_map(tables))
         if driven is not None:
             row, order = driven
@@ -90,7 +90,7 @@ def _driven(shape: Shape) -> Iterator[Variable]:
             output = replace(
                 kind, causality="output", record_path=("output", "signal", *driven), rate_of=rate_of
             )
-            yield Variable.of(output, element, tables)
+            yield Variable.of(output, owner, tables)
 
 
 def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
@@ -131,15 +131,15 @@ def absent_hint(name: str) -> str | None:
     return next((kind.hint for kind in kinds if is_like(name, kind.name)), None)
 
 
-def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Element, dict[str, Any]]]:
-    """Yield each kind together with each element that has this kind, and with the scene's words."""
+def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
+    """Yield each kind together with each of its owners, and with the scene's words."""
     scene = shape.known()
     for of, kinds in blocks:
-        for element in ELEMENTS[of](shape):
-            tables = {**scene, **element}
+        for owner in OWNERS[of](shape):
+            tables = {**scene, **owner}
             for kind in kinds:
                 if all(tables[condition] for condition in kind.when):
-                    yield kind, element, tables
+                    yield kind, owner, tables
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:

@@ -1,6 +1,6 @@
 """The inputs and outputs in the table of variables, one row for each kind; kind.py explains the columns.
 
-A row has the name without the owner, the unit, the description, the field of the record if its name differs,
+A row has the name without the prefix, the unit, the description, the field of the record if its name differs,
 the nominal magnitude, and further attributes. A row with {axis} stands for two rows, one for x and one for y;
 {j} is then 0 and 1. The value references follow the order of the rows.
 """
@@ -30,29 +30,36 @@ COLUMNS = 6
 
 
 def _block(
-    part: str, of: str, owner: str, rows: str, *, names: Sequence[str] = (), array: bool = False, **other: Any
+    part: str,
+    of: str,
+    prefix: str,
+    rows: str,
+    *,
+    names: Sequence[str] = (),
+    array: bool = False,
+    **other: Any,
 ) -> Block:
     """Return a block of kinds whose values are in one part of the record.
 
     Args:
         part: the part of the record.
-        of: the kind of element.
-        owner: the first part of the names.
-        rows: the rows of the table. The index of the element is appended to each field without an index.
+        of: the kind of owner.
+        prefix: the first part of the names.
+        rows: the rows of the table. The index of the owner is appended to each field without an index.
         names: the full names, if the rows have no names.
-        array: whether the values of all elements form an array, named after the element and the row.
+        array: whether the values of all owners form an array, named after the owner and the row.
         other: attributes that all kinds have; see also ``block``.
     """
     kinds = []
     for number, (name, unit, text, field, nominal, more, axis) in enumerate(_rows(rows)):
-        member = names[number].removeprefix(f"{owner}.") if names else name
+        member = names[number].removeprefix(f"{prefix}.") if names else name
         steps = [int(step) if step.isdecimal() else step for step in (field or member).split(".")]
         index = [] if of in ("one", "slider") or AT in steps or NEXT in steps else [AT]
         attributes: dict[str, Any] = {"array": f"{of}.{member}" if array else "", "nominal": nominal}
         attributes |= dict(_attribute(attribute, unit) for attribute in more.split())
         path = (part, *steps, *index)
         kinds.append(Kind(name=member, unit=unit, text=text, record_path=path, axis=axis, **attributes))
-    return block(of, *kinds, owner=owner, **{"terminal": True} | other)
+    return block(of, *kinds, prefix=prefix, **{"is_terminal": True} | other)
 
 
 def _rows(text: str) -> Iterator[list[str]]:
@@ -169,7 +176,7 @@ OUTPUTS = (
         heading=LINK,
         when=("outputs.links",),
         array=True,
-        terminal=False,
+        is_terminal=False,
     ),
     _block(
         *("output", "joint", "joint[{n}]"),
@@ -211,7 +218,7 @@ OUTPUTS = (
         heading=CONTACT,
         when=("outputs.contacts",),
         array=True,
-        terminal=False,
+        is_terminal=False,
     ),
     _block(
         *("output", "moving wall", "wall.{name}"),
@@ -253,7 +260,7 @@ OUTPUTS = (
         friction   | J | energy lost in dry friction since the start, part of energy.dissipated | friction.dissipated | energy | when=friction
         """,
         when=("outputs.energies",),
-        terminal=False,
+        is_terminal=False,
     ),
     _block(
         *("output", "joint", "joint[{n}]"),
@@ -293,7 +300,7 @@ OUTPUTS = (
         last_wall  |     | wall of the last impact: {wall_numbers}                         |  |  | minimum=0 maximum=walls
         last_speed | m/s | approach speed at the last impact, 0 before the first{in_rad_s} |  |  | minimum=0
         """,
-        terminal=False,
+        is_terminal=False,
     ),
     _block(
         *("latest", "impact", "impact[{n}]"),
@@ -310,7 +317,7 @@ OUTPUTS = (
         """,
         heading=IMPACT,
         array=True,
-        terminal=False,
+        is_terminal=False,
     ),
     _block(
         *("statistics", "one", "solver"),
@@ -322,7 +329,7 @@ OUTPUTS = (
         status          |  | status of the solver: {statuses}                     |  |  | minimum=0 maximum=most_status
         """,
         when=("outputs.solver",),
-        terminal=False,
+        is_terminal=False,
     ),
 )
 """The outputs, without derivatives."""

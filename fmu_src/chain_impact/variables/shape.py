@@ -1,4 +1,4 @@
-"""The shape of a scene, which determines its variables, and the elements of the scene with their words."""
+"""The shape of a scene, which determines its variables, and the owners of the variables with their words."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from chain_impact.scene.signals import Driven, driven_by
 from chain_impact.scene.tables import Inputs, Outputs
 from chain_impact.variables.kind import ALWAYS
 
-Element: TypeAlias = dict[str, Any]
-"""An element: its number n, the name of its wall, its index ``at`` in the record, words and conditions."""
+Owner: TypeAlias = dict[str, Any]
+"""An owner of variables: number n, name of its wall, index ``at`` in the record, words and conditions."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +136,7 @@ class Shape:
         return asked | conditions | numbers | words | {"general": self._in_general()}
 
     def _in_general(self) -> dict[str, str]:
-        """Return the words that stand for any element in the description of all variables of a kind."""
+        """Return the words that stand for any owner in the description of all variables of a kind."""
         return {
             "before": "link i − 1, or the base",
             "parent": "the link before" if self.base == "free" else f"the link before, or {self.ground}",
@@ -183,7 +183,7 @@ def shape_of(scene: Scene) -> Shape:
     )
 
 
-def _links(shape: Shape) -> Iterable[Element]:
+def _links(shape: Shape) -> Iterable[Owner]:
     """Yield the links, with conditions on the joint: ``follows`` or ``rests``, and ``rubs``.
 
     The joint's spring follows an input, or does not; and the joint may have dry friction.
@@ -199,14 +199,14 @@ def _links(shape: Shape) -> Iterable[Element]:
         }
 
 
-def _points(shape: Shape) -> Iterable[Element]:
+def _points(shape: Shape) -> Iterable[Owner]:
     """Yield the points, with the condition ``held``: the point is a base that cannot move."""
     fixed = shape.base == "pinned" and not shape.inputs.base_motion
     for n in range(shape.links + 1 + len(shape.sites)):
         yield {"n": n, "at": n, "held": n == 0 and fixed, "label": shape.label(n)}
 
 
-def _joints(shape: Shape) -> Iterable[Element]:
+def _joints(shape: Shape) -> Iterable[Owner]:
     """Yield the joints, with words for the body before the joint's link."""
     for n in shape.joints:
         before = {"before": f"link {n - 1}", "parent": "the link before", "from_x": ""}
@@ -215,7 +215,7 @@ def _joints(shape: Shape) -> Iterable[Element]:
         yield {"n": n, "at": n - 1, **before}
 
 
-def _stops(shape: Shape) -> Iterable[Element]:
+def _stops(shape: Shape) -> Iterable[Owner]:
     """Return the joints with a stop; ``at`` is the index of the joint's first candidate.
 
     The record has the outputs of both stops at this index.
@@ -226,7 +226,7 @@ def _stops(shape: Shape) -> Iterable[Element]:
     return [{"n": joint, "at": c} for joint, c in first.items()]
 
 
-def _contacts(shape: Shape) -> Iterable[Element]:
+def _contacts(shape: Shape) -> Iterable[Owner]:
     """Yield the pairs of a point and a wall, then the stops of a slider, which are the last candidates."""
     for c, (point, wall) in enumerate(shape.pairs):
         touching = f"point {point}{shape.label(point)}"
@@ -235,20 +235,20 @@ def _contacts(shape: Shape) -> Iterable[Element]:
         yield {"n": 0, "name": stop, "at": c, "touching": "slider", "contact_friction": False}
 
 
-def _slider(shape: Shape) -> Iterable[Element]:
+def _slider(shape: Shape) -> Iterable[Owner]:
     """Return the slider, if there is one; its index for dry friction follows the indices of the joints."""
     follows = shape.inputs.joint_targets
     return [{"rests": not follows, "rubs": shape.slider_rubs, "at": shape.links}] * (shape.base == "slider")
 
 
-def _touched_walls(shape: Shape) -> Iterable[Element]:
+def _touched_walls(shape: Shape) -> Iterable[Owner]:
     """Yield the walls that a point can touch; the rows of their loads follow the rows of the links."""
     for w in sorted({wall for _, wall in shape.pairs}):
         about = "the origin" if w < len(WALLS) else "its point"
         yield {"name": shape.wall_names[w], "at": shape.links + w, "about": about}
 
 
-def _signals(shape: Shape) -> Iterable[Element]:
+def _signals(shape: Shape) -> Iterable[Owner]:
     """Return the signals, each with the row of its first input and the unit of its numbers."""
     first: dict[str, tuple[int, str]] = {}
     for row, signal in enumerate(shape.signals):
@@ -256,7 +256,7 @@ def _signals(shape: Shape) -> Iterable[Element]:
     return [{"name": name, "at": row, "unit": unit_of(signal)} for name, (row, signal) in first.items()]
 
 
-def _steps(shape: Shape) -> Iterable[Element]:
+def _steps(shape: Shape) -> Iterable[Owner]:
     """Yield the knots of each signal that consists of steps, with the row of the signal's first input."""
     knot, seen = 0, set[str]()
     for signal in shape.signals:
@@ -273,7 +273,7 @@ def _steps(shape: Shape) -> Iterable[Element]:
         knot += signal.knots
 
 
-ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {
+OWNERS: dict[str, Callable[[Shape], Iterable[Owner]]] = {
     "one": lambda _: [{}],
     "link": _links,
     "point": _points,
@@ -301,4 +301,4 @@ ELEMENTS: dict[str, Callable[[Shape], Iterable[Element]]] = {
         for n in range(1, shape.outputs.impacts + 1)
     ],
 }
-"""Kind of element → function that returns a scene's elements, in the order of their variables."""
+"""Kind of owner → function that returns a scene's owners, in the order of their variables."""

@@ -51,7 +51,7 @@ class Variable:
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
         held: whether the variable belongs to point 0 of a pinned base at rest, which cannot move.
-        owner: the variable's terminal in FMI 3.0, "" for none.
+        terminal: the variable's terminal in FMI 3.0, "" for none.
         known: words of the scene, for the description of all variables of the kind.
     """
 
@@ -68,12 +68,12 @@ class Variable:
     maximum: float | None = None
     items: tuple[Item, ...] = ()
     held: bool = False
-    owner: str = ""
+    terminal: str = ""
     known: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
-    def of(cls, kind: Kind, element: Mapping[str, Any], tables: Mapping[Any, Any], **other: Any) -> Variable:
-        """Return the variable of a kind for an element.
+    def of(cls, kind: Kind, owner: Mapping[str, Any], tables: Mapping[Any, Any], **other: Any) -> Variable:
+        """Return the variable of a kind for an owner.
 
         ``tables`` has the words that replace the braces in templates, and the numbers for limits.
         """
@@ -83,13 +83,13 @@ class Variable:
             kind=kind,
             name=kind.name.format_map(tables),
             # numbers of a signal have the unit of the driven input
-            unit=element.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
+            unit=owner.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
-            record_path=filled(kind.record_path, element),
+            record_path=filled(kind.record_path, owner),
             minimum=tables.get(kind.minimum, kind.minimum),
             maximum=tables.get(kind.maximum, kind.maximum),
-            held=element.get("held", False),
-            owner=kind.owner and kind.owner.format_map(tables),
+            held=owner.get("held", False),
+            terminal=kind.terminal and kind.terminal.format_map(tables),
             known=tables,
             **{"variability": "continuous" if changing else "discrete"} | other,
         )

@@ -1,4 +1,4 @@
-// The elements of a scene, as in `shape.py`: points, walls, contacts and others, with the conditions for variables.
+// The owners of variables, as in `shape.py`: points, walls, contacts and others, with the conditions for variables.
 
 import { BOX_WALLS, NORMALS, STOPS } from "./geometry.js";
 import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
@@ -89,9 +89,9 @@ function flags(table, name) {
 }
 
 /**
- * Return the elements of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and conditions.
+ * Return the owners of variables of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and conditions.
  */
-export function elementsOf({ file, sites, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, movingWalls, joints, sizes: [links] }) {
+export function ownersOf({ file, sites, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, movingWalls, joints, sizes: [links] }) {
   const ofJoints = (numbers) => numbers.map((n) => ({ n, at: n - 1 }));
   const { inputs, outputs, chain: { slider } } = file;
   return {
@@ -124,15 +124,15 @@ export function anyOnChain({ joint_torques: torques, joint_targets: targets, sli
   return torques || targets || slider || tip || base;
 }
 
-/** Return a template with the words of an element filled in. */
+/** Return a template with the words of an owner filled in. */
 export function filled(text, { n, of, name }) {
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
 }
 
-/** Return the rows of templates for every element of their kind, and whether the element meets their conditions. */
-export function instances(groups, elements, facts) {
-  return groups.flatMap(({ of, rows }) => elements[of].flatMap((element) => {
-    const known = { ...facts, ...element };
-    return rows.map((row) => ({ ...row, of, element, name: filled(row.name, element), has: row.when.every((fact) => known[fact]) }));
+/** Return the rows of templates for every owner of their kind, and whether the owner meets their conditions. */
+export function instances(groups, owners, facts) {
+  return groups.flatMap(({ of, rows }) => owners[of].flatMap((owner) => {
+    const known = { ...facts, ...owner };
+    return rows.map((row) => ({ ...row, of, owner, name: filled(row.name, owner), has: row.when.every((fact) => known[fact]) }));
   }));
 }

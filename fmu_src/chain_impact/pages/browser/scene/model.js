@@ -1,23 +1,23 @@
 // The model of a scene for the page: its variables and its record, from the contents of its file and the templates of
 // `kit.py`.
 
-import { elementsOf, filled, instances, partsOf, range } from "./elements.js";
+import { filled, instances, ownersOf, partsOf, range } from "./elements.js";
 import { pointText, STOPS, sumOf, wallsAt } from "./geometry.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
-import { drivenRows, signalElements, withOutputs } from "./signals.js";
+import { drivenRows, signalOwners, withOutputs } from "./signals.js";
 
 /** Return the values of everything that may be a parameter: name → number, and whether the number is derived. */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];
-  for (const { name, path, element, rule, items, has } of rows) {
-    const indices = { "{at}": element.at, "{name}": element.name, "{link}": element.link, "{entry}": element.entry };
+  for (const { name, path, owner, rule, items, has } of rows) {
+    const indices = { "{at}": owner.at, "{name}": owner.name, "{link}": owner.link, "{entry}": owner.entry };
     const steps = path.map((step) => indices[step] ?? step);
     const given = steps.reduce((table, step) => table?.[step], file);
     const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
     if (number !== undefined) values.set(name, { number, steps });
-    else if (rule && (has || element.corner)) {
-      const ownRule = (rule.ofBox && file.chain.links[element.at]?.height && rule.ofBox) || rule;
-      derived.push({ name, steps, rule: { ...ownRule, terms: ownRule.terms.map((term) => term.map((factor) => filled(factor, element))) } });
+    else if (rule && (has || owner.corner)) {
+      const ownRule = (rule.ofBox && file.chain.links[owner.at]?.height && rule.ofBox) || rule;
+      derived.push({ name, steps, rule: { ...ownRule, terms: ownRule.terms.map((term) => term.map((factor) => filled(factor, owner))) } });
     }
   }
   for (const { name, steps, rule } of derived) {
@@ -59,13 +59,13 @@ function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns)
 function parametersOf(rows, others, values, { facts, sizes }) {
   const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
   const names = new Set(shown.map(({ name }) => name));
-  return [...shown, ...others].map(({ name, element, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row }) => {
+  return [...shown, ...others].map(({ name, owner, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row }) => {
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
-    const index = word ? wordIndex(given && facts[givenIf] ? given : word, sizes, element.at) : -1;
+    const index = word ? wordIndex(given && facts[givenIf] ? given : word, sizes, owner.at) : -1;
     // numbers of a signal have the unit of the driven input
-    const unit = row.unit === "1" ? element.unit ?? row.unit : row.unit;
-    return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, element), start, derived: follows };
+    const unit = row.unit === "1" ? owner.unit ?? row.unit : row.unit;
+    return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, owner), start, derived: follows };
   });
 }
 
@@ -85,29 +85,29 @@ export function describe(kit, file, command) {
   const parts = partsOf(file, kit);
   const { sizes, stops, wallNames, existingWalls, facts } = parts;
   const pointNames = parts.sites.flatMap(({ name }, s) => (name ? [[sizes[0] + 1 + s, name]] : []));
-  const elements = elementsOf(parts);
-  const all = (groups) => instances(groups, elements, facts).filter(({ has }) => has);
+  const owners = ownersOf(parts);
+  const all = (groups) => instances(groups, owners, facts).filter(({ has }) => has);
   const [motions, settable] = [all(kit.still), all(kit.inputs)];
-  const filledAll = (row, key) => row[key].map((name) => filled(name, row.element));
+  const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
   const byName = new Map([...settable, ...motions].map((row) => [row.name, { ...row, family: filledAll(row, "family"), alone: filledAll(row, "alone") }]));
   const drivenInputs = withOutputs(parts.driven, byName);
   const driving = drivenRows(drivenInputs);
   const isFree = ({ name }) => !driving.has(name);
-  const rows = instances(kit.parameters, { ...elements, ...signalElements(drivenInputs, byName) }, facts);
+  const rows = instances(kit.parameters, { ...owners, ...signalOwners(drivenInputs, byName) }, facts);
   const values = valuesOf(file, rows);
   const record = recordOf(kit, { ...parts, driven: drivenInputs }, rows, values, byName);
   const reals = new Float64Array(record.buffer);
   const inputs = settable
     .filter(isFree)
-    .map((row) => ({ ...row, number: reals[wordIndex(row.word, sizes, row.element.at)] }));
-  const times = kit.times.map((row) => ({ ...row, element: {} }));
+    .map((row) => ({ ...row, number: reals[wordIndex(row.word, sizes, row.owner.at)] }));
+  const times = kit.times.map((row) => ({ ...row, owner: {} }));
   valuesOf(file, times).forEach((value, name) => values.set(name, value));
   const driven = [...byName.values()].filter((row) => !isFree(row)).map(({ name, unit }) => {
     const [row, order] = driving.get(name);
     return { name, unit, word: wordIndex(kit.driven[order], sizes, row), integer: false };
   });
   const columns = [...driven, ...all(kit.outputs)
-    .map(({ name, unit, word, integer, element }) => ({ name, unit, word: wordIndex(word, sizes, element.at), integer }))];
+    .map(({ name, unit, word, integer, owner }) => ({ name, unit, word: wordIndex(word, sizes, owner.at), integer }))];
   const named = new Set(parts.driven.map(({ input }) => input));
   return {
     name: file.name,

@@ -16,7 +16,7 @@ export function wordIndices(words, sizes) {
 }
 
 /** Return where the record has an input, as `acting` of `driving.py`: the number of its kind, and its index. */
-function actingOf({ acts: [number, index], element: { at } }) {
+function actingOf({ acts: [number, index], owner: { at } }) {
   return [number, { "{at}": at, "{next}": at + 1 }[index] ?? index];
 }
 
@@ -57,11 +57,11 @@ export function recordOf(kit, parts, rows, values, byName) {
   ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
     each(name, range(BOX_WALLS.length + sizes[1]).map(() => -1)));
   put("stop_law", kit.laws.indexOf(file.stops.model) + 1);
-  for (const { name, of, word, given, givenIf, type, element, missing } of rows) {
+  for (const { name, of, word, given, givenIf, type, owner, missing } of rows) {
     const value = values.get(name) ?? (of === "link" || of === "slider" ? { number: Number(missing) } : null);
     if (!value || (of === "line" && !mayTouch)) continue;
-    write(word, value.number, type === "real", element.at);
-    if (given && facts[givenIf]) write(given, value.derived ? SHARED.kernel.DERIVED : value.number, true, element.at);
+    write(word, value.number, type === "real", owner.at);
+    if (given && facts[givenIf]) write(given, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
   }
   return bytes;
 }

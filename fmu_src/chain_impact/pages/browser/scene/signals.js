@@ -113,8 +113,8 @@ export function drivenRows(driven) {
   return new Map(driven.flatMap(({ outputs }, row) => outputs.map((name, order) => [name, [row, order]])).filter(([name]) => name));
 }
 
-/** Return the elements of signals, each in the row of the first input that it drives, and of steps. */
-export function signalElements(driven, inputs) {
+/** Return the signals, each in the row of the first input that it drives, and the steps, as owners of variables. */
+export function signalOwners(driven, inputs) {
   const first = driven.filter(({ name }, row) => driven.findIndex((other) => other.name === name) === row);
   return {
     signal: first.map((each) => ({ name: each.name, at: driven.indexOf(each), unit: inputs.get(each.input).unit })),
