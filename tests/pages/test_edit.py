@@ -217,6 +217,17 @@ wall_motion = ["y_min"]
 [outputs]
 loads = true
 """,
+    "rail": """
+name = "Rail"
+chain = { base = "slider", links = [{ length = 0.5, mass = 0.5 }] }
+contact = { points = [0, 1] }
+initial = { angles = [-1.0], slider_velocity = 1.0 }
+walls = [
+  { name = "across", point = [-1, 0], angle = "-90 deg" },
+  { name = "floor", point = [0, -2], angle = 0 },
+  { name = "cellar", point = [0, -3], angle = 0 },
+]
+""",
     "driven cart": """
 name = "Driven"
 chain = { base = "slider", links = [{ length = 0.5, mass = 0.5 }] }
@@ -240,9 +251,9 @@ def test_outputs_that_are_not_asked_for_are_not_there(script, part):
     assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
 
 
-def changed(path, value):
-    """Return the contents of the full example with a changed value at a path (None removes the value)."""
-    contents = deepcopy(tomllib.loads(WRITTEN))
+def changed(path, value, text=WRITTEN):
+    """Return the contents of a file with a changed value at a path (None removes the value)."""
+    contents = tomllib.loads(text)
     *parents, last = path
     table = contents
     for step in parents:
@@ -285,20 +296,50 @@ REFUSED = [
 ]
 
 
+REFUSAL = """([kit, contents, more]) => {
+  try {
+    const file = complete(contents, kit);
+    file.walls.push(...more);
+    describe(kit, file, []);
+    return "";
+  } catch (error) {
+    return error instanceof RangeError ? error.message : error.stack;
+  }
+}"""
+
+
+def refusal_of(script, contents, more=()):
+    """Return the sentence of the page on contents, to which walls are added after the check; "" for none."""
+    return script.evaluate(REFUSAL, [page_contents(load_scene("rod_drop"))["kit"], contents, [*more]])
+
+
 @pytest.mark.parametrize(("path", "value", "told"), REFUSED, ids=[told for *_, told in REFUSED])
 def test_contents_that_cannot_be_are_refused_with_the_key_and_what_is_allowed(script, path, value, told):
     contents = changed(path, value)
     with pytest.raises(SceneError):
         scene_from_dict(contents, "written.toml")
-    found = script.evaluate(
-        """([kit, contents]) => {
-          try {
-            complete(contents, kit);
-            return "";
-          } catch (error) {
-            return error instanceof RangeError ? error.message : error.stack;
-          }
-        }""",
-        [page_contents(load_scene("rod_drop"))["kit"], contents],
-    )
-    assert told in found
+    assert told in refusal_of(script, contents)
+
+
+ON_RAIL = [
+    (("contact", "points"), [0], """walls[2].name = 'floor' must be left out: no point can reach it"""),
+    (("initial", "velocity"), [1.0, 0.0], "must be left out for a base on a slider; initial.slider_velocity"),
+]
+
+
+@pytest.mark.parametrize(("path", "value", "told"), ON_RAIL, ids=["reach", "velocity"])
+def test_what_no_chain_on_a_slider_can_have_is_refused_as_by_python(script, path, value, told):
+    contents = changed(path, value, BODIES["rail"])
+    with pytest.raises(SceneError, match=re.escape(told)):
+        scene_from_dict(contents, "rail.toml")
+    assert told.replace("'", '"') in refusal_of(script, contents)
+
+
+def test_no_wall_is_written_beyond_its_room_in_the_record(script):
+    """The record has room for as many walls as there are pairs that can touch."""
+    contents = changed(("contact", "points"), [0], BODIES["rail"])
+    across, *parallel = contents["walls"]
+    contents["walls"] = [{**across, "angle": -np.pi / 2}]
+    assert refusal_of(script, contents) == ""
+    more = [{"name": wall["name"], "point": wall["point"], "angle": 0.0} for wall in parallel]
+    assert refusal_of(script, contents, more) == "walls: the record has room for 1"

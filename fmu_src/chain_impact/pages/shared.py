@@ -22,6 +22,7 @@ from chain_impact.kernel.rows.geometry import NORMALS, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.scene import angles, bodies, names, reading, tables, unit_text
+from chain_impact.scene.checks import OUT_OF_REACH, WITHOUT_VELOCITY
 from chain_impact.scene.contents import PARALLEL
 from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
@@ -47,6 +48,7 @@ def shared() -> dict[str, Any]:
         },
         "degrees": {unit: [word, angles.degrees_pattern(unit)] for unit, word in angles.DEGREES.items()},
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
+        "refusals": {"OUT_OF_REACH": OUT_OF_REACH, "WITHOUT_VELOCITY": WITHOUT_VELOCITY},
         "file": {"CORNERS": tables.CORNERS, "SHOWN": reading.SHOWN},
         "signals": {
             "AT_REST": AT_REST,

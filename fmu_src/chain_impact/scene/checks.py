@@ -26,6 +26,13 @@ _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 # rope is so light.
 LONG, LIGHT = 20.0, 0.2
 IN_MM = (9e3, 1.05e4)  # [m/s²] a gravity in this range is probably the earth's gravity in mm/s²
+WITHOUT_VELOCITY = {
+    "pinned": "must be zero for a pinned base",
+    "slider": "must be left out for a base on a slider; "
+    "initial.slider_velocity is its velocity along the line",
+}
+"""Base → words for the refusal of ``initial.velocity``."""
+OUT_OF_REACH = "must be left out: no point can reach it: all points that may touch slide parallel to it"
 
 
 def check(scene: Contents) -> None:
@@ -74,8 +81,8 @@ def check_together(scene: Contents) -> None:
     check_law(contact.model, "contact", contact)
     for name, material in contact.wall.items():
         check_law(contact.model, f"wall.{name}", material)
-    if scene.chain.base == "pinned" and any(scene.initial.velocity):
-        raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
+    if (words := WITHOUT_VELOCITY.get(scene.chain.base)) and any(velocity := scene.initial.velocity):
+        raise SceneError(f"initial.velocity = {list(velocity)} {words}", ("initial", "velocity"))
     check_slider(scene)
     check_motion(scene)
     check_reach(scene)
@@ -108,12 +115,6 @@ def check_slider(scene: Contents) -> None:
             path = ("inputs", "slider_force")
             raise SceneError(f"inputs.slider_force = true must be false; {needed}", path)
         return
-    if any(start.velocity):
-        raise SceneError(
-            f"initial.velocity = {list(start.velocity)} must be left out for a base on a slider; "
-            "initial.slider_velocity is its velocity along the line",
-            ("initial", "velocity"),
-        )
     _check_names(scene, SLIDER_STOPS, "as a slider may have stops")
     low, high = slider.min, slider.max
     if low is not None and high is not None and not low < high:
@@ -129,7 +130,10 @@ def check_slider(scene: Contents) -> None:
 
 
 def check_reach(scene: Contents) -> None:
-    """Refuse a wall that no point can reach, if there are more walls than pairs that can touch."""
+    """Refuse a wall that no point can reach, if the record has no room for it.
+
+    It has room for as many walls as pairs that can touch.
+    """
     if scene.chain.slider is None or not scene.may_touch:
         return
     points, planes = scene.touching_points, scene.half_planes
@@ -139,9 +143,7 @@ def check_reach(scene: Contents) -> None:
     pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
     if out_of_reach and len(scene.walls) > pairs:
         i = [wall.name for wall in scene.walls].index(out_of_reach[0])
-        reason = "no point can reach it: all points that may touch slide parallel to it"
-        text = f"walls[{i + 1}].name = {out_of_reach[0]!r} must be left out: {reason}"
-        raise SceneError(text, ("walls", i, "name"))
+        raise SceneError(f"walls[{i + 1}].name = {out_of_reach[0]!r} {OUT_OF_REACH}", ("walls", i, "name"))
 
 
 def check_motion(scene: Contents) -> None:

@@ -1,21 +1,11 @@
 // The owners of variables, as in `shape.py`: points, walls, contacts and others, with the conditions for variables.
 
-import { BOX_WALLS, NORMALS, STOPS } from "./geometry.js";
-import { movablePoints, sitesOf, sliderStopsOf, stopsOf, wallsOf } from "./scene_file.js";
+import { BOX_WALLS, STOPS } from "./geometry.js";
+import { movablePoints, pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
 /** Return the numbers from 0 to length − 1. */
 export const range = (length) => Array.from({ length }, (_, k) => k);
-
-/** Return whether a point slides along a line parallel to a wall, so that it never reaches the wall. */
-function keepsDistance({ chain: { slider, links }, walls }, sites, point, name) {
-  const site = sites[point - links.length - 1];
-  const isAtBase = point === 0 || (site && site.link === 0 && site.x === 0 && site.y === 0);
-  if (!slider || !isAtBase) return false;
-  const angle = walls.find((wall) => wall.name === name)?.angle;
-  const [nx, ny] = NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
-  return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < SHARED.kernel.PARALLEL;
-}
 
 /** Return the parts of a scene on which its variables and its record depend. */
 export function partsOf(file, { tables }) {
@@ -23,14 +13,10 @@ export function partsOf(file, { tables }) {
   const count = links.length;
   const [points, stops, existingWalls] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
   const [sites, sliderStops] = [sitesOf(file), sliderStopsOf(file)];
-  const movable = sites.flatMap(({ link, x, y }, s) => (base === "pinned" && link === 0 && x === 0 && y === 0 ? [] : [count + 1 + s]));
-  const touching = [...points, ...movable];
-  const reaches = (point, name) => !keepsDistance(file, sites, point, name);
-  const mayTouch = existingWalls.length > 0 && (slider || sites.length > 0)
-    ? touching.some((point) => existingWalls.some((name) => reaches(point, name))) : touching.length > 0;
+  const reached = pairsOf(file);
+  const mayTouch = (existingWalls.length > 0 ? reached : touchingPoints(file)).length > 0;
   const wallNames = [...BOX_WALLS, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
-  const numbers = wallNames.flatMap((name, number) => (existingWalls.includes(name) ? [number] : []));
-  const pairs = touching.flatMap((point) => numbers.map((wall) => [point, wall])).filter(([point, wall]) => reaches(point, wallNames[wall]));
+  const pairs = reached.map(([point, name]) => [point, wallNames.indexOf(name)]);
   const materials = Object.values(contact.wall);
   const rubs = mayTouch && existingWalls.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
     materials.some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));

@@ -28,6 +28,7 @@ export function recordOf(kit, parts, rows, values, byName) {
   const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
   const write = (words, value, isReal, index = 0) => {
     const at = wordIndex(words, sizes, index);
+    if (!(at in reals)) throw new RangeError(`word ${at} is outside the record, which has ${reals.length} words`);
     if (isReal) reals[at] = value;
     else integers[at] = BigInt(value);
   };
@@ -60,6 +61,7 @@ export function recordOf(kit, parts, rows, values, byName) {
   for (const { name, of, word, given, givenIf, type, owner, missing } of rows) {
     const value = values.get(name) ?? (of === "link" || of === "slider" ? { number: Number(missing) } : null);
     if (!value || (of === "line" && !mayTouch)) continue;
+    if (of === "line" && owner.at >= candidates.length) throw new RangeError(`walls: the record has room for ${candidates.length}`);
     write(word, value.number, type === "real", owner.at);
     if (given && facts[givenIf]) write(given, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
   }

@@ -3,7 +3,7 @@
 
 import { unitText } from "../base/format.js";
 import { inRadians } from "./angles.js";
-import { BOX_WALLS, SLIDER_STOPS, STOPS } from "./geometry.js";
+import { BOX_WALLS, NORMALS, SLIDER_STOPS, STOPS } from "./geometry.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
@@ -116,14 +116,37 @@ export function sitesOf({ chain: { links } }) {
   return links.flatMap(({ points }, link) => points.map((site, entry) => ({ ...site, link, entry })));
 }
 
-/** Return the names of the existing walls. */
+/** Return the names of the existing walls, in the order of their numbers. */
 export function wallsOf({ box, walls }) {
-  return [...Object.keys(box), ...walls.map(({ name }) => name)];
+  return [...BOX_WALLS.filter((name) => name in box), ...walls.map(({ name }) => name)];
 }
 
 /** Return the points that can touch a wall if the file does not list points. */
 export function movablePoints({ chain: { base, links } }) {
   return Array.from({ length: links.length + 1 }, (_, point) => point).slice(base === "pinned" ? 1 : 0);
+}
+
+const isAtBase = ({ link, x, y }) => link === 0 && x === 0 && y === 0;
+
+/** Return the numbers of the points that may touch walls: listed joints, and movable points of links. */
+export function touchingPoints(file) {
+  const { chain: { base, links }, contact } = file;
+  const movable = sitesOf(file).flatMap((site, s) => (base === "pinned" && isAtBase(site) ? [] : [links.length + 1 + s]));
+  return [...(contact.points ?? movablePoints(file)), ...movable];
+}
+
+/** Return the pairs of a point and the name of a wall that can touch; a point that slides parallel to a wall cannot. */
+export function pairsOf(file) {
+  const { chain: { slider, links }, walls } = file;
+  const sites = sitesOf(file);
+  const slides = (point) => slider && (point === 0 || (point > links.length && isAtBase(sites[point - links.length - 1])));
+  const isParallel = (name) => {
+    const angle = walls.find((wall) => wall.name === name)?.angle;
+    const [nx, ny] = NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
+    return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < SHARED.kernel.PARALLEL;
+  };
+  return touchingPoints(file).flatMap((point) =>
+    wallsOf(file).filter((name) => !(slides(point) && isParallel(name))).map((name) => [point, name]));
 }
 
 /**
@@ -229,8 +252,18 @@ function checkContents(file) {
   }
   const bases = { free: "a free base", pinned: "a pinned base", slider: "a base on a slider" };
   if (inputs.base_motion && chain.base !== "pinned") refuse("inputs.base_motion", `= true must be false for ${bases[chain.base]}`);
-  if (chain.base !== "free" && initial.velocity.some(Boolean)) refuse("initial.velocity", `must be zero for ${bases[chain.base]}`);
+  if (chain.base !== "free" && initial.velocity.some(Boolean)) refuse("initial.velocity", SHARED.refusals.WITHOUT_VELOCITY[chain.base]);
   checkSlider(file, bases);
+  checkReach(file);
+}
+
+/** Refuse a wall that no point can reach, if there are more walls than pairs, for which the record has room. */
+function checkReach(file) {
+  const { walls } = file;
+  const reached = pairsOf(file).map(([, name]) => name);
+  if (!reached.length || walls.length <= reached.length) return;
+  const k = walls.findIndex(({ name }) => !reached.includes(name));
+  refuse(`walls[${k + 1}].name`, `= "${walls[k].name}" ${SHARED.refusals.OUT_OF_REACH}`);
 }
 
 /** Refuse values that a sliding base cannot have, and values that only a sliding base can have. */
