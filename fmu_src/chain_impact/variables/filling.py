@@ -86,6 +86,8 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Counts) ->
         words = np.zeros(layout.itemsize // WORD)
         # ``block.view`` would compare the types first, which takes longer than the rest of this function
         block = np.ndarray(1, layout, words)
+        for name, count in sizes._asdict().items():
+            block[name] = count
         _fill(block[0], scene, pairs)
         for table in _tables():
             _write(table, words, scene, sizes)
@@ -133,11 +135,7 @@ def _differ(first: Any, second: Any, names: Sequence[str]) -> bool:
 
 
 def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Write the parameters of a scene, and the candidates, into a new instance."""
-    d["links"], d["candidates"] = len(scene.chain.links), len(pairs)
-    d["elements"], d["loads"] = len(d["element"]["mode"]), len(d["transmitted"]["peak"])
-    d["channels"], d["sites"] = len(d["motion"]["position"]), len(scene.chain.sites)
-    d["signals"], d["knots"] = len(d["signal"]["form"]), len(d["knot"]["time"])
+    """Write the parts of a scene that are no parameters, and the candidates, into a new instance."""
     d["skewed"], d["slides"] = scene.chain.is_skewed, scene.chain.slider is not None
     d["site"]["link"] = [link for link, _ in scene.chain.sites]
     links = scene.chain.links

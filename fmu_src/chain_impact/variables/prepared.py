@@ -68,14 +68,18 @@ class PreparedScene:
             vars(self).update((name, cached[name]) for name in SAME if name in cached)
         else:
             self.candidates = candidates(scene)
-            links, pairs = len(scene.chain.links), len(self.candidates)
-            loads = links + len(scene.wall_names) if scene.outputs.loads else 0
-            channels = 2 * scene.inputs.base_motion + 2 * len(scene.moving_walls)
-            sites, slides = len(scene.chain.sites), scene.chain.slider is not None
-            elements = links + pairs + slides if scene.has_friction else 0
-            driven = driven_by(scene)
-            knots = sum(signal.knots for signal in driven)
-            self.sizes = Counts(links, pairs, elements, loads, channels, sites, len(driven), knots)
+            links, pairs, driven = len(scene.chain.links), len(self.candidates), driven_by(scene)
+            slides = scene.chain.slider is not None
+            self.sizes = Counts(
+                links=links,
+                candidates=pairs,
+                elements=links + pairs + slides if scene.has_friction else 0,
+                loads=links + len(scene.wall_names) if scene.outputs.loads else 0,
+                channels=2 * scene.inputs.base_motion + 2 * len(scene.moving_walls),
+                sites=len(scene.chain.sites),
+                signals=len(driven),
+                knots=sum(signal.knots for signal in driven),
+            )
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
         PreparedScene._last = self  # at the end: other threads take over only complete parts
