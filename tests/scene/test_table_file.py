@@ -1,13 +1,20 @@
 """Tables of measurements in their original formats."""
 
 import math
+import re
 import warnings
 
+import numpy as np
 import pytest
 
-from chain_impact import SceneWarning
-from chain_impact.scene.table_file import read_table, samples_of
+from chain_impact import load_scene, simulate
+from chain_impact.scene.scene import scene_from_dict, scene_to_dict
+from chain_impact.scene.signals import with_inputs
+from chain_impact.scene.table_file import gap_hints, read_table
 from tests.helpers.tools.refusal import refusal
+
+WITH_GAP = [time for time in (0.01 * k for k in range(101)) if not 0.205 < time < 0.695]
+"""Times [s] without the rows between 0.2 and 0.7 s."""
 
 
 @pytest.fixture
@@ -64,14 +71,30 @@ def test_bytes_that_are_no_text(tmp_path):
 
 
 def test_rows_that_seem_to_be_missing_are_told():
-    def read(times):
-        samples_of(read_table({"time": times, "joint[1].torque": [0.0] * len(times)}), 1.0)
+    every = 0.01 * np.arange(101)
+    (told,) = gap_hints(np.array(WITH_GAP))
+    assert re.search(r"between time = 0\.2 and 0\.7 s.* 0\.01 s apart", told)
+    assert gap_hints(every) == []
+    assert gap_hints(np.array([0.0, 0.001, 0.002, 1.0])) == []  # a few samples
+    assert gap_hints(0.01 * 1.4 ** np.arange(12)) == []  # samples with growing steps
 
-    every = [0.01 * k for k in range(101)]
-    with pytest.warns(SceneWarning, match=r"between time = 0\.2 and 0\.7 s.* 0\.01 s apart"):
-        read([time for time in every if not 0.205 < time < 0.695])
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        read(every)
-        read([0.0, 0.001, 0.002, 1.0])  # a few samples
-        read([0.01 * 1.4**k for k in range(12)])  # samples with growing steps
+
+def gaps_told(done):
+    """Call a function; return its result and its warnings of gaps."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = done()
+    return result, [str(each.message) for each in caught if "rows missing" in str(each.message)]
+
+
+def test_a_gap_is_told_once_by_each_reader(tmp_path):
+    table = tmp_path / "torque.csv"
+    table.write_text("time,joint[1].torque\n" + "".join(f"{time},0\n" for time in WITH_GAP))
+    arm = load_scene("pinned_arm").with_values({"inputs.joint_torques": True, "simulation.stop_time": 0.01})
+    driven, told = gaps_told(lambda: with_inputs(arm, table))
+    assert len(told) == 1
+    assert len(gaps_told(lambda: simulate(arm, inputs=table))[1]) == 1
+    for _ in range(2):
+        assert len(gaps_told(lambda: scene_from_dict(scene_to_dict(driven), "again"))[1]) == 1
+    changes = {"simulation.stop_time": 0.02, "contact.model": "flores"}
+    assert gaps_told(lambda: simulate(driven.with_values(changes)))[1] == []

@@ -16,7 +16,8 @@ from chain_impact.scene.signal import Samples, Signal
 from chain_impact.scene.signal_checks import check_table
 from chain_impact.scene.signal_values import is_motion, table_of, values_of
 from chain_impact.scene.signals import family
-from chain_impact.scene.table_file import TIME, read_table, samples_of
+from chain_impact.scene.table_file import TIME, gap_hints, read_table, samples_of
+from chain_impact.scene.warning import warn
 
 # the largest difference between the values just before and just after a row that is round-off, relative to
 # the largest value of the input; a larger difference is a jump
@@ -51,6 +52,7 @@ def driven_rows(
     """
     stop, step = experiment
     times, columns = samples_of(read_table(file), stop)
+    warn(str(file), gap_hints(times))
     variables = description.modelVariables
     input_names, output_names = (
         [one.name for one in variables if one.causality == kind] for kind in ("input", "output")

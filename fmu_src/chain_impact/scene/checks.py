@@ -9,6 +9,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
 from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
@@ -19,6 +21,7 @@ from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import SceneError, shown
 from chain_impact.scene.signal_checks import check_signals
+from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
@@ -301,6 +304,10 @@ def hints(scene: Contents) -> list[str]:
     if step > stop:
         longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
         texts.append(f"{longer}: there are two rows only, the start and the end")
+    for name, signal in scene.signals.items():
+        if signal.samples:
+            where = f"signal.{name}: {signal.file}"
+            texts += [f"{where}: {hint}" for hint in gap_hints(np.array(signal.samples.times))]
     return [*texts, *size_hints(scene), *base_hints(scene), *start_hints(scene)]
 
 

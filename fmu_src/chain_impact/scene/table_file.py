@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,6 @@ import numpy as np
 from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, decimal_comma, shown
 from chain_impact.scene.text_file import check_separator, likely_time, text_of
-from chain_impact.scene.warning import warn
 
 Source = str | Path | Mapping[str, Sequence[Any]]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
@@ -153,22 +152,22 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
     if times[-1] - times[0] > TOO_LONG * stop:
         lasts = f"lasts {times[-1] - times[0]:g} s, and the run {stop:g} s"
         raise SceneError(f"{table.source}: {TIME} {lasts}: is it in seconds?")
-    warn(table.source, list(_gaps(times)))
     return times, columns
 
 
-def _gaps(times: np.ndarray) -> Iterator[str]:
-    """Yield a sentence on the longest step among equal ones, if rows seem to be missing."""
+def gap_hints(times: np.ndarray) -> list[str]:
+    """Return a sentence on the longest step [s] among equal ones, if rows seem to be missing."""
     steps = np.diff(times)
     if len(steps) < ROWS:
-        return
+        return []
     usual, longest = float(np.median(steps)), int(steps.argmax())
     is_regular = np.median(np.abs(steps - usual)) <= EQUAL * usual
-    if is_regular and steps[longest] > MISSING * usual:
-        yield (
-            f"no row between {TIME} = {times[longest]:g} and {times[longest + 1]:g} s, while other rows are "
-            f"{usual:.3g} s apart: are rows missing?"
-        )
+    if not is_regular or steps[longest] <= MISSING * usual:
+        return []
+    return [
+        f"no row between {TIME} = {times[longest]:g} and {times[longest + 1]:g} s, while other rows are "
+        f"{usual:.3g} s apart: are rows missing?"
+    ]
 
 
 def _column(table: Table, name: str) -> np.ndarray:

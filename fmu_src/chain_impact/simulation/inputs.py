@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from chain_impact.kernel.forces.inputs import AT_ONCE, CONTINUES
 from chain_impact.scene.names import AXES, DataPath, input_asked
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.table_file import TIME, Source, read_table, samples_of
+from chain_impact.scene.table_file import TIME, Source, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
 from chain_impact.simulation.motions import (
@@ -211,7 +211,9 @@ def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.
 
 def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
     """Return the columns of a table of inputs, by the names of the inputs."""
-    times, columns = samples_of(read_table(table), stop)
+    read = read_table(table)
+    times, columns = samples_of(read, stop)
+    warn(read.source, gap_hints(times))
     return {name: (times, values) for name, values in columns.items()}
 
 
