@@ -150,8 +150,9 @@ def least_figure(
     # every height up to ``low`` is too low, and every height from ``high`` on is enough
     low, high, found = -1, len(heights), None
     while high - low > 1:
-        # the measured lack is a good guess; without it, the interval is halved
-        guess = int(heights.searchsorted(height + lacks)) if math.isfinite(lacks) else (low + high) // 2
+        # the measured lack gives a good guess; if it is unknown, or 0, the interval is halved
+        is_known = lacks != 0.0 and math.isfinite(lacks)
+        guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
         k = min(max(guess, low + 1), high - 1)
         height, figure = float(heights[k]), StyledFigure(figsize=(width, heights[k]), dpi=DPI)
         lacks = lacking_height(fill, figure, mean)
