@@ -48,6 +48,7 @@ def test_a_name_without_its_number_is_nearest_to_the_first_entry():
     assert nearest("initial.angle[]", names) == "initial.angle[1]"
     assert nearest("link.mass", names) == "link[1].mass"
     assert nearest("link[7].mass", names) == "link[1].mass"
+    assert nearest("contact[3].force", ["contact.force", "contact[5].force"]) == "contact[5].force"
 
 
 def test_a_name_that_is_part_of_another_one():

@@ -76,6 +76,7 @@ def test_values_are_set_by_their_names():
     assert with_values(scene, by_path).values["wall.y_max.restitution"] == 0.125
     assert with_values(scene, by_path).values["stop.stiffness"] == 1e3
     assert scene.with_values({"stops.restitution": 0.25}).stops.restitution == 0.25
+    assert scene.with_values({"stop.model": "hertz"}).stops.model == "hertz"
     by_number = scene.with_values({"stops.model": CONTACT_LAWS["hertz"].number})
     assert by_number.stops.model == "hertz"
 

@@ -212,8 +212,11 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
     numbered = [one for one in every if one != name and NUMBER.sub("", one) == bare]
     if numbered:
         numbers = _numbers(name)
+        alike = [one for one in numbered if len(_numbers(one)) == len(numbers)]
+        if not alike:
+            return numbered[0]
         return min(
-            numbered, key=lambda one: sum(abs(a - b) for a, b in zip(_numbers(one), numbers, strict=False))
+            alike, key=lambda one: sum(abs(a - b) for a, b in zip(_numbers(one), numbers, strict=True))
         )
     same = [one for one in every if owner and len(last) > 1 and one.rpartition(".")[2] == last]
     found = get_close_matches(name, every, n=1, cutoff=at_least)
@@ -223,9 +226,15 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
 
 
 def longer(name: str, names: Iterable[str]) -> str | None:
-    """Return the shortest name that contains all words of ``name``, ``rod_drop`` for ``rod``; else None."""
+    """Return the shortest name that contains ``name`` as whole words, ``rod_drop`` for ``rod``; else None."""
     words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
     return min((one for one in names if name and words.search(one)), key=len, default=None)
+
+
+def proposed(name: str, names: Iterable[str]) -> str | None:
+    """Return the name that a message proposes in place of ``name``: the nearest, or else a longer one."""
+    names = list(names)
+    return nearest(name, names) or longer(name, names)
 
 
 def _numbers(name: str) -> list[int]:

@@ -13,7 +13,7 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.names import DataPath, fmu_name, longer, nearest, other_names
+from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names, proposed
 from chain_impact.scene.unit_text import number_hint
 
 # the least similarity, 0 to 1, of a name that a message proposes; with less, proposals are useless
@@ -84,8 +84,7 @@ class UnknownNameError(SceneError, KeyError):
         similar.
         """
         if hint is None:
-            names = list(names)
-            near = nearest(name, names) or longer(name, names) if isinstance(name, str) else None
+            near = proposed(name, names) if isinstance(name, str) else None
             hint = f"the nearest is {near}" if near else otherwise
         text = name if isinstance(name, str) else shown(name)
         super().__init__(f"{source}: {text} is {what}; {hint}")
@@ -316,7 +315,7 @@ def decimal_comma(value: Any) -> str:
 
 def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
     """Return a hint that names the choice most similar to a wrong text; "" if none is similar."""
-    near = nearest(value, choices) or longer(value, choices) if choices and isinstance(value, str) else None
+    near = proposed(value, choices) if choices and isinstance(value, str) else None
     return f"; the nearest is {near}" if near else ""
 
 

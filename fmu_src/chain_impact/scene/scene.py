@@ -26,11 +26,11 @@ from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
 from chain_impact.scene.names import (
     DataPath,
     fmu_name,
-    longer,
     name_of,
-    nearest,
+    other_names,
     parameter_hint,
     place_in_file,
+    proposed,
 )
 from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
@@ -99,7 +99,7 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
         text = text_of(path)
     except (OSError, TypeError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
-        near = nearest(str(source), model_names()) or longer(str(source), model_names())
+        near = proposed(str(source), model_names())
         models = f"the nearest is {near}" if near else "`chain-impact info --list models` lists them"
         wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
         raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None
@@ -283,7 +283,8 @@ def _path_and_value(scene: Scene, change: str | DataPath, given: Any) -> tuple[D
     if not isinstance(change, str):
         return change, given
     names = _keys() if change in _keys() else _paths_by_name(scene)
-    typed, change = change, change if change in names else fmu_name(change)
+    written = (change, *other_names(change))
+    typed, change = change, next((name for name in written if name in names), fmu_name(change))
     if change not in names:
         hint = parameter_hint(change, len(scene.chain.links), scene.signals)
         hint = hint or named_point_hint(scene, change, names)
