@@ -1,6 +1,7 @@
 """Phases of dry friction: from a log of changes, from outputs, in results and on the screen."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -154,6 +155,15 @@ def test_the_screen_shows_the_first_ones():
         f"and {count - 8} more phases of dry friction, {(rest['mode'] == 0).sum()} of sticking"
     )
     assert f"{rest['start'][-1]:.6f} s" in more
+    assert "Result.stick_slip" in more
+
+
+def test_the_screen_points_to_a_result_only_where_there_is_one(tmp_path):
+    simulate(pendulum(), output_step=0.01).save_csv(tmp_path / "pendulum.csv")
+    recording = read_csv(tmp_path / "pendulum.csv", pendulum())
+    again = replace(recording, stick_slip=np.concatenate([recording.stick_slip] * 4))
+    more = next(part for part in stick_slip_table(again) if "more phase" in str(part))
+    assert "Result" not in str(more)
 
 
 # --- a chain that is stepped by hand -----------------------------------------------------------------------

@@ -24,6 +24,7 @@ from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import phase_cells
 from chain_impact.recording.summary import LISTED, energy_lines, impact_list, load_lines, passing_lines
 from chain_impact.recording.text import Table as TextTable, plural
+from chain_impact.results.result import Result
 from chain_impact.scene.tables import Box
 from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
@@ -172,9 +173,10 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
     yield table
     if len(phases) > PHASES:
         more, sticking = phases[PHASES:], int((phases[PHASES:]["mode"] == STICKS).sum())
+        whole = "; Result.stick_slip in Python has all" if isinstance(recording, Result) else ""
         yield (
             f"and {plural(len(more), 'more phase')} of dry friction, {sticking} of sticking, the last from "
-            f"{more['start'][-1]:.6f} s on; Result.stick_slip in Python has all"
+            f"{more['start'][-1]:.6f} s on{whole}"
         )
     if (phases["mode"] != STICKS).any():
         yield "mode     slip + along +x at a floor, in a joint with a positive rate; slip - against it"
