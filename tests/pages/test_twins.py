@@ -14,7 +14,8 @@ import pytest
 from chain_impact import load_scene, model_names, simulate
 from chain_impact.pages.recorded import data, free_sides, impacts, text_of
 from chain_impact.pictures.arrow_scale import ArrowScale
-from chain_impact.pictures.film_figure import CHAIN, ENERGIES, FORCE, MUTED, TIP
+from chain_impact.pictures.film_figure import CHAIN, FORCE, MUTED, TIP
+from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.style import LOAD
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans

@@ -13,7 +13,8 @@ from chain_impact import Recording, SceneWarning, load_scene, record_slowly
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
-from chain_impact.pictures.film_figure import CHAIN, ENERGIES, FORCE, STYLE, Film
+from chain_impact.pictures.film_figure import CHAIN, FORCE, STYLE, Film
+from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.style import LOAD, force_text
 from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
 from chain_impact.recording.view import LONGEST_ARROW

@@ -18,11 +18,9 @@ from chain_impact.pictures.bands import plot_curves
 from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_labels import Number, write_numbers
-from chain_impact.pictures.over_time import ENERGY_COLOURS, mark_impacts
+from chain_impact.pictures.over_time import ENERGIES, PARTS, energy_look, mark_impacts
 from chain_impact.pictures.room import draw_pin, draw_room, moves
 from chain_impact.pictures.style import (
-    BLUE,
-    BROWN,
     INK,
     LOAD,
     OUTSIDE_COLOUR,
@@ -39,7 +37,6 @@ from chain_impact.scene.bodies import placed
 from chain_impact.scene.names import STOPS
 
 MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
-ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
 COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
 """All colours of a film, except white and the shades between the colours and white."""
 STYLE: Any = PICTURES | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
@@ -184,15 +181,7 @@ class Film:
         time = self.recording.time
         mark_impacts(axes, self.recording)
         curves: list[tuple[np.ndarray, dict[str, Any]]] = [
-            (
-                energy,
-                {
-                    "linestyle": "--" if name == "friction" else "-",
-                    "color": ENERGIES[name],
-                    "label": name,
-                    "linewidth": 1 + (name == "total"),
-                },
-            )
+            (energy, energy_look(name) | {"linestyle": "--" if name in PARTS else "-"})
             for name, energy in self.recording.energies.items()
             if name in ENERGIES and energy.any()
         ]

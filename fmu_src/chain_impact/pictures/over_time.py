@@ -20,6 +20,7 @@ from chain_impact.pictures.names import short_names
 from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import (
     BLACK,
+    BLUE,
     BROWN,
     GREEN,
     GREY,
@@ -46,6 +47,8 @@ ENERGY_COLOURS |= {"supplied": PURPLE}
 ALIKE, MOSTLY = 0.03, 0.8
 PARTS = {"friction": BROWN}
 """Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
+ENERGIES = ENERGY_COLOURS | {"elastic": BLUE} | PARTS
+"""Energy → colour; only films show the elastic energy."""
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
 BAR, NAME = 0.42, 0.5
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
@@ -109,8 +112,7 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 def energy_look(name: str) -> dict[str, Any]:
     """Return the properties of the curve of an energy, with matplotlib's names."""
     is_total = name == "total"
-    colour = (ENERGY_COLOURS | PARTS)[name]
-    return {"color": colour, "label": name, "linewidth": 1 + is_total, "zorder": 2.0 - 0.1 * is_total}
+    return {"color": ENERGIES[name], "label": name, "linewidth": 1 + is_total, "zorder": 2.0 - 0.1 * is_total}
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
@@ -275,7 +277,8 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts at their speeds, the fastest impact first.
 
-    Of impacts at equal distances in time only every k-th is numbered if the numbers of all have no room.
+    Of impacts at equal distances in time only every k-th is numbered, in order of time, if the numbers of all
+    have no room.
     Returns words for the impacts without a number; "" if there are none.
     """
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
