@@ -193,6 +193,8 @@ def _place(
             is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
         free = ink.were_free(low[is_inside], high[is_inside])
+        if crossed:  # positions without a line were tried with the first of CROSSED
+            free &= np.isin(steps[tried[:, 0]], FAR)
         for step, turn in tried[free].tolist():
             led: dict[str, Any] = {}
             if steps[step] in FAR:
