@@ -7,6 +7,8 @@ tests/pages/test_twins.py compares the values of both languages.
 
 from __future__ import annotations
 
+import ast
+import inspect
 import json
 from functools import cache
 from types import ModuleType
@@ -79,8 +81,16 @@ def declaration() -> str:
 
 
 def _constants(module: ModuleType) -> dict[str, Any]:
-    """Return all constants of a module by their names."""
-    return {name: _plain(value) for name, value in vars(module).items() if name.isupper()}
+    """Return the constants that a module defines, by their names; those that it imports are left out."""
+    imported = {
+        each.asname or each.name
+        for node in ast.parse(inspect.getsource(module)).body
+        if isinstance(node, ast.ImportFrom)
+        for each in node.names
+    }
+    return {
+        name: _plain(value) for name, value in vars(module).items() if name.isupper() and name not in imported
+    }
 
 
 def _plain(value: Any) -> Any:

@@ -2,7 +2,6 @@
 
 import { bytesIn, numbersIn } from "../base/base64.js";
 
-
 /** Return the numbers low + (high − low) · integer / FINEST. */
 function numbers({ low, high, values }) {
   const scale = (high - low) / SHARED.packed.FINEST;
