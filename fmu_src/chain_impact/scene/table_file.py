@@ -101,6 +101,8 @@ def read_table(source: Source) -> Table:
     if not isinstance(source, str | Path):
         if hasattr(source, "iter_columns"):  # the source is a table of polars
             source = {series.name: series.to_list() for series in source.iter_columns()}
+        if not hasattr(source, "items"):
+            raise SceneError(f"data: {shown(source)} must be a file, a data frame, or columns by name")
         columns = {str(name): list(cells) for name, cells in source.items()}
         lengths = {name: len(cells) for name, cells in columns.items()}
         if len(set(lengths.values())) > 1:
