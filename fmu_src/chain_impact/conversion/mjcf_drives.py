@@ -284,5 +284,5 @@ class Drives:
 
 
 def _of_servo(name: str, text: str, joints: frozenset[str]) -> Difference:
-    """Return a difference between the control of an actuator and the target of a joint."""
+    """Return the remark that the control of an actuator in the file differs from the target of a joint."""
     return Difference(kind="actuator", name=name, text=text, effect=Effect.NONE, differs=True, joints=joints)

@@ -197,7 +197,7 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 
 
 def _about(model: Any, row: FieldRemark, i: int) -> Difference:
-    """Return a difference for element ``i``, with the joint or body to which the element belongs."""
+    """Return the remark on element ``i`` of the file, with the joint or body to which the element belongs."""
     common: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":
         return Difference(kind="option", name=row.field[4:], **common)

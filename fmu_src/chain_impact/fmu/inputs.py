@@ -19,7 +19,7 @@ from chain_impact.scene.signals import family
 from chain_impact.scene.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
 
-# the largest difference between the values just before and just after a row that is round-off, relative to
+# the largest difference of the values just before and just after a row that counts as round-off, relative to
 # the largest value of the input; a larger difference is a jump
 JUMP = 1e-9
 

@@ -112,7 +112,7 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
 
 
 def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, beside: bool = True) -> None:
-    """Draw the panels into the axes of a grid; ``beside``: whether names may be at the side of a panel."""
+    """Draw the panels into the axes of a grid; ``beside``: whether curves' names may stand beside it."""
     figure = grid[0].get_figure(root=True)
     wide = beside and figure is not None and not is_narrow(figure)
     start, factor, label = 0.0, 1.0, "time [s]"

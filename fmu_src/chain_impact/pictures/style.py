@@ -267,7 +267,7 @@ def _reserve(figure: Figure, top: float, bottom: float) -> None:
 
 
 def words_of(figure: Figure) -> dict[str, str]:
-    """Return the words of a picture for its file: the headline, and all texts except the numbers at ticks."""
+    """Return the metadata of a picture's file: the headline, and all texts except the numbers at ticks."""
     title = figure.get_suptitle()
     texts = [text.get_text().replace("\n", " ") for text in figure.texts if text.get_text() != title]
     for axes in figure.axes:

@@ -80,7 +80,7 @@ class Scene(Contents):
         return scene_text.text(self)
 
     def _repr_html_(self) -> str:
-        """Return the description for a notebook, with a small drawing of the chain at its start."""
+        """Return the description for a notebook, with a small drawing of the chain in its initial state."""
         return f"<div>{drawing.svg(self)}<pre>{escape(repr(self))}</pre></div>"
 
 

@@ -39,8 +39,8 @@ function stepsOf(name, text, changes) {
 }
 
 /**
- * Return signals that drive all changed inputs: name → contents. An input without steps has a constant signal:
- * `simulate()` takes no target velocity as an input beside a signal for the target angle.
+ * Return signals that drive all changed inputs: name → contents. An input without steps has a constant signal,
+ * because a joint may not have a signal for its target angle and a number for its target velocity.
  */
 export function inputSignals(changes) {
   const changed = changes.scene.inputs.filter((name) => changes.isChanged(name));
