@@ -12,9 +12,9 @@ from chain_impact.kernel.events.base import check_base, end_at_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
 from chain_impact.kernel.events.handlers import apply_events, bends_force, renew_modes
 from chain_impact.kernel.events.marks import (
+    KINK,
     NONE,
     drop_events,
-    ends_in_kink,
     ends_in_onset,
     pending_changes,
 )
@@ -371,10 +371,10 @@ def apply_pending_events(d):
 
     Returns the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
-    events = d.drive.event + pending_changes(d)
+    events, kinked = d.drive.event + pending_changes(d), d.drive.event > 0
     for c in range(d.candidates):
         events += d.touch.event[c] != NONE
-    kinked = events > 0 and (d.drive.event > 0 or ends_in_kink(d))
+        kinked = kinked or d.touch.event[c] == KINK
 
     ensure_rate(d)
     update_peaks(d)

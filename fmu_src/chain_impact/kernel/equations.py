@@ -148,7 +148,7 @@ def free_rate(d, y, rate):
 
 
 def loaded_rate(d, y, dissipated, rate):
-    """Set rate = f(y) for the loads that are set; the argument ``dissipated`` is the contacts' power [W]."""
+    """Set rate = f(y) for the loads in the record; the argument ``dissipated`` is the contacts' power [W]."""
     n = d.links
     supplied = 0.0
     if d.model.has_springs_or_dampers or d.model.driven or d.model.has_joint_places:

@@ -63,14 +63,6 @@ def ends_in_onset(d):
     return False
 
 
-def ends_in_kink(d):
-    """Return whether the force of a contact has a kink at the end of the last step."""
-    for c in range(d.candidates):
-        if d.touch.event[c] == KINK:
-            return True
-    return False
-
-
 def pending_changes(d):
     """Return the number of elements whose mode ends at the end of the last step."""
     changes = 0

@@ -336,7 +336,7 @@ find_mode_change = search_by_inputs(
 
 
 def is_past_limit(d, _c):
-    """Return whether a stage of the last step, or its end, is beyond the end of a drive's mode."""
+    """Return whether a drive leaves its mode in a stage of the last step, or at the end of the step."""
     if not d.model.has_drive_limits:
         return False
     ensure_inputs(d, d.step.state_end)

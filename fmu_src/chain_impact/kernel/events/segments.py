@@ -118,16 +118,17 @@ def begin_segments(d):
 def begin_segment(d, j):
     """Begin the next segment of signal j; return NO_JUMP, BENDS or JUMPS."""
     y = d.step.state_end
+    stores = d.signal.input[j] != CHANNEL
     locate_points(d, y)
     ensure_inputs(d, y)
-    energy = energy_balance(d, y)
+    energy = energy_balance(d, y) if stores else 0.0
     before, rate, bend = signal_at(d, j, d.step.end)
     begin_next(d, j)
     after, rate_after, bend_after = signal_at(d, j, d.step.end)
     locate_points(d, y)
     ensure_inputs(d, y)
     size = d.model.size
-    if d.signal.input[j] != CHANNEL:
+    if stores:
         # the position and velocity of base and walls never jump, nor does any energy with them
         supply(d, energy_balance(d, y) - energy)
         # the number of the chain's energy serves as the natural scale of torques, forces and angles

@@ -201,7 +201,8 @@ def is_derived(d, c):
 def derive_damping(d, c):
     """Derive the constants of the given law of candidate c.
 
-    They are the factor f(e) by the restitution e, and the exponent p of the penetration in the damping δᵖ δ̇.
+    They are the factor f(e) by the restitution e, the exponent p of the penetration in the damping δᵖ δ̇,
+    whether there is damping in the approach only, and whether the wall is rigid.
     """
     if is_derived(d, c):
         return

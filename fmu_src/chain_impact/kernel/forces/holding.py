@@ -246,10 +246,10 @@ def contact_resistance(d):
 def solve_positions(d):
     """Find the change of the coordinates that brings the clearances g of the active set to their targets.
 
-    If the change is larger than residuals and errors explain, a motion can hardly be constrained. Then only
-    candidates with g < target are moved, and without a rigid wall nothing is moved. Nothing is moved either
-    where the change hardly reduces the residual of sticking elements, for example at two corners of a box.
-    Otherwise each step would change the energy.
+    If the change is larger than residuals and errors explain, the constraints hardly act on the motion that
+    would remove them. Then only candidates of rigid walls with g < target are moved; without a rigid wall
+    nothing is moved. Nothing is moved either where the change hardly reduces the residual of sticking
+    elements, for example at two corners of a box. Otherwise each step would change the energy.
     """
     rigid, size, far, asked, moved, left = d.rigid, d.model.size, farthest(d), 0.0, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):

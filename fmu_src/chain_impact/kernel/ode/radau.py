@@ -172,7 +172,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         implicit, worst, total = d.implicit, 0.0, 0.0
         _correct(d, size)
         for j in range(size):
-            # max() can hide a NaN; a sum cannot, and a NaN in W reaches every part of this sum
+            # max() can hide a NaN; a sum cannot, and a NaN in W reaches this sum through the last stage
             total += implicit.weight[j] * implicit.stages[RADAU_STAGES - 1, j]
             worst = max(worst, implicit.weight[j] * implicit.z[j])
         implicit.correction = worst if math.isfinite(total) else math.inf

@@ -254,6 +254,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     return record(
         ("start", REAL, (extended,)),  # extended state z at the start of a step
         ("start_rate", REAL, (extended,)),  # rate ż of the extended state at the start of a step
+        # the extended state that is evaluated; in `correct_stages` the largest changes of its entries
         ("z", REAL, (extended,)),
         ("weight", REAL, (extended,)),  # weights of errors in z, relative to the tolerance
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start to the nodes
