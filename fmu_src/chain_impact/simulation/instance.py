@@ -121,12 +121,9 @@ def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
 
     ``layout`` gives the fields for the first numbers of a row; further numbers are left out.
     """
-    size = numbers.shape[1] * numbers.itemsize
-    whole = np.dtype({"names": ["first"], "formats": [layout], "offsets": [0], "itemsize": size})
     if not layout.itemsize:
         return np.zeros(len(numbers), layout)
-    view: np.ndarray = np.ndarray(len(numbers), whole, numbers)["first"]
-    return view
+    return np.ndarray(len(numbers), layout, numbers, strides=numbers.strides[:1])
 
 
 class Instance:
@@ -159,7 +156,8 @@ class Instance:
         self._log_at = log_words(self.prepared.sizes)
         if driven:
             driven.set(self.record, 0)
-        self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied))
+        size = self.prepared.kernel_size
+        self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied), sizes=size)
         self.initialize()
 
     def _use(self, block: np.ndarray) -> None:
@@ -306,14 +304,14 @@ class Instance:
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
         if not self.record["quadrature"]["wanted"]:
             rows["impulse"] = np.nan
-        if not self.record["loads"]:
+        if not self.prepared.sizes.loads:
             rows["joint_force"] = np.nan
         return rows
 
     @property
     def status(self) -> int:
         """The status code of the run; 0 if there is no fault."""
-        return int(self.record["statistics"]["status"])
+        return self._integers.item(self._log_at.status)
 
     @property
     def place(self) -> str:
@@ -352,23 +350,24 @@ _loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
 """The loaded kernels without a user's law: sizes, derivatives, cache folder → kernel."""
 
 
-def kernel_for(scene: Scene, *, derivatives: bool, sizes: tuple[int, ...] | None = None) -> ctypes.CDLL:
+def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctypes.CDLL:
     """Return the kernel for a scene, and keep it for later calls.
 
     Args:
         scene: the scene.
         derivatives: whether the kernel carries derivatives.
-        sizes: the numbers at the start of the record, for a kernel with these sizes only.
+        sizes: ``PreparedScene.kernel_size``, the default, or the numbers at the start of the record, for a
+            kernel with these sizes only.
 
     Raises:
         BuildError: when the kernel cannot be compiled.
     """
-    links, law = sizes or kernel_size(scene), scene.contact.law_file
+    size, law = kernel_size(scene) if sizes is None else sizes, scene.contact.law_file
     # after a change of the cache folder, a kernel is loaded again, from the new folder
-    key = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
+    key = (size, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and key in _loaded:
         return _loaded[key]
-    kernel = load_kernel(kernel_library(links, law_file=law, derivatives=derivatives))
+    kernel = load_kernel(kernel_library(size, law_file=law, derivatives=derivatives))
     if not law:
         _loaded[key] = kernel
     return kernel

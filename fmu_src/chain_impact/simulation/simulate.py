@@ -123,16 +123,16 @@ def simulate(
     columns = len(words) + width * len(varied)
     check_result_size(scene.name, stop, step, columns)
     driven = drive(prepared, {} if inputs is None else inputs, interpolation, _times(stop, step))
-    if driven.paths:
-        _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
+    if driven.paths and not _size(len(driven.times), columns) <= MOST_BYTES:
+        raise _too_large(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
     differentiated = DifferentiatedInstance(prepared, varied, driven) if varied else None
     instance = differentiated or Instance(prepared, driven, ())
-    slopes = differentiated.slope_words(words[:width]) if differentiated else words[:0]
-    of_state = indices.of_state and not differentiated
-    rows = WordRows(len(driven.times), np.concatenate([words, slopes]), of_state=of_state)
+    wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
+    rows = WordRows(len(driven.times), wanted, of_state=indices.of_state and not differentiated)
     done, impacts = instance.run(driven, rows, progress or silent)
     order, sorted_impacts = in_order([*impacts, instance.open_contacts()], scene.wall_names)
-    asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
+    every = not driven.paths or driven.asked.all()
+    asked = slice(done) if every else np.flatnonzero(driven.asked[:done])
     numbers = rows.numbers[asked]
     sensitive = None
     if differentiated:
@@ -159,7 +159,7 @@ def simulate(
     # ``hints`` is called only for a penetration so deep that it can give a warning, which is rare
     if sorted_impacts["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
         warn(scene.name, hints(scene, sorted_impacts))
-    if instance.record["moved"]["contradiction"]:
+    if prepared.sizes.channels and instance.record["moved"]["contradiction"]:
         warn(scene.name, instance.contradictions)
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result, instance.place)
@@ -178,17 +178,22 @@ def check_result_size(source: str, stop: float, step: float, columns: int) -> No
     Raises:
         SceneError: when the result would be too large.
     """
-    asked = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
-    _check_rows(f"{source}: {asked} gives", stop / step + 1.0, columns)
+    count = stop / step + 1.0
+    if not _size(count, columns) <= MOST_BYTES:
+        asked = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
+        raise _too_large(f"{source}: {asked} gives", count, columns)
 
 
-def _check_rows(what: str, count: float, columns: int) -> None:
-    """Refuse rows of outputs that are too large; the text ``what`` begins the message."""
-    size = count * WORD * (1 + columns)  # the time is a column as well
-    if not size <= MOST_BYTES:
-        rows = f"{count:.4g} rows of {columns} outputs, {size / 1e9:.4g} GB"
-        limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
-        raise SceneError(f"{what} {rows}; {limit}")
+def _size(count: float, columns: int) -> float:
+    """Return the size of rows of outputs [byte]; the time is a column as well."""
+    return count * WORD * (1 + columns)
+
+
+def _too_large(what: str, count: float, columns: int) -> SceneError:
+    """Return the error for rows of outputs that are too large; the text ``what`` begins the message."""
+    rows = f"{count:.4g} rows of {columns} outputs, {_size(count, columns) / 1e9:.4g} GB"
+    limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
+    return SceneError(f"{what} {rows}; {limit}")
 
 
 def _times(stop: float, step: float) -> np.ndarray:

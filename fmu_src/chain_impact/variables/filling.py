@@ -44,9 +44,11 @@ class _Kept:
 _kept: dict[Counts, _Kept] = {}
 """The last scene of each record size, with its record."""
 MOST_KEPT = 16
-_GIVEN_IF = {kind.given_if for _, kinds in PARAMETERS for kind in kinds if kind.given_if}
+_GIVEN_IF = {
+    kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
+}
 """The conditions on which the record has a field for the given value of a parameter, beside the value in
-use."""
+use, with the functions that look them up in a scene."""
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
 """The tables of the scene whose numbers can be written again without the other tables."""
 
@@ -183,7 +185,10 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
 
     If the record has a field for given values, these values follow.
     """
-    members, part, paths = _members(kind.path or ())
+    path = kind.path or ()
+    if AT not in path and ENTRY_AT not in path:
+        return _reader_of_one(kind, path)
+    members, part, paths = _members(path)
     given_if = attrgetter(kind.given_if)
 
     def read(scene: Scene) -> list[Any]:
@@ -194,6 +199,23 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
         if not kind.given or (kind.given_if and not given_if(scene)):
             return values
         return values + (_given(scene, paths(scene), values) if scene.derived_paths else values)
+
+    return read
+
+
+def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
+    """Return the function of ``_reader`` for a kind with one value, at a path; it takes half the time."""
+    part, given_if = _getter(path), attrgetter(kind.given_if)
+
+    def read(scene: Scene) -> list[Any]:
+        value = part(scene)
+        if kind.choices:
+            value = _choice(kind, value)
+        elif value is None:
+            value = kind.if_missing
+        if not kind.given or (kind.given_if and not given_if(scene)):
+            return [value]
+        return [value, DERIVED if path in scene.derived_paths else value]
 
     return read
 
@@ -217,8 +239,6 @@ def _members(
                 for j in range(len(link.points))
             ],
         )
-    if AT not in path:
-        return lambda scene: (scene,), _getter(path), lambda _: [path]
     split = path.index(AT)
     whole, (before, after) = _getter(path[:split]), (path[:split], path[split + 1 :])
     return whole, _getter(after), lambda scene: [(*before, i, *after) for i in range(len(whole(scene)))]
@@ -255,7 +275,7 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
     """Write the numbers of a table of the scene to the words of the scene's record."""
     # the record has room for the walls at any angle only if points may touch them
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
-    met = tuple(name for name in _GIVEN_IF if attrgetter(name)(scene))
+    met = tuple(name for name, holds in _GIVEN_IF.items() if holds(scene))
     indices, readers = _words_of(table, sizes, lines, slides, met)
     words[indices] = [number for read in readers for number in read(scene)]
 

@@ -57,9 +57,10 @@ def first_word(dtype: np.dtype, part: str) -> int:
 
 
 class LogWords(NamedTuple):
-    """The indices of the words of the record that a reader of the log of contacts needs.
+    """The indices of the words of the record that a reader of a run and its log of contacts needs.
 
     Attributes:
+        status: status of the run.
         ended: number of ended contacts.
         collected: number of ended contacts that a reader has already collected.
         active: number of contacts that last, which are listed after the ended ones.
@@ -68,6 +69,7 @@ class LogWords(NamedTuple):
         room: number of rows of each column.
     """
 
+    status: int
     ended: int
     collected: int
     active: int
@@ -78,12 +80,12 @@ class LogWords(NamedTuple):
 
 @cache
 def log_words(counts: Counts) -> LogWords:
-    """Return where the log of contacts is in a record with some counts."""
-    layout = layout_of(*counts)
-    paths = ("finished", "count"), ("finished", "collected"), ("touch", "active_count"), ("changes", "count")
-    ended, collected, active, changes = (word_index(layout, path) for path in paths)
-    room = layout["finished"]["point"].shape[0]
-    return LogWords(ended, collected, active, changes, word_index(layout, ("finished", "point", 0)), room)
+    """Return where the status and the log of contacts are in a record with some counts."""
+    layout, changes = layout_of(*counts), ("changes", "count")
+    of_log = ("finished", "count"), ("finished", "collected"), ("touch", "active_count"), changes
+    paths = ("statistics", "status"), *of_log, ("finished", "point", 0)
+    words = [word_index(layout, path) for path in paths]
+    return LogWords._make([*words, layout["finished"]["point"].shape[0]])
 
 
 class OutputIndices(NamedTuple):

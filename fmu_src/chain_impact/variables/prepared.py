@@ -39,6 +39,7 @@ from chain_impact.variables.variable import Variable, variable_row
 SAME = (
     *("candidates", "sizes", "layout", "row", "parameters", "inputs", "outputs", "_own_outputs", "motion"),
     *("columns", "output_words", "output_indices", "_indices_by_names", "parameter_paths", "differentiable"),
+    *("_indices_by_text", "kernel_size"),
 )
 """The attributes that do not depend on numbers of the scene."""
 NAMED = 64  # the largest number of selections of outputs whose indices are kept
@@ -191,6 +192,11 @@ class PreparedScene:
         return {variable.name: word_index(self.row, variable.record_path[1:]) for variable in self.motion}
 
     @cached_property
+    def kernel_size(self) -> int:
+        """The number of links that ``kernel_library`` needs to find the kernel of the scene."""
+        return kernel_size(self.scene)
+
+    @cached_property
     def output_words(self) -> np.ndarray:
         """The indices in the record of the numbers of a row, shape (W,)."""
         first = first_word(self.layout, "output")
@@ -241,7 +247,19 @@ class PreparedScene:
         Raises:
             UnknownNameError: when no output has a name, or matches a pattern.
         """
-        return self._indices_by_names(*(variable.name for variable in self.outputs_named(wanted)))
+        by_names, kept = self._indices_by_names, self._indices_by_text
+        if not isinstance(wanted, str):
+            return by_names(*(variable.name for variable in self.outputs_named(wanted)))
+        if wanted not in kept:
+            if len(kept) >= NAMED:
+                kept.clear()
+            kept[wanted] = by_names(*(variable.name for variable in self.outputs_named(wanted)))
+        return kept[wanted]
+
+    @cached_property
+    def _indices_by_text(self) -> dict[str, OutputIndices]:
+        """The indices of outputs that a single text has named."""
+        return {}
 
     @cached_property
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
