@@ -82,10 +82,10 @@ def update_laws(d):
         first = d.law.same_as[c]
         if first == c:
             derive_damping(d, c)
+            set_parameters(d, c)
+            note_kind(d, c)
         else:
-            copy_damping(d.law, first, c)
-        set_parameters(d, c)
-        note_kind(d, c)
+            copy_law(d.law, first, c)
     return OK
 
 
@@ -216,10 +216,15 @@ def derive_damping(d, c):
         law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
 
 
-def copy_damping(law, source, c):
-    """Copy what ``derive_damping`` has derived for candidate ``source`` to candidate c."""
+def copy_law(law, source, c):
+    """Copy the law of candidate ``source`` to candidate c; setting it again would take longer."""
+    law.number[c], law.exponent[c] = law.number[source], law.exponent[source]
+    law.stiffness[c], law.restitution[c] = law.stiffness[source], law.restitution[source]
     law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]
     law.rate_exponent[c], law.damping_factor[c] = law.rate_exponent[source], law.damping_factor[source]
+    law.minimum_impact_speed[c] = law.minimum_impact_speed[source]
+    law.harmless_depth[c] = law.harmless_depth[source]
+    law.friction[c], law.static_friction[c] = law.friction[source], law.static_friction[source]
 
 
 def set_parameters(d, c):
