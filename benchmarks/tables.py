@@ -91,7 +91,7 @@ def headline() -> str:
 
 
 def sweeps() -> str:
-    """Return a sentence on the time of one run in a sweep, and on how much faster two workers are than one."""
+    """Return a sentence on the time of one run in a sweep, and on how much faster two workers are."""
     results = common.load("sweep")["results"]
     micro = results["CPU microseconds a run"]
     one, _, four, loop = (digits(micro[name]["median"]) for name in micro)
