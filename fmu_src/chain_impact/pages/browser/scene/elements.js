@@ -55,18 +55,18 @@ function factsOf({ file: { chain, inputs, outputs, stops: { model } }, pairs, sl
   };
 }
 
-/** Return the counts of the record, as in `counts.py`. */
+/** Return the counts of the record under their names, as in `counts.py`. */
 function sizesOf({ file: { chain: { links, slider }, inputs, outputs }, candidates, hasFriction, wallNames, movingWalls, sites, driven }) {
-  return [
-    links.length,
-    candidates.length,
-    hasFriction ? links.length + candidates.length + (slider ? 1 : 0) : 0,
-    outputs.loads ? links.length + wallNames.length : 0,
-    2 * inputs.base_motion + 2 * movingWalls.length,
-    sites.length,
-    driven.length,
-    driven.reduce((sum, { knots }) => sum + knots, 0),
-  ];
+  return {
+    links: links.length,
+    candidates: candidates.length,
+    elements: hasFriction ? links.length + candidates.length + (slider ? 1 : 0) : 0,
+    loads: outputs.loads ? links.length + wallNames.length : 0,
+    channels: 2 * inputs.base_motion + 2 * movingWalls.length,
+    sites: sites.length,
+    signals: driven.length,
+    knots: driven.reduce((sum, { knots }) => sum + knots, 0),
+  };
 }
 
 /** Return the values of a table under their dotted keys. */
@@ -77,7 +77,7 @@ function flags(table, name) {
 /**
  * Return the owners of variables of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and conditions.
  */
-export function ownersOf({ file, sites, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, movingWalls, joints, sizes: [links] }) {
+export function ownersOf({ file, sites, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, movingWalls, joints, sizes: { links } }) {
   const ofJoints = (numbers) => numbers.map((n) => ({ n, at: n - 1 }));
   const { inputs, outputs, chain: { slider } } = file;
   return {

@@ -46,7 +46,7 @@ function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns)
     return [...stops, touch(joint, "", { friction: word(`${of}.friction_moment`), sticking: word(`${of}.sticking`) })];
   });
   return {
-    points: range(sizes[0] + 1 + sizes[5]).map((k) => kit.points.map((coordinate) => wordIndex(coordinate, sizes, k))),
+    points: range(sizes.links + 1 + sizes.sites).map((k) => kit.points.map((coordinate) => wordIndex(coordinate, sizes, k))),
     energies: Object.fromEntries([...words].flatMap(([name, at]) => (name.startsWith("energy.") ? [[name.slice(7), at]] : []))),
     touches: [...atWalls, ...onSlider, ...inJoints].filter(({ force, sticking }) => force !== null || sticking !== null),
     loads: joints
@@ -84,7 +84,7 @@ function reasonsOf({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
 export function describe(kit, file, command) {
   const parts = partsOf(file, kit);
   const { sizes, stops, wallNames, existingWalls, facts } = parts;
-  const pointNames = parts.sites.flatMap(({ name }, s) => (name ? [[sizes[0] + 1 + s, name]] : []));
+  const pointNames = parts.sites.flatMap(({ name }, s) => (name ? [[sizes.links + 1 + s, name]] : []));
   const owners = ownersOf(parts);
   const all = (groups) => instances(groups, owners, facts).filter(({ has }) => has);
   const [motions, settable] = [all(kit.still), all(kit.inputs)];
@@ -114,7 +114,7 @@ export function describe(kit, file, command) {
     file,
     text: file.description,
     command,
-    links: sizes[0],
+    links: sizes.links,
     pinned: file.chain.base === "pinned",
     wallNames,
     walls: wallsAt({ walls: Object.fromEntries(existingWalls.map((name) => [name, null])) }, (name) => values.get(name)?.number),

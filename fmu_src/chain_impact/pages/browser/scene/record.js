@@ -4,9 +4,10 @@ import { anyOnChain, range } from "./elements.js";
 import { BOX_WALLS, STOPS } from "./geometry.js";
 import { putSignals } from "./signals.js";
 
-/** Return the index of a word in a record of these sizes: a constant, and a slope for each size and for the index. */
+/** Return the index of a word in a record of these sizes: a constant, and a slope for each count and for the index. */
 export function wordIndex([constant, ...slopes], sizes, index = 0) {
-  return [...sizes, index].reduce((sum, size, k) => sum + slopes[k] * size, constant);
+  const counts = SHARED.record.COUNTS.map((name) => sizes[name]);
+  return [...counts, index].reduce((sum, count, k) => sum + slopes[k] * count, constant);
 }
 
 /** Return the indices of all words of nested tables in a record of these sizes. */
@@ -34,7 +35,7 @@ export function recordOf(kit, parts, rows, values, byName) {
   };
   const put = (name, value, index = 0) => write(kit.fields[name].word, value, kit.fields[name].real, index);
   const each = (name, all) => all.forEach((value, index) => put(name, value, index));
-  SHARED.record.COUNTS.forEach((name, k) => put(name, sizes[k]));
+  SHARED.record.COUNTS.forEach((name) => put(name, sizes[name]));
   put("skewed", Number(chain.links.some(({ center_of_mass_offset: offset }) => offset !== 0)));
   put("slides", Number(chain.slider !== undefined));
   each("site_link", sites.map(({ link }) => link));
@@ -56,7 +57,7 @@ export function recordOf(kit, parts, rows, values, byName) {
   put("kept", outputs.impacts);
   put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));
   ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
-    each(name, range(BOX_WALLS.length + sizes[1]).map(() => -1)));
+    each(name, range(BOX_WALLS.length + sizes.candidates).map(() => -1)));
   put("stop_law", kit.laws.indexOf(file.stops.model) + 1);
   for (const { name, of, word, given, givenIf, type, owner, missing } of rows) {
     const value = values.get(name) ?? (of === "link" || of === "slider" ? { number: Number(missing) } : null);
