@@ -74,10 +74,10 @@ int start(Instance *instance, const char *call); /* computes the start if it is 
 int fail(Instance *instance, int status, int fault); /* after a fault of the kernel no step can follow */
 
 /* variables.c */
-typedef enum { FLOAT64S, INT32S, INT64S } Element; /* type of the importer's arrays */
-int get(Instance *instance, const char *call, Element element, const uint32_t vr[], size_t count, void *values,
+typedef enum { FLOAT64S, INT32S, INT64S } ArrayType; /* type of the importer's arrays */
+int get(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, void *values,
         size_t length);
-int set(Instance *instance, const char *call, Element element, const uint32_t vr[], size_t count, const void *values,
+int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length);
 int none(const Instance *instance, const char *call, size_t count, const char *missing); /* accepts an empty list */
 

@@ -16,9 +16,9 @@ static const char *const KINDS[] = {"a fixed parameter", "a tunable parameter", 
                                     "the independent variable"};
 
 /* Return the variable of a value reference; NULL if there is none, or if it has another type. */
-static const Variable *variable(const Instance *instance, uint32_t vr, Element element) {
+static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType array) {
     const Variable *all = in_table(instance->table, instance->table->variables_at);
-    int type = element == FLOAT64S ? REAL : INTEGER;
+    int type = array == FLOAT64S ? REAL : INTEGER;
     return vr < instance->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
@@ -57,25 +57,25 @@ static const Word *source(Instance *instance, const char *call, const uint32_t v
 }
 
 /* Return whether the number of given values equals the number of values of the variables, which are valid. */
-static int fits(const Instance *instance, const char *call, Element element, const uint32_t vr[], size_t count,
+static int fits(const Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count,
                 size_t length) {
     size_t wanted = 0;
-    for (size_t i = 0; i < count; i++) wanted += (size_t)variable(instance, vr[i], element)->length;
+    for (size_t i = 0; i < count; i++) wanted += (size_t)variable(instance, vr[i], array)->length;
     if (wanted != length)
         say(instance, ERROR, "%s: the variables have %zu values, but %zu are given", call, wanted, length);
     return wanted == length;
 }
 
-static void store(Word word, Element element, void *values, size_t i) {
-    if (element == FLOAT64S)
+static void store(Word word, ArrayType array, void *values, size_t i) {
+    if (array == FLOAT64S)
         ((double *)values)[i] = word.real;
-    else if (element == INT64S)
+    else if (array == INT64S)
         ((int64_t *)values)[i] = word.integer;
     else /* a count may have more bits than the result */
         ((int32_t *)values)[i] = word.integer > INT_MAX ? INT_MAX : (int32_t)word.integer;
 }
 
-int get(Instance *instance, const char *call, Element element, const uint32_t vr[], size_t count, void *values,
+int get(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, void *values,
         size_t length) {
     if (!allowed(instance, call, ANY_PHASE)) return ERROR;
     if (count == 0 && length == 0) return OK;
@@ -83,29 +83,29 @@ int get(Instance *instance, const char *call, Element element, const uint32_t vr
     if (!given(instance, call, interface->references, vr) || !given(instance, call, interface->values, values))
         return ERROR;
     for (size_t i = 0; i < count; i++)
-        if (!variable(instance, vr[i], element))
+        if (!variable(instance, vr[i], array))
             return say(instance, ERROR, "%s: the value reference %u is no %s's", call, vr[i],
-                       instance->interface->types[element != FLOAT64S]);
-    if (!fits(instance, call, element, vr, count, length)) return ERROR;
+                       instance->interface->types[array != FLOAT64S]);
+    if (!fits(instance, call, array, vr, count, length)) return ERROR;
     int status = OK;
     const Word *record = source(instance, call, vr, count, &status);
     if (!record) return ERROR;
     for (size_t i = 0, at = 0; i < count; i++) {
-        const Variable *from = variable(instance, vr[i], element);
+        const Variable *from = variable(instance, vr[i], array);
         const Word *word = from->kind == INDEPENDENT ? &(const Word){.real = instance->time} : record + from->word;
-        for (int64_t k = 0; k < from->length; k++) store(word[k], element, values, at++);
+        for (int64_t k = 0; k < from->length; k++) store(word[k], array, values, at++);
     }
     return status;
 }
 
-static Word word_at(Element element, const void *values, size_t i) {
-    if (element == FLOAT64S) return (Word){.real = ((const double *)values)[i]};
-    return (Word){.integer = element == INT64S ? ((const int64_t *)values)[i] : ((const int32_t *)values)[i]};
+static Word word_at(ArrayType array, const void *values, size_t i) {
+    if (array == FLOAT64S) return (Word){.real = ((const double *)values)[i]};
+    return (Word){.integer = array == INT64S ? ((const int64_t *)values)[i] : ((const int32_t *)values)[i]};
 }
 
 /* Return whether a value can be set; a variable that can be set is never an array. */
-static int check(const Instance *instance, const char *call, Element element, uint32_t vr, Word new) {
-    const Variable *at = variable(instance, vr, element);
+static int check(const Instance *instance, const char *call, ArrayType array, uint32_t vr, Word new) {
+    const Variable *at = variable(instance, vr, array);
     if (!at)
         return say(instance, ERROR, "%s: the value reference %u belongs to another type or to no variable", call, vr);
     const char *name = text_of(instance->table, at->name), *range = text_of(instance->table, at->allowed);
@@ -122,7 +122,7 @@ static int check(const Instance *instance, const char *call, Element element, ui
 }
 
 /* Set all values or, if one value is refused, none. */
-int set(Instance *instance, const char *call, Element element, const uint32_t vr[], size_t count, const void *values,
+int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length) {
     if (!allowed(instance, call, ANY_PHASE)) return ERROR;
     if (count == 0 && length == 0) return OK;
@@ -133,12 +133,12 @@ int set(Instance *instance, const char *call, Element element, const uint32_t vr
         return say(instance, ERROR, "%s: %zu variables need one value each, but %zu values are given", call, count,
                    length);
     for (size_t i = 0; i < count; i++)
-        if (check(instance, call, element, vr[i], word_at(element, values, i)) != OK) return ERROR;
+        if (check(instance, call, array, vr[i], word_at(array, values, i)) != OK) return ERROR;
     int changed = 0;
     uint64_t registers = usual_registers();
     for (size_t i = 0; i < count; i++) {
-        const Variable *at = variable(instance, vr[i], element);
-        Word *word = instance->record + at->set_word, new = word_at(element, values, i);
+        const Variable *at = variable(instance, vr[i], array);
+        Word *word = instance->record + at->set_word, new = word_at(array, values, i);
         changed |= at->type == REAL ? word->real != new.real : word->integer != new.integer;
         instance->record[at->word] = *word = new;
     }

@@ -69,8 +69,8 @@ FUNCTION(fmi2Reset, reset(c, __func__), fmi2Component c)
 
 /* --- variables: 2.1.7; functions without a capability in the model description accept an empty list only --- */
 
-#define ACCESS(name, what, type, element)                                                                    \
-    FUNCTION(name, what(c, __func__, element, vr, count, value, count), fmi2Component c,                     \
+#define ACCESS(name, what, type, array)                                                                    \
+    FUNCTION(name, what(c, __func__, array, vr, count, value, count), fmi2Component c,                     \
              const fmi2ValueReference vr[], size_t count, type value[])
 ACCESS(fmi2GetReal, get, fmi2Real, FLOAT64S)
 ACCESS(fmi2GetInteger, get, fmi2Integer, INT32S)

@@ -75,8 +75,8 @@ FUNCTION(fmi3Reset, reset(c, __func__), fmi3Instance c)
 
 /* --- variables: 2.2.6.2 --- */
 
-#define ACCESS(name, what, type, element)                                                                   \
-    FUNCTION(name, what(c, __func__, element, vr, count, values, length), fmi3Instance c,                   \
+#define ACCESS(name, what, type, array)                                                                   \
+    FUNCTION(name, what(c, __func__, array, vr, count, values, length), fmi3Instance c,                   \
              const fmi3ValueReference vr[], size_t count, type values[], size_t length)
 ACCESS(fmi3GetFloat64, get, fmi3Float64, FLOAT64S)
 ACCESS(fmi3GetInt64, get, fmi3Int64, INT64S)
