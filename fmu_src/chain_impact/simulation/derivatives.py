@@ -25,7 +25,7 @@ from chain_impact.recording.text import what
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import Drive, drive
+from chain_impact.simulation.inputs import InputCourse, input_course
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows
 from chain_impact.simulation.reasons import LEFT_OPEN, REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
 from chain_impact.variables.indices import WORD, first_word, word_index
@@ -56,7 +56,7 @@ class DifferentiatedInstance(Instance):
         self,
         prepared: PreparedScene,
         varied: Sequence[Variable],
-        driven: Drive | None = None,
+        course: InputCourse | None = None,
     ) -> None:
         """Make the instance as ``Instance`` does, with derivatives with respect to P parameters and inputs.
 
@@ -72,7 +72,7 @@ class DifferentiatedInstance(Instance):
         self._impact_layout = np.dtype(
             [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
         )
-        super().__init__(prepared, driven, varied)
+        super().__init__(prepared, course, varied)
 
     def initialize(self) -> None:
         """Set the instance and the derivatives to the start.
@@ -265,16 +265,16 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        driven = drive(self._prepared, self._inputs, self._interpolation, times)
-        rows = instance.rows(len(driven.times), self._words)
-        asked = np.searchsorted(driven.times, times)
-        driven.set(instance.record, 0)
+        course = input_course(self._prepared, self._inputs, self._interpolation, times)
+        rows = instance.rows(len(course.times), self._words)
+        asked = np.searchsorted(course.times, times)
+        course.set(instance.record, 0)
         try:
             instance.restart(self._paths, values)
         except SimulationError:
             rows.numbers[:] = np.nan
             return self._differentiated(rows.numbers[asked], [])
-        done, impacts = instance.run(driven, rows)
+        done, impacts = instance.run(course, rows)
         rows.numbers[done:] = np.nan
         impacts.append(instance.open_contacts())
         return self._differentiated(rows.numbers[asked], impacts)

@@ -52,7 +52,7 @@ COURSE = "course"
 
 
 @dataclass(frozen=True)
-class Drive:
+class InputCourse:
     """The inputs of a run: polynomials in time, or constants, in each of P pieces.
 
     Attributes:
@@ -75,7 +75,7 @@ class Drive:
     restarts: np.ndarray
     slips: np.ndarray
 
-    def at(self, times: np.ndarray) -> Drive:
+    def at(self, times: np.ndarray) -> InputCourse:
         """Return the same inputs with other communication points, increasing, shape (S,) [s]."""
         begins = self.times[np.maximum(self.first - 1, 0)]
         merged = np.union1d(times, begins[begins <= times[-1]])
@@ -120,8 +120,10 @@ class Drive:
             given["changed"] = AT_ONCE if anew else CONTINUES
 
 
-def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.ndarray) -> Drive:
-    """Return the ``Drive`` of a simulation with given communication points.
+def input_course(
+    prepared: PreparedScene, inputs: Given, interpolation: str, times: np.ndarray
+) -> InputCourse:
+    """Return the inputs of a simulation over time, with given communication points.
 
     Args:
         prepared: the scene that the inputs drive, prepared.
@@ -143,7 +145,7 @@ def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.
     run = times if begins else np.union1d(0.0, times)
     if not inputs:
         asked = np.ones(len(run), bool) if begins else np.isin(run, times)
-        return Drive(run, asked, (), NOTHING, AT_START, NEVER, NEVER)
+        return InputCourse(run, asked, (), NOTHING, AT_START, NEVER, NEVER)
     paths = {variable.name: variable.record_path for variable in prepared.inputs}
     for name in inputs:
         if name not in paths:
@@ -198,7 +200,7 @@ def drive(prepared: PreparedScene, inputs: Given, interpolation: str, times: np.
     together = np.union1d(run, begin)
     slips = np.asarray(jumps(pieces, moving[belts], 1).any(axis=1))
     bends = jumps(pieces, moving, 2).any(axis=1)
-    return Drive(
+    return InputCourse(
         times=together,
         asked=np.isin(together, times),
         paths=(*(paths[name] for name in signals), *((MOTION, COURSE, j) for j in range(len(motions)))),

@@ -20,7 +20,7 @@ from chain_impact.recording.stick_slip import CHANGE_DTYPE
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import places
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.inputs import Drive
+from chain_impact.simulation.inputs import InputCourse
 from chain_impact.variables.indices import HEAD, WORD, log_words
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import BEHIND
@@ -139,7 +139,7 @@ class Instance:
     def __init__(
         self,
         source: Scene | PreparedScene,
-        driven: Drive | None = None,
+        course: InputCourse | None = None,
         varied: Sequence[Variable] | None = None,
     ) -> None:
         """Load or compile the kernel and set the instance to its start, with the first values of the inputs.
@@ -154,8 +154,8 @@ class Instance:
         varied = self.prepared.varied if varied is None else varied
         self._use(self.prepared.new_instance(varied))
         self._log_at = log_words(self.prepared.sizes)
-        if driven:
-            driven.set(self.record, 0)
+        if course:
+            course.set(self.record, 0)
         size = self.prepared.kernel_size
         self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied), sizes=size)
         self.initialize()
@@ -225,19 +225,21 @@ class Instance:
         )
         return count
 
-    def run(self, driven: Drive, rows: Rows, progress: Progress = silent) -> tuple[int, list[np.ndarray]]:
+    def run(
+        self, course: InputCourse, rows: Rows, progress: Progress = silent
+    ) -> tuple[int, list[np.ndarray]]:
         """Fill rows at the communication points.
 
         Returns the number of rows that are filled before a fault, and the ended contacts.
         """
-        done, impacts, last = 0, [], len(driven.times)
-        ends = np.append(driven.first[1:], last) if driven.paths else None
+        done, impacts, last = 0, [], len(course.times)
+        ends = np.append(course.first[1:], last) if course.paths else None
         while done < last and self.status == OK:
             # each piece has its own inputs, so each call ends at the end of a piece
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
             end = min(done + rows.at_once, until)
-            driven.set(self.record, done)
-            done += rows.fill(self, driven.times[done:end], done)
+            course.set(self.record, done)
+            done += rows.fill(self, course.times[done:end], done)
             impacts.append(self.collect())
             progress(done / last)
         return done, impacts

@@ -23,7 +23,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
-from chain_impact.simulation.inputs import Drive, Given, Interpolation, drive
+from chain_impact.simulation.inputs import Given, InputCourse, Interpolation, input_course
 from chain_impact.simulation.instance import (
     Instance,
     SimulationError,
@@ -122,17 +122,17 @@ def simulate(
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
     check_result_size(scene.name, stop, step, columns)
-    driven = drive(prepared, {} if inputs is None else inputs, interpolation, _times(stop, step))
-    if driven.paths and not _size(len(driven.times), columns) <= MOST_BYTES:
-        raise _too_large(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
-    differentiated = DifferentiatedInstance(prepared, varied, driven) if varied else None
-    instance = differentiated or Instance(prepared, driven, ())
+    course = input_course(prepared, {} if inputs is None else inputs, interpolation, _times(stop, step))
+    if course.paths and not _size(len(course.times), columns) <= MOST_BYTES:
+        raise _too_large(f"{scene.name}: the simulation with its inputs has", len(course.times), columns)
+    differentiated = DifferentiatedInstance(prepared, varied, course) if varied else None
+    instance = differentiated or Instance(prepared, course, ())
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
-    rows = WordRows(len(driven.times), wanted, of_state=indices.of_state and not differentiated)
-    done, impacts = instance.run(driven, rows, progress or silent)
+    rows = WordRows(len(course.times), wanted, of_state=indices.of_state and not differentiated)
+    done, impacts = instance.run(course, rows, progress or silent)
     order, sorted_impacts = in_order([*impacts, instance.open_contacts()], scene.wall_names)
-    every = not driven.paths or driven.asked.all()
-    asked = slice(done) if every else np.flatnonzero(driven.asked[:done])
+    every = not course.paths or course.asked.all()
+    asked = slice(done) if every else np.flatnonzero(course.asked[:done])
     numbers = rows.numbers[asked]
     sensitive = None
     if differentiated:
@@ -147,14 +147,14 @@ def simulate(
         )
     result = Result(
         prepared=prepared,
-        time=driven.times[asked],
+        time=course.times[asked],
         outputs=structured(numbers, indices.row),
         impacts=sorted_impacts,
         statistics=instance.statistics,
         sensitivities=sensitive,
         stepwise=_Stepwise(numbers[:, width:], words[width:], indices.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
-        rerun=Rerun(prepared, driven),
+        rerun=Rerun(prepared, course),
     )
     # ``hints`` is called only for a penetration so deep that it can give a warning, which is rare
     if sorted_impacts["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
@@ -209,18 +209,18 @@ class Rerun:
     """A function that repeats the run with rows at other times."""
 
     prepared: PreparedScene
-    driven: Drive
+    course: InputCourse
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """Return the outputs at the ``times`` [s], increasing, shape (S,).
 
         Returns fewer rows if the solver cannot continue.
         """
-        driven = self.driven.at(times)
-        instance = Instance(self.prepared, driven, ())
-        rows = WordRows(len(driven.times), self.prepared.output_words)
-        done, _ = instance.run(driven, rows)
-        outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.row)[driven.asked[:done]]
+        course = self.course.at(times)
+        instance = Instance(self.prepared, course, ())
+        rows = WordRows(len(course.times), self.prepared.output_words)
+        done, _ = instance.run(course, rows)
+        outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.row)[course.asked[:done]]
         return outputs
 
 

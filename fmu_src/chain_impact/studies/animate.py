@@ -22,7 +22,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.results import animate as results
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import Signal, drive
+from chain_impact.simulation.inputs import Signal, input_course
 from chain_impact.simulation.instance import Instance, WordRows, structured
 from chain_impact.simulation.simulate import simulate
 
@@ -100,13 +100,13 @@ def record_slowly(
     # an impact that is too weak for slow motion also gets rows, for its peak force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * WITHIN).ravel()[:MOST_ROWS]
-    driven = drive(result.prepared, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
-    instance = Instance(result.prepared, driven, varied=())
-    rows = WordRows(len(driven.times), result.prepared.output_words)
-    done, _ = instance.run(driven, rows, lambda part: show(0.5 + part / 2))
+    course = input_course(result.prepared, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
+    instance = Instance(result.prepared, course, varied=())
+    rows = WordRows(len(course.times), result.prepared.output_words)
+    done, _ = instance.run(course, rows, lambda part: show(0.5 + part / 2))
     return Result(
         result.prepared,
-        driven.times[:done],
+        course.times[:done],
         structured(rows.numbers[:done], result.prepared.row),
         result.impacts,
         statistics=instance.statistics,

@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
-from chain_impact.simulation.inputs import drive
+from chain_impact.simulation.inputs import input_course
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.derivative_scenes import Case
 
@@ -133,9 +133,9 @@ def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...
 def started(case: Case) -> DifferentiatedInstance:
     """Return an instance at the start of a case, with derivatives of all outputs."""
     prepared = PreparedScene(case.scene)
-    driven = drive(prepared, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
-    instance = DifferentiatedInstance(prepared, prepared.varied_by(case.parameters), driven=driven)
-    driven.set(instance.record, 0)
+    course = input_course(prepared, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
+    instance = DifferentiatedInstance(prepared, prepared.varied_by(case.parameters), course=course)
+    course.set(instance.record, 0)
     return instance
 
 
