@@ -30,11 +30,11 @@ COLUMNS = 6
 
 
 def _block(
+    *,
     part: str,
     of: str,
     prefix: str,
     rows: str,
-    *,
     names: Sequence[str] = (),
     array: bool = False,
     **other: Any,
@@ -87,15 +87,19 @@ def _attribute(text: str, unit: str) -> tuple[str, Any]:
 
 INPUTS = (
     _block(
-        *("given", "joint", "joint[{n}]"),
-        " | N.m | torque on link {n} from {before} | joint_torque",
+        part="given",
+        of="joint",
+        prefix="joint[{n}]",
+        rows=" | N.m | torque on link {n} from {before} | joint_torque",
         names=INPUTS_OF["joint_torques"],
         when=("inputs.joint_torques",),
         causality="input",
     ),
     _block(
-        *("given", "joint", "joint[{n}]"),
-        """
+        part="given",
+        of="joint",
+        prefix="joint[{n}]",
+        rows="""
         | rad   | angle that the spring of joint {n} follows            | joint_target_angle
         | rad/s | angular velocity that the damper of joint {n} follows | joint_target_velocity
         """,
@@ -104,16 +108,20 @@ INPUTS = (
         causality="input",
     ),
     _block(
-        *("given", "slider", "slider"),
-        " | N | force on the carriage, along the line | slider_force",
+        part="given",
+        of="slider",
+        prefix="slider",
+        rows=" | N | force on the carriage, along the line | slider_force",
         names=INPUTS_OF["slider_force"],
         heading=SLIDER,
         when=("inputs.slider_force",),
         causality="input",
     ),
     _block(
-        *("given", "slider", "slider"),
-        """
+        part="given",
+        of="slider",
+        prefix="slider",
+        rows="""
         | m   | position that the spring of the slider follows | slider_target_position
         | m/s | velocity that the damper of the slider follows | slider_target_velocity
         """,
@@ -123,15 +131,19 @@ INPUTS = (
         causality="input",
     ),
     _block(
-        *("given", "one", "tip"),
-        " | N | {axis} of the force on the tip | tip_force.{j}",
+        part="given",
+        of="one",
+        prefix="tip",
+        rows=" | N | {axis} of the force on the tip | tip_force.{j}",
         names=INPUTS_OF["tip_force"],
         when=("inputs.tip_force",),
         causality="input",
     ),
     _block(
-        *(MOTION, "one", "base"),
-        """
+        part=MOTION,
+        of="one",
+        prefix="base",
+        rows="""
         | m    | {axis} of the position of the base     | position.{j}
         | m/s  | {axis} of the velocity of the base     | velocity.{j}
         | m/s2 | {axis} of the acceleration of the base | acceleration.{j}
@@ -141,8 +153,10 @@ INPUTS = (
         causality="input",
     ),
     _block(
-        *(MOTION, "moving wall", "wall.{name}"),
-        """
+        part=MOTION,
+        of="moving wall",
+        prefix="wall.{name}",
+        rows="""
         | m    | its displacement along its inward normal n | position
         | m/s  | its velocity along its inward normal n     | velocity
         | m/s2 | its acceleration along its inward normal n | acceleration
@@ -157,8 +171,10 @@ INPUTS = (
 
 OUTPUTS = (
     _block(
-        *("output", "point", "point[{n}]"),
-        """
+        part="output",
+        of="point",
+        prefix="point[{n}]",
+        rows="""
         {axis}  | m    | {axis} of the position     | point_position.{at}.{j}     | size | array=point.position
         v{axis} | m/s  | {axis} of the velocity     | point_velocity.{at}.{j}     | size | array=point.velocity rate_of=point_position
         a{axis} | m/s2 | {axis} of the acceleration | point_acceleration.{at}.{j} | size | array=point.acceleration rate_of=point_velocity at_once
@@ -167,8 +183,10 @@ OUTPUTS = (
         when=("outputs.points",),
     ),
     _block(
-        *("output", "link", "link[{n}]"),
-        """
+        part="output",
+        of="link",
+        prefix="link[{n}]",
+        rows="""
         angle                | rad    | angle, absolute, from +x
         angular_velocity     | rad/s  | angular velocity, absolute     |  |  | rate_of=angle
         angular_acceleration | rad/s2 | angular acceleration, absolute |  |  | rate_of=angular_velocity at_once
@@ -179,16 +197,20 @@ OUTPUTS = (
         is_terminal=False,
     ),
     _block(
-        *("output", "joint", "joint[{n}]"),
-        """
+        part="output",
+        of="joint",
+        prefix="joint[{n}]",
+        rows="""
         angle            | rad   | angle of link {n} relative to {parent}{from_x}            | joint_angle
         angular_velocity | rad/s | angular velocity of link {n} relative to {parent}{from_x} | joint_angular_velocity |  | rate_of=joint_angle
         """,
         heading=JOINT,
     ),
     _block(
-        *("output", "slider", "slider"),
-        """
+        part="output",
+        of="slider",
+        prefix="slider",
+        rows="""
         position     | m    | position along the line, 0 at the start | slider_position     | size
         velocity     | m/s  | velocity along the line                 | slider_velocity     | size | rate_of=slider_position
         acceleration | m/s2 | acceleration along the line             | slider_acceleration | size | rate_of=slider_velocity at_once
@@ -196,8 +218,10 @@ OUTPUTS = (
         heading=SLIDER,
     ),
     _block(
-        *("output", "slider", "slider"),
-        """
+        part="output",
+        of="slider",
+        prefix="slider",
+        rows="""
         friction_force | N | dry friction on the carriage, along the line | friction.joint_moment.{at}   | force | at_once
         sticking       | 1 | 1 while it sticks by dry friction, else 0    | friction.joint_sticking.{at} |       | at_once minimum=0 maximum=1
         """,
@@ -205,8 +229,10 @@ OUTPUTS = (
         when=("outputs.contacts", "rubs"),
     ),
     _block(
-        *("output", "contact", "contact[{n}].{name}"),
-        """
+        part="output",
+        of="contact",
+        prefix="contact[{n}].{name}",
+        rows="""
         force            | N   | force of the wall, along its normal                                            |                   | force    | at_once
         penetration      | m   | penetration, 0 when apart                                                      |                   | depth    | minimum=0
         penetration_rate | m/s | rate of penetration, positive when closing, 0 when apart                       |                   | size
@@ -221,8 +247,10 @@ OUTPUTS = (
         is_terminal=False,
     ),
     _block(
-        *("output", "moving wall", "wall.{name}"),
-        """
+        part="output",
+        of="moving wall",
+        prefix="wall.{name}",
+        rows="""
         position      | m | distance moved along its inward normal n         | channel
         belt_position | m | how far its belt has moved along t = (n_y, -n_x) | channel.{next}
         """,
@@ -230,8 +258,10 @@ OUTPUTS = (
         when=("outputs.contacts",),
     ),
     _block(
-        *("output", "stop", "joint[{n}]"),
-        """
+        part="output",
+        of="stop",
+        prefix="joint[{n}]",
+        rows="""
         stop_moment      | N.m   | moment of its stops, positive at joint_min                  | force       | stop moment | at_once
         stop_penetration | rad   | angle beyond a stop, 0 when apart                           | penetration | stop depth  | minimum=0
         stop_impulse     | N.m.s | impulse of its stops since the start, positive at joint_min | impulse     | energy
@@ -240,8 +270,10 @@ OUTPUTS = (
         when=("outputs.contacts",),
     ),
     _block(
-        *("output", "rubbing joint", "joint[{n}]"),
-        """
+        part="output",
+        of="rubbing joint",
+        prefix="joint[{n}]",
+        rows="""
         friction_moment | N.m | moment of dry friction on link {n}        | friction.joint_moment   | energy | at_once
         sticking        | 1   | 1 while it sticks by dry friction, else 0 | friction.joint_sticking |        | at_once minimum=0 maximum=1
         """,
@@ -249,8 +281,10 @@ OUTPUTS = (
         when=("outputs.contacts",),
     ),
     _block(
-        *("output", "one", "energy"),
-        """
+        part="output",
+        of="one",
+        prefix="energy",
+        rows="""
         kinetic    | J | kinetic energy                                                         |                     | energy | minimum=0
         potential  | J | potential energy of gravity, zero at the origin                        |                     | energy
         elastic    | J | energy stored in the contacts and in the springs of joints             |                     | energy
@@ -263,8 +297,10 @@ OUTPUTS = (
         is_terminal=False,
     ),
     _block(
-        *("output", "joint", "joint[{n}]"),
-        """
+        part="output",
+        of="joint",
+        prefix="joint[{n}]",
+        rows="""
         force.{axis}   | N   | {axis} of the force of {parent} on link {n}                               | load.{axis}         | momentum | at_once
         moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | load.moment         | energy   | at_once
         impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start             | load.impulse_{axis} | momentum
@@ -274,8 +310,10 @@ OUTPUTS = (
         when=("outputs.loads",),
     ),
     _block(
-        *("output", "slider", "slider"),
-        """
+        part="output",
+        of="slider",
+        prefix="slider",
+        rows="""
         reaction | N   | force of the line on the carriage, along its left normal | slider_reaction | momentum | at_once
         moment   | N.m | moment of the line on the carriage                       | slider_moment   | energy   | at_once
         """,
@@ -283,8 +321,10 @@ OUTPUTS = (
         when=("outputs.loads",),
     ),
     _block(
-        *("output", "touched wall", "wall.{name}"),
-        """
+        part="output",
+        of="touched wall",
+        prefix="wall.{name}",
+        rows="""
         load.{axis} | N   | {axis} of the force of the chain on the wall   | load.{axis} | momentum | at_once
         load_moment | N.m | moment of the chain on the wall, about {about} | load.moment | energy   | at_once
         """,
@@ -292,8 +332,10 @@ OUTPUTS = (
         when=("outputs.loads",),
     ),
     _block(
-        *("impact", "one", "impact"),
-        """
+        part="impact",
+        of="one",
+        prefix="impact",
+        rows="""
         count      |     | impacts since the start                                         |  |  | minimum=0
         last_time  | s   | time of the last impact, of the start before the first
         last_point |     | point of the last impact, -1 before the first{its_joint}        |  |  | minimum=-1 maximum=points
@@ -303,8 +345,10 @@ OUTPUTS = (
         is_terminal=False,
     ),
     _block(
-        *("latest", "impact", "impact[{n}]"),
-        """
+        part="latest",
+        of="impact",
+        prefix="impact[{n}]",
+        rows="""
         time             | s   | time of its onset, 0 if there is none
         point            |     | point, -1 if there is none{its_joint}                                 |  |          | minimum=-1 maximum=points
         wall             |     | wall: {wall_numbers_if_any}                                           |  |          | minimum=0 maximum=walls
@@ -320,8 +364,10 @@ OUTPUTS = (
         is_terminal=False,
     ),
     _block(
-        *("statistics", "one", "solver"),
-        """
+        part="statistics",
+        of="one",
+        prefix="solver",
+        rows="""
         steps           |  | accepted steps of the solver                         |  |  | minimum=0
         rejected_steps  |  | rejected steps of the solver                         |  |  | minimum=0
         rhs_evaluations |  | evaluations of the equations of motion by the solver |  |  | minimum=0

@@ -50,7 +50,7 @@ def _rules(table: type) -> dict[str, Mapping[str, Any]]:
 
 
 def _parameter(
-    rule: Mapping[str, Any], path: DataPath, record_path: DataPath, text: str = "{}", **other: Any
+    rule: Mapping[str, Any], *, path: DataPath, record_path: DataPath, text: str = "{}", **other: Any
 ) -> Kind:
     """Return the parameter for the value at a path; unit and range come from the key's metadata ``rule``.
 
@@ -72,6 +72,7 @@ def _parameter(
 
 def _of(
     table: type,
+    *,
     path: DataPath,
     record_path: DataPath,
     names: Sequence[str] = (),
@@ -88,27 +89,34 @@ def _of(
             tuple(key if step == KEY else step for step in steps) for steps in (path, record_path)
         )
         more = {"record_path": in_record, **special.get(key, {})}
-        kinds.append(_parameter(_rules(table)[key], in_scene, text=text, **more))
+        kinds.append(_parameter(_rules(table)[key], path=in_scene, text=text, **more))
     return kinds
 
 
-def _vector(table: type, path: DataPath, record_path: DataPath, text: str, **other: Any) -> list[Kind]:
+def _vector(table: type, *, path: DataPath, record_path: DataPath, text: str, **other: Any) -> list[Kind]:
     """Return the parameters for the components of a vector, whose key is the last step of ``path``."""
     kinds, rule = [], _rules(table)[str(path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
         in_record = tuple(steps.get(step, step) for step in record_path)
-        kinds.append(_parameter(rule, (*path, j), in_record, text, axis=axis, **other))
+        kinds.append(_parameter(rule, path=(*path, j), record_path=in_record, text=text, axis=axis, **other))
     return kinds
 
 
 PARAMETERS = (
-    block("one", *_vector(Contents, ("gravity",), ("model", "gravity", INDEX), "{axis} of the {}")),
+    block(
+        "one",
+        *_vector(
+            Contents, path=("gravity",), record_path=("model", "gravity", INDEX), text="{axis} of the {}"
+        ),
+    ),
     block(
         "link",
         *_of(
-            *(Link, ("chain", "links", AT, KEY), ("model", KEY, AT)),
-            [key for key in _rules(Link) if key not in ("points", "shape")],
+            Link,
+            path=("chain", "links", AT, KEY),
+            record_path=("model", KEY, AT),
+            names=[key for key in _rules(Link) if key not in ("points", "shape")],
             height={"if_missing": 0.0, "hint": HAS_ONE},
             center_of_mass_offset={"trivial": 0.0, "hint": HAS_ONE},
             center_of_mass={"given": ("model", "given_center_of_mass", AT)},
@@ -132,8 +140,10 @@ PARAMETERS = (
     block(
         "site",
         *_of(
-            *(Site, ("chain", "links", LINK_AT, "points", ENTRY_AT, KEY), ("site", KEY, AT)),
-            ("x", "y", "radius"),
+            Site,
+            path=("chain", "links", LINK_AT, "points", ENTRY_AT, KEY),
+            record_path=("site", KEY, AT),
+            names=("x", "y", "radius"),
             radius={"given": ("site", "given_radius", AT)},
         ),
         heading=SITE,
@@ -142,7 +152,9 @@ PARAMETERS = (
     block(
         "slider",
         *_of(
-            *(Slider, ("chain", "slider", KEY), ("slider", KEY)),
+            Slider,
+            path=("chain", "slider", KEY),
+            record_path=("slider", KEY),
             rest_position={
                 "record_path": ("given", "slider_target_position"),
                 "when": ("rests",),
@@ -154,8 +166,10 @@ PARAMETERS = (
             force_limit={"if_missing": math.inf, "hint": HAS_ONE},
         ),
         _parameter(
-            *(_rules(Initial)["slider_velocity"], ("initial", "slider_velocity")),
-            *(("initial", "slider_velocity"), "initial {}"),
+            _rules(Initial)["slider_velocity"],
+            path=("initial", "slider_velocity"),
+            record_path=("initial", "slider_velocity"),
+            text="initial {}",
         ),
         heading=SLIDER,
     ),
@@ -164,34 +178,48 @@ PARAMETERS = (
         *(
             kind
             for w, wall in enumerate(WALLS)
-            for kind in _of(Box, ("box", KEY), ("model", "wall", w), (wall,), "position of the {}")
+            for kind in _of(
+                Box,
+                path=("box", KEY),
+                record_path=("model", "wall", w),
+                names=(wall,),
+                text="position of the {}",
+            )
         ),
     ),
     block(
         "line",
-        *_vector(Wall, ("walls", AT, "point"), ("walls", AXIS, AT), "{axis} of {}"),
-        *_of(Wall, ("walls", AT, KEY), ("walls", KEY, AT), ("angle",)),
+        *_vector(Wall, path=("walls", AT, "point"), record_path=("walls", AXIS, AT), text="{axis} of {}"),
+        *_of(Wall, path=("walls", AT, KEY), record_path=("walls", KEY, AT), names=("angle",)),
         heading=LINE,
         when=("contacts",),
     ),
     block(
         "one",
         *_of(
-            *(Contact, ("contact", KEY), ("given", "law"), ("model",)),
+            Contact,
+            path=("contact", KEY),
+            record_path=("given", "law"),
+            names=("model",),
             model={"when": ("law",), "tunable": ALWAYS, "choices": LAWS, "smooth": False},
         ),
     ),
     block(
         "one",
         *_of(
-            *(Contact, ("contact", KEY), ("contact", KEY)),
-            ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"),
+            Contact,
+            path=("contact", KEY),
+            record_path=("contact", KEY),
+            names=("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"),
             stiffness={"record_path": ("given", "stiffness"), "tunable": ALWAYS},
             restitution={"record_path": ("given", "restitution"), "tunable": ALWAYS},
             minimum_impact_speed={"smooth": False},
         ),
         *_of(
-            *(Contact, ("contact", KEY), ("given", KEY), ("friction", "static_friction")),
+            Contact,
+            path=("contact", KEY),
+            record_path=("given", KEY),
+            names=("friction", "static_friction"),
             friction={"tunable": ALWAYS, "when": ("contact_friction",), "hint": HAS_FRICTION},
             static_friction={"tunable": ALWAYS, "when": ("contact_friction",), "hint": HAS_FRICTION},
         ),
@@ -200,7 +228,9 @@ PARAMETERS = (
     block(
         "material",
         *_of(
-            *(Material, ("contact", "wall", "{name}", KEY), ("walls", KEY, AT)),
+            Material,
+            path=("contact", "wall", "{name}", KEY),
+            record_path=("walls", KEY, AT),
             restitution={"if_missing": -1.0},  # below 0, the restitution of all walls applies
             friction={"if_missing": -1.0, "hint": HAS_FRICTION},
             static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
@@ -212,8 +242,10 @@ PARAMETERS = (
     block(
         "one",
         *_of(
-            *(Stops, ("stops", KEY), ("stops", KEY)),
-            ("stiffness", "exponent", "restitution", "minimum_impact_speed"),
+            Stops,
+            path=("stops", KEY),
+            record_path=("stops", KEY),
+            names=("stiffness", "exponent", "restitution", "minimum_impact_speed"),
             stiffness={"record_path": ("given", "stop_stiffness"), "tunable": ALWAYS},
             exponent={"given": ("stops", "given_exponent")},
             restitution={"given": ("given", "stop_restitution"), "tunable": ALWAYS},
@@ -228,15 +260,19 @@ PARAMETERS = (
             replace(kind, given=(MOTION, "position", j), given_if="inputs.base_motion")
             for j, kind in enumerate(
                 _vector(
-                    *(Initial, ("initial", "position"), ("initial", "position", INDEX)),
-                    "initial {axis} of the {}",
+                    Initial,
+                    path=("initial", "position"),
+                    record_path=("initial", "position", INDEX),
+                    text="initial {axis} of the {}",
                 )
             )
         ),
         # the velocity of a pinned base can only be zero
         *_vector(
-            *(Initial, ("initial", "velocity"), ("initial", "velocity", INDEX)),
-            "initial {axis} of the {}",
+            Initial,
+            path=("initial", "velocity"),
+            record_path=("initial", "velocity", INDEX),
+            text="initial {axis} of the {}",
             when=("free",),
         ),
     ),
@@ -244,7 +280,9 @@ PARAMETERS = (
         block(
             "link",
             _parameter(
-                *(_rules(Initial)[key], ("initial", key, AT), ("initial", name, AT)),
+                _rules(Initial)[key],
+                path=("initial", key, AT),
+                record_path=("initial", name, AT),
                 text="initial " + _rules(Initial)[key]["description"].replace("each link", "link {n}"),
             ),
         )
@@ -253,27 +291,39 @@ PARAMETERS = (
     block(
         "signal",
         *_of(
-            *(Signal, ("signals", "{name}", KEY), ("signal", KEY, AT)),
-            ("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
+            Signal,
+            path=("signals", "{name}", KEY),
+            record_path=("signal", KEY, AT),
+            names=("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
         ),
         *_of(
-            *(Signal, ("signals", "{name}", KEY), ("signal", KEY, AT)),
-            ("start", "rise", "initial", "final", "duration"),
+            Signal,
+            path=("signals", "{name}", KEY),
+            record_path=("signal", KEY, AT),
+            names=("start", "rise", "initial", "final", "duration"),
         ),
         heading=SIGNAL,
     ),
     block(
         "step",
         _parameter(
-            _rules(Signal)["times"], ("signals", "{name}", "times", ENTRY_AT), ("knot", "given_time", AT)
+            _rules(Signal)["times"],
+            path=("signals", "{name}", "times", ENTRY_AT),
+            record_path=("knot", "given_time", AT),
         ),
         _parameter(
-            _rules(Signal)["values"], ("signals", "{name}", "values", ENTRY_AT), ("knot", "given_value", AT)
+            _rules(Signal)["values"],
+            path=("signals", "{name}", "values", ENTRY_AT),
+            record_path=("knot", "given_value", AT),
         ),
         heading=SIGNAL,
     ),
-    block("one", *_of(Solver, ("solver", KEY), ("solver", KEY), method={"choices": METHODS}), smooth=False),
+    block(
+        "one",
+        *_of(Solver, path=("solver", KEY), record_path=("solver", KEY), method={"choices": METHODS}),
+        smooth=False,
+    ),
 )
 """The parameters."""
-EXPERIMENT = _of(Simulation, ("simulation", KEY), ())
+EXPERIMENT = _of(Simulation, path=("simulation", KEY), record_path=())
 """Values that can be changed in addition to parameters; the record does not contain them."""
