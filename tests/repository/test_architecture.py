@@ -17,6 +17,7 @@ SLAVE = ROOT / "fmu_src" / "slave.py"
 SCRIPTS = [file for file in PACKAGE.rglob("*.js") if file.parent.name != "vendor"]
 MODULES = sorted(PACKAGE.rglob("*.py"))
 LONGEST = 400  # lines of a file
+WIDEST = {".js": 140, ".c": 120, ".h": 120}  # characters of a line; ruff checks the lines of Python
 FILES = {
     ".".join(file.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): file
     for file in MODULES
@@ -130,6 +131,17 @@ def test_files_are_short_and_redirect_nothing_of_the_process():
     lengths = {file.name: len(file.read_text("utf-8").splitlines()) for file in [*files, *SCRIPTS]}
     assert {name: length for name, length in lengths.items() if length >= LONGEST} == {}
     assert {file.name: found for file in files if (found := [*redirections(file)])} == {}
+
+
+def test_no_line_of_javascript_or_c_is_too_long():
+    files = [*SCRIPTS, *PACKAGE.rglob("*.[ch]")]
+    found = [
+        f"{file.name}:{number}"
+        for file in files
+        for number, line in enumerate(file.read_text("utf-8").splitlines(), 1)
+        if len(line) > WIDEST[file.suffix]
+    ]
+    assert found == []
 
 
 def test_every_module_stands_in_a_layer():

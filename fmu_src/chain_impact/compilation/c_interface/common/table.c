@@ -92,8 +92,8 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     *reason = "has a file model.bin that is damaged";
     Table head, *table = NULL;
     const size_t begin = offsetof(Table, guid); /* size of the checked bytes */
-    if (read_all(file, &head, sizeof head) && memcmp(head.magic, TABLE_MAGIC, sizeof head.magic) == 0 && head.size > sizeof head &&
-        !(table = draft->allocate(1, head.size)))
+    if (read_all(file, &head, sizeof head) && memcmp(head.magic, TABLE_MAGIC, sizeof head.magic) == 0 &&
+        head.size > sizeof head && !(table = draft->allocate(1, head.size)))
         *reason = "needs more memory than there is";
     if (table) {
         *table = head;

@@ -6,7 +6,8 @@
 
 enum { AS_C_SAYS = 2 }; /* a truncated text ends with 0; returns the full length */
 
-int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format, void *locale, va_list values);
+int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format, void *locale,
+                            va_list values);
 
 int vsnprintf(char *text, size_t size, const char *format, va_list values) {
     return __stdio_common_vsprintf(AS_C_SAYS, text, size, format, NULL, values);

@@ -75,7 +75,8 @@ export class CurveCharts {
     const units = [...new Set(curves.map(({ unit }) => unit))];
     if (units.join() !== [...this.charts.keys()].join()) {
       this.charts = new Map(units.map((unit) => [unit, this.#chartOf()]));
-      const parts = [...this.charts].flatMap(([unit, { element, entries }]) => [make("small", { className: "curve-unit", textContent: unitText(unit) }), element, entries]);
+      const parts = [...this.charts].flatMap(([unit, { element, entries }]) =>
+        [make("small", { className: "curve-unit", textContent: unitText(unit) }), element, entries]);
       this.element.replaceChildren(...parts);
       this.compare(this.#compared);
     }

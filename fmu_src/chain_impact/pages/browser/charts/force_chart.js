@@ -63,7 +63,11 @@ export class ForceChart extends Chart {
         },
         axes: [
           axisOptions({ size: 26, values: (_, ticks) => ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks)) }),
-          axisOptions({ size: labelledWidth, splits: (_, axis, low, high) => ticksBetween(low, high, FEWEST_TICKS), values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
+          axisOptions({
+            size: labelledWidth,
+            splits: (_, axis, low, high) => ticksBetween(low, high, FEWEST_TICKS),
+            values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")),
+          }),
         ],
       },
       [[0, 1], [0, 0], [null, null]],

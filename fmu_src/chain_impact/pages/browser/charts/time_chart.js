@@ -42,7 +42,14 @@ export class TimeChart extends Chart {
       {
         series: [{}, ...series],
         scales: { x: { time: false, range: () => this.span }, y: { range: (_, least, most) => this.#range(least, most) } },
-        axes: [axisOptions({ size: 26, space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }), axisOptions({ size: labelledWidth, splits: (_, axis, low, high) => ticksBetween(low, high, FEWEST_TICKS), values: (_, ticks) => ticksOf(ticks) })],
+        axes: [
+          axisOptions({ size: 26, space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }),
+          axisOptions({
+            size: labelledWidth,
+            splits: (_, axis, low, high) => ticksBetween(low, high, FEWEST_TICKS),
+            values: (_, ticks) => ticksOf(ticks),
+          }),
+        ],
         hooks: {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
           draw: [(plot) => {

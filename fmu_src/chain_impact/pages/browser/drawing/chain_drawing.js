@@ -194,7 +194,8 @@ export class ChainDrawing {
       const corners = bodies[this.bodyOf[point]];
       const outward = corners ? outOfBody(all[point], corners) : outOfChain(all.slice(0, links + 1), point);
       const text = name.text();
-      const beside = positionsAround(all[point], outward, BESIDE).map((candidate) => (corners ? candidate : { ...candidate, anchor: "middle" }));
+      const around = positionsAround(all[point], outward, BESIDE);
+      const beside = corners ? around : around.map((candidate) => ({ ...candidate, anchor: "middle" }));
       const position = this.labelSpace.findPosition(text, NUMBER_TEXT, beside);
       name.css("visibility", position ? "visible" : "hidden");
       if (position) name.attr({ x: position.at[0], y: position.at[1] + 4 }).css({ "text-anchor": position.anchor });
@@ -306,7 +307,8 @@ export class ChainDrawing {
       texts.push(...this.#arrow([x, y], [dx, dy], force, "force"));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
-      this.arrows.circle(STUCK_DOT).center(...this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)))).addClass("stuck-joint");
+      const centre = this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)));
+      this.arrows.circle(STUCK_DOT).center(...centre).addClass("stuck-joint");
     });
     return texts;
   }

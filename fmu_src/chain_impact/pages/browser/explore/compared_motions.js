@@ -46,11 +46,13 @@ export class ComparedMotions {
   draw() {
     const { drawing, clock, recording: shown } = this.player;
     drawing.behind.clear();
-    const others = [{ recording: this.before, kind: "before" }, ...this.pinned.map((motion) => ({ ...motion, kind: `pin-${motion.colour}` }))];
+    const pinned = this.pinned.map((motion) => ({ ...motion, kind: `pin-${motion.colour}` }));
+    const others = [{ recording: this.before, kind: "before" }, ...pinned];
     for (const { recording, kind } of others) {
       if (!recording || recording === shown) continue;
       const frame = recording.frameAt(clock.time);
-      const positions = Array.from({ length: recording.links + 1 }, (_, point) => drawing.camera.toScreen(...recording.pointAt(frame, point)));
+      const positions = Array.from({ length: recording.links + 1 }, (_, point) =>
+        drawing.camera.toScreen(...recording.pointAt(frame, point)));
       recording.bodiesAt(frame).forEach((corners) => {
         drawing.behind.polygon(corners.map((corner) => drawing.camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });

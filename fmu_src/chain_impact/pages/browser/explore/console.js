@@ -10,7 +10,8 @@ export function consoleInterface(changes, ask) {
     },
     /** Return the present values of all parameters: name → value; for a choice, its name. */
     get parameters() {
-      return Object.fromEntries(changes.texts(Object.fromEntries(changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]))));
+      const values = changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]);
+      return Object.fromEntries(changes.texts(Object.fromEntries(values)));
     },
     /** Simulate the scene with some parameters changed, independently of the page: {time, columns, impacts, statistics}. */
     async simulate(given = {}, { output } = {}) {

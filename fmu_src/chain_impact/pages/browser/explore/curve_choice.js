@@ -59,8 +59,10 @@ export class CurveChoice {
     this.rows = this.#columns.map(({ name, unit }) => {
       const box = make("input", { type: "checkbox" });
       box.setAttribute("aria-label", name);
-      box.addEventListener("change", () => this.#choose([...this.names.filter((other) => other !== name), ...(box.checked ? [name] : [])].join()));
-      return { name, box, row: make("label", {}, box, make("span", { textContent: breakable(name) }), make("small", { textContent: unitText(unit) })) };
+      box.addEventListener("change", () =>
+        this.#choose([...this.names.filter((other) => other !== name), ...(box.checked ? [name] : [])].join()));
+      const words = [make("span", { textContent: breakable(name) }), make("small", { textContent: unitText(unit) })];
+      return { name, box, row: make("label", {}, box, ...words) };
     });
     this.list.replaceChildren(...this.rows.map(({ row }) => row));
     this.#refresh();

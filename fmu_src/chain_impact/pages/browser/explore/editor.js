@@ -4,7 +4,9 @@ import { find, make } from "../base/dom.js";
 import { readable } from "../base/format.js";
 import { valueText } from "../scene/angles.js";
 import { contentsOf } from "../scene/changed_file.js";
-import { addLink, addPoint, addWall, moveToLink, ownPoint, removeLink, removePoint, removeWall, setBase, setBox, setOfLink, setOrRemove } from "../scene/edits.js";
+import {
+  addLink, addPoint, addWall, moveToLink, ownPoint, removeLink, removePoint, removeWall, setBase, setBox, setOfLink, setOrRemove,
+} from "../scene/edits.js";
 import { STOPS } from "../scene/geometry.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
 
@@ -83,16 +85,19 @@ export class Editor {
   #draw() {
     const { scene: { file } } = this.changes;
     find("edit-base").value = file.chain.base;
-    const heads = ["Link", "Length, m", "Mass, kg", "Offset, m", "Box height, m", ...stopsShown(file.chain).map((stop) => STOP_HEADS[stop]), ""];
+    const ofStops = stopsShown(file.chain).map((stop) => STOP_HEADS[stop]);
+    const heads = ["Link", "Length, m", "Mass, kg", "Offset, m", "Box height, m", ...ofStops, ""];
     fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
     const points = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
-    fillTable(find("edit-points"), ["Point", "Link", "Along, m", "Left, m", "Radius, m", "Name", ""], points.map(([site, s]) => this.#pointRow(file, site, s)));
+    const ofPoints = ["Point", "Link", "Along, m", "Left, m", "Radius, m", "Name", ""];
+    fillTable(find("edit-points"), ofPoints, points.map(([site, s]) => this.#pointRow(file, site, s)));
     find("edit-points").hidden = points.length === 0;
     const { slider } = file.chain;
     find("edit-slider").hidden = !slider;
     if (slider) {
-      fillTable(find("edit-slider"), Object.values(SLIDER), [Object.keys(SLIDER).map((key) =>
-        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), key === "angle" ? "rad" : ""))]);
+      const cellOf = (key) =>
+        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), key === "angle" ? "rad" : "");
+      fillTable(find("edit-slider"), Object.values(SLIDER), [Object.keys(SLIDER).map(cellOf)]);
     }
     fillTable(find("edit-box"), Object.values(BOX).map((text) => `${text}, m`), [Object.keys(BOX).map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
@@ -115,7 +120,8 @@ export class Editor {
     const label = `point[${file.chain.links.length + 1 + s}]`;
     const pointOf = (all) => ownPoint(all, link, entry);
     const of = this.#field(`${label}.link`, link + 1, (value, all) => moveToLink(all, link, entry, value));
-    const fields = ["x", "y", "radius"].map((key) => this.#field(`${label}.${key}`, site[key], (value, all) => setOrRemove(pointOf(all), key, value)));
+    const fields = ["x", "y", "radius"].map((key) =>
+      this.#field(`${label}.${key}`, site[key], (value, all) => setOrRemove(pointOf(all), key, value)));
     const name = this.#field(`${label}.name`, site.name || undefined, (value, all) => setOrRemove(pointOf(all), "name", value));
     const remover = this.#remover(`point ${file.chain.links.length + 1 + s}`, (all) => removePoint(all, link, entry));
     return [`${file.chain.links.length + 1 + s}`, of, ...fields, name, remover];

@@ -106,7 +106,8 @@ async function simulateNow() {
   const text = [...changes.texts(), ...inputStepTexts(changes)].map(([name, value]) => `${name} = ${value}`).join(", ");
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
   const result = await engine
-    .ask("motion", changes.values, { replaces: true, curves: choice.names, inputSteps: changes.inputSteps }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
+    .ask("motion", changes.values, { replaces: true, curves: choice.names, inputSteps: changes.inputSteps }, (share) =>
+      find("stage").style.setProperty("--share", `${100 * share}%`))
     .catch((error) => ({ parts: null, fault: `The solver cannot work in this browser: ${error.message}.` }));
   clearTimeout(waiting);
   if (!result) return;

@@ -17,13 +17,15 @@ export function commandOf(changes) {
   const [changedInputs, others] = [true, false].map((wanted) => changes.texts().filter(([name]) => inputs.includes(name) === wanted));
   const hasSteps = Object.keys(changes.inputSteps).length > 0;
   const constant = hasSteps ? [] : changedInputs;
-  const signals = Object.entries(hasSteps ? inputSignals(changes) : {}).map(([name, signal]) => `("signals", "${name}"): ${JSON.stringify(signal)}`);
+  const signals = Object.entries(hasSteps ? inputSignals(changes) : {})
+    .map(([name, signal]) => `("signals", "${name}"): ${JSON.stringify(signal)}`);
   const set = others.flatMap(([name, text]) => ["--set", `${name}=${text}`]);
   if (!constant.length && !signals.length) return ["chain-impact", "simulate", source, ...settings, ...set].map(quoted).join(" ");
   const after = (option) => [...settings, ...set].filter((_, k, words) => words[k - 1] === option);
   const pairs = after("--set").map((word) => word.split(/=(.*)/s));
   const driven = signals.length ? `.with_values({${signals.join(", ")}})` : "";
-  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})${tableOf(changes.scene.file, after("--inputs"))}${driven}`;
+  const table = tableOf(changes.scene.file, after("--inputs"));
+  const scene = `load_scene(${JSON.stringify(source)}).with_values(${dictionary(pairs)})${table}${driven}`;
   const program = `from chain_impact import load_scene, simulate; print(simulate(${scene}, inputs=${dictionary(constant)}))`;
   return ["python", "-c", program].map(quoted).join(" ");
 }
@@ -41,7 +43,8 @@ function tableOf({ signals }, [path]) {
 
 /** Return names and texts as a dictionary in Python. */
 function dictionary(pairs) {
-  const value = (text) => ({ true: "True", false: "False" })[text] ?? (text.startsWith("[") || !Number.isNaN(Number(text)) ? text : JSON.stringify(text));
+  const isPython = (text) => text.startsWith("[") || !Number.isNaN(Number(text));
+  const value = (text) => ({ true: "True", false: "False" })[text] ?? (isPython(text) ? text : JSON.stringify(text));
   return `{${pairs.map(([name, text]) => `${JSON.stringify(name)}: ${value(text)}`).join(", ")}}`;
 }
 

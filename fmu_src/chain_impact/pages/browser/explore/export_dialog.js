@@ -35,7 +35,8 @@ export function connectExport(changes, { keys, ask, address, isOpened, faultOf }
     return faultOf(result, result.time.length > 0);
   });
   connectFile("toml", async () => {
-    save(new Blob([tomlText(contentsOf(changes, inputSignals(changes)), keys)], { type: "application/toml" }), `${changes.scene.name}.toml`);
+    const text = tomlText(contentsOf(changes, inputSignals(changes)), keys);
+    save(new Blob([text], { type: "application/toml" }), `${changes.scene.name}.toml`);
     return "";
   });
   connectFile("png", async () => {

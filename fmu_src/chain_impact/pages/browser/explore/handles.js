@@ -61,7 +61,8 @@ export class Handles {
     const positions = [isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")]];
     const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
     for (let link = 1; link <= this.changes.scene.links; link += 1) {
-      const [length, angle, rate] = [`link[${link}].length`, `initial.angle[${link}]`, `initial.angular_velocity[${link}]`].map((name) => this.#value(name));
+      const names = [`link[${link}].length`, `initial.angle[${link}]`, `initial.angular_velocity[${link}]`];
+      const [length, angle, rate] = names.map((name) => this.#value(name));
       const [x, y] = [length * Math.cos(angle), length * Math.sin(angle)];
       positions.push([positions.at(-1)[0] + x, positions.at(-1)[1] + y]);
       velocity.push([velocity.at(-1)[0] - rate * y, velocity.at(-1)[1] + rate * x]);

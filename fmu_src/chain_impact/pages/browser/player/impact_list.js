@@ -44,7 +44,8 @@ export class ImpactList {
     if (!recording.impacts.length) return;
     const table = make("table");
     const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
-    table.createTHead().insertRow().append(...columns.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" })));
+    const heads = columns.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" }));
+    table.createTHead().insertRow().append(...heads);
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, impact, columns, goTo));
     element.append(table);
@@ -57,12 +58,20 @@ export class ImpactList {
     const button = make("button", { type: "button", textContent: String(impact.number) });
     button.setAttribute("aria-label", `Go to impact ${impact.number}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
-    const texts = [`${impact.onset.toFixed(5)} s`, impact.what.replace(/^point /, ""), impact.wall.replace(/^slider_/, ""), approachText(impact), reboundText(impact), peakText(impact)];
+    const texts = [
+      `${impact.onset.toFixed(5)} s`,
+      impact.what.replace(/^point /, ""),
+      impact.wall.replace(/^slider_/, ""),
+      approachText(impact),
+      reboundText(impact),
+      peakText(impact),
+    ];
     texts.forEach((text) => {
       row.insertCell().textContent = text;
     });
     const { jointForce, joint } = impact;
-    if (columns.includes(JOINT_FORCE)) row.append(make("td", joint > 0 ? { textContent: forceText(jointForce), title: `In joint ${joint}` } : { textContent: "–" }));
+    const ofJoint = joint > 0 ? { textContent: forceText(jointForce), title: `In joint ${joint}` } : { textContent: "–" };
+    if (columns.includes(JOINT_FORCE)) row.append(make("td", ofJoint));
     row.addEventListener("click", () => goTo(impact));
     return row;
   }

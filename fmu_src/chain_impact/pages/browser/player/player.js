@@ -25,9 +25,11 @@ export class Player {
       [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
         new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
       [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
-        new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time), { curvesOf: ({ inputs }) => inputs, label: "Driven inputs" })],
+        new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time),
+          { curvesOf: ({ inputs }) => inputs, label: "Driven inputs" })],
       [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
-        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time), { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact") })],
+        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time),
+          { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact") })],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("contact-name"), find("force-loop"))],
     ];

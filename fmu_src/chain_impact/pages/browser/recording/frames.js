@@ -90,7 +90,8 @@ export function framesOf(rows, { times, frameRate }) {
     ...loads.map((force) => largest(force.x.map((along, row) => Math.hypot(along, force.y[row])))),
   ];
   return {
-    name, links, pointCount, rowTime: rows.time, time: times, frameRate, x, y, energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
+    name, links, pointCount, rowTime: rows.time, time: times, frameRate, x, y,
+    energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
     walls, stops, radius, touching, pointNames, bodies, rail,
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: Math.max(largest(peaks), 1e-300),

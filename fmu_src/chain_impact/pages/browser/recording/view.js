@@ -48,7 +48,8 @@ export function sizeOf(x, y) {
  */
 export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
   const bases = [x, y].map((all) => ends(all.filter((_, k) => k % points === 0)));
-  const spaces = [x, y].map((all, axis) => ends([...ends(all), ...carriage.flatMap((corner) => bases[axis].map((end) => end + corner[axis]))]));
+  const spaces = [x, y].map((all, axis) =>
+    ends([...ends(all), ...carriage.flatMap((corner) => bases[axis].map((end) => end + corner[axis]))]));
   const reach = [spaces.map(([low]) => low - radius), spaces.map(([, high]) => high + radius)];
   const width = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
   const pin = pinned ? pinLines(x, y, points) : [];

@@ -3,7 +3,8 @@
 import { numberText } from "../base/format.js";
 
 // unit of an angle → its word in degrees, and the pattern of a text in degrees
-const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern]]) => [unit, { word, text: new RegExp(`^${pattern}$`) }]));
+const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern]]) =>
+  [unit, { word, text: new RegExp(`^${pattern}$`) }]));
 const DEGREE = Math.PI / 180; // [rad]
 const DEGREE_DIGITS = 12; // number of digits of degrees, which round-off leaves right
 

@@ -24,7 +24,8 @@ export class Changes {
   open(scene, from = { values: {}, inputSteps: {} }) {
     this.#use(scene);
     this.#openers.forEach((opener) => opener());
-    const [values, inputSteps] = [from.values, from.inputSteps].map((table) => without(table, Object.keys(table).filter((name) => !scene.inputs.includes(name))));
+    const [values, inputSteps] = [from.values, from.inputSteps].map((table) =>
+      without(table, Object.keys(table).filter((name) => !scene.inputs.includes(name))));
     this.replace(this.with(values), inputSteps);
   }
 

@@ -23,7 +23,8 @@ export function partsOf(file, { tables }) {
   const firstJoint = base === "free" ? 2 : 1;
   const joints = range(count).map((k) => k + 1).filter((joint) => joint >= firstJoint);
   const rubbingJoints = joints.filter((joint) => links[joint - 1].joint_friction > 0);
-  const movingWalls = wallNames.filter((name) => existingWalls.includes(name) && inputs.wall_motion.some((other) => other === "*" || other === name));
+  const movingWalls = wallNames.filter((name) =>
+    existingWalls.includes(name) && inputs.wall_motion.some((other) => other === "*" || other === name));
   const candidates = [
     ...pairs,
     ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)]),
@@ -32,7 +33,8 @@ export function partsOf(file, { tables }) {
   const driven = drivenBy(file, tables);
   const hasFriction = rubs || rubbingJoints.length > 0 || slider?.friction > 0;
   const parts = {
-    file, driven, points, sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, hasFriction, movingWalls, joints,
+    file, driven, points, sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints,
+    hasFriction, movingWalls, joints,
   };
   return { ...parts, facts: factsOf(parts, rubs), sizes: sizesOf(parts) };
 }
@@ -75,9 +77,12 @@ function flags(table, name) {
 }
 
 /**
- * Return the owners of variables of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and conditions.
+ * Return the owners of variables of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and
+ * conditions.
  */
-export function ownersOf({ file, sites, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, movingWalls, joints, sizes: { links } }) {
+export function ownersOf(parts) {
+  const { file, sites, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, movingWalls, joints } = parts;
+  const { links } = parts.sizes;
   const ofJoints = (numbers) => numbers.map((n) => ({ n, at: n - 1 }));
   const { inputs, outputs, chain: { slider } } = file;
   return {
@@ -112,7 +117,8 @@ export function anyOnChain({ joint_torques: torques, joint_targets: targets, sli
 
 /** Return a template with the words of an owner filled in. */
 export function filled(text, { n, of, name }) {
-  return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", n > 1 ? `link ${n - 1}` : "the base");
+  const before = n > 1 ? `link ${n - 1}` : "the base";
+  return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", before);
 }
 
 /** Return the rows of templates for every owner of their kind, and whether the owner meets their conditions. */

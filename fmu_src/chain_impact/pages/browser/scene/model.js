@@ -17,7 +17,8 @@ function valuesOf(file, rows) {
     if (number !== undefined) values.set(name, { number, steps });
     else if (rule && (has || owner.corner)) {
       const ownRule = (rule.ofBox && file.chain.links[owner.at]?.height && rule.ofBox) || rule;
-      derived.push({ name, steps, rule: { ...ownRule, terms: ownRule.terms.map((term) => term.map((factor) => filled(factor, owner))) } });
+      const terms = ownRule.terms.map((term) => term.map((factor) => filled(factor, owner)));
+      derived.push({ name, steps, rule: { ...ownRule, terms } });
     }
   }
   for (const { name, steps, rule } of derived) {
@@ -37,7 +38,8 @@ function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns)
     return touch(point, wallNames[wall], { force, depth, friction: word(`${of}.friction_force`), sticking: word(`${of}.sticking`) });
   });
   const onSlider = [
-    ...sliderStops.map((stop) => touch(0, stop, { force: word(`contact[0].${stop}.force`), depth: word(`contact[0].${stop}.penetration`) })),
+    ...sliderStops.map((stop) =>
+      touch(0, stop, { force: word(`contact[0].${stop}.force`), depth: word(`contact[0].${stop}.penetration`) })),
     touch(0, "", { friction: word("slider.friction_force"), sticking: word("slider.sticking") }),
   ];
   const inJoints = joints.flatMap((joint) => {
@@ -59,7 +61,8 @@ function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns)
 function parametersOf(rows, others, values, { facts, sizes }) {
   const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
   const names = new Set(shown.map(({ name }) => name));
-  return [...shown, ...others].map(({ name, owner, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row }) => {
+  return [...shown, ...others].map((parameter) => {
+    const { name, owner, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row } = parameter;
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
     const index = word ? wordIndex(given && facts[givenIf] ? given : word, sizes, owner.at) : -1;
@@ -89,7 +92,8 @@ export function describe(kit, file, command) {
   const all = (groups) => instances(groups, owners, facts).filter(({ has }) => has);
   const [motions, settable] = [all(kit.still), all(kit.inputs)];
   const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
-  const byName = new Map([...settable, ...motions].map((row) => [row.name, { ...row, family: filledAll(row, "family"), alone: filledAll(row, "alone") }]));
+  const byName = new Map([...settable, ...motions].map((row) =>
+    [row.name, { ...row, family: filledAll(row, "family"), alone: filledAll(row, "alone") }]));
   const drivenInputs = withOutputs(parts.driven, byName);
   const driving = drivenRows(drivenInputs);
   const isFree = ({ name }) => !driving.has(name);

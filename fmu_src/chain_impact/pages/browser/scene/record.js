@@ -52,7 +52,8 @@ export function recordOf(kit, parts, rows, values, byName) {
   put("follows", 1);
   const first = 2 * inputs.base_motion;
   movingWalls.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
-  each("channel", candidates.map(([, wall]) => (movingWalls.includes(wallNames[wall]) ? first + 2 * movingWalls.indexOf(wallNames[wall]) : -1)));
+  const channelOf = (name) => (movingWalls.includes(name) ? first + 2 * movingWalls.indexOf(name) : -1);
+  each("channel", candidates.map(([, wall]) => channelOf(wallNames[wall])));
   putSignals(parts.driven, kit.tables, (input) => actingOf(byName.get(input)), put);
   put("kept", outputs.impacts);
   put("impulses", Number(outputs.contacts || outputs.impacts > 0 || outputs.loads || (hasFriction && outputs.energies)));

@@ -21,7 +21,12 @@ function refuse(path, what) {
 
 /** Return whether a value keeps a rule. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
-  const is = { float: Number.isFinite, int: Number.isInteger, bool: (other) => typeof other === "boolean", str: (other) => typeof other === "string" };
+  const is = {
+    float: Number.isFinite,
+    int: Number.isInteger,
+    bool: (other) => typeof other === "boolean",
+    str: (other) => typeof other === "string",
+  };
   return is[kind](value) && !(value < minimum) && !(value <= above) && !(value > maximum) &&
     (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
 }
@@ -78,7 +83,8 @@ class ContentsReader {
     if (entries && !(given.length >= entries[0] && given.length <= entries[1])) {
       refuse(path, `has ${given.length} entries, must have ${entries.join(" to ")}`);
     }
-    const read = (entry, k) => (kind === "tables" ? this.table(entry, keys, `${path}[${k + 1}]`) : this.value(entry, each, `${path}[${k + 1}]`));
+    const read = (entry, k) =>
+      (kind === "tables" ? this.table(entry, keys, `${path}[${k + 1}]`) : this.value(entry, each, `${path}[${k + 1}]`));
     return given.map(read);
   }
 
@@ -156,7 +162,8 @@ export function pairsOf(file) {
 export function complete(data, kit) {
   const file = new ContentsReader(kit).table(data, kit.keys, "");
   if ((file.contact.law_file || "") !== kit.lawFile) {
-    refuse("contact.law_file", `= ${quotedValue(file.contact.law_file)}: this page has no compiler; chain-impact explore makes a page with this law`);
+    const given = quotedValue(file.contact.law_file);
+    refuse("contact.law_file", `= ${given}: this page has no compiler; chain-impact explore makes a page with this law`);
   }
   setBodies(file, data);
   setAngles(file);
@@ -234,7 +241,8 @@ function checkContents(file) {
   const strange = contact.points?.find((point, k) => !movable.includes(point) || contact.points.indexOf(point) !== k);
   if (strange !== undefined) refuse("contact.points", `holds ${strange}, must hold ${movable[0]} to ${movable.at(-1)}, each once`);
   walls.forEach(({ name }, k) => {
-    const others = [...BOX_WALLS, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...walls.slice(0, k).map((wall) => wall.name)];
+    const before = walls.slice(0, k).map((wall) => wall.name);
+    const others = [...BOX_WALLS, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...before];
     if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
   });
   chain.links.forEach(({ points }, i) => {
@@ -248,7 +256,8 @@ function checkContents(file) {
     ...inputs.wall_motion.map((name) => ["inputs.wall_motion", name]),
   ];
   for (const [path, name] of named) {
-    if (name !== "*" && !existingWalls.includes(name)) refuse(path, `= "${name}" is no wall of the scene; must be one of ${existingWalls.join(", ")}`);
+    if (name === "*" || existingWalls.includes(name)) continue;
+    refuse(path, `= "${name}" is no wall of the scene; must be one of ${existingWalls.join(", ")}`);
   }
   const bases = { free: "a free base", pinned: "a pinned base", slider: "a base on a slider" };
   if (inputs.base_motion && chain.base !== "pinned") refuse("inputs.base_motion", `= true must be false for ${bases[chain.base]}`);

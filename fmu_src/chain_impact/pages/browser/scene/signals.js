@@ -40,14 +40,16 @@ function checkSteps(what, { times, values }) {
 function checkTable(what, { file, interpolation = null, period = null, input }, table) {
   const isSame = table?.file === file.split(/[\\/]/).at(-1) && table.interpolation === interpolation && table.period === period;
   if (isSame && input.every((name) => name in table.columns)) return;
-  throw new RangeError(`${what}.file = "${file}": the page does not have this table as this signal needs it; chain-impact explore makes a page with it`);
+  const reason = "the page does not have this table as this signal needs it; chain-impact explore makes a page with it";
+  throw new RangeError(`${what}.file = "${file}": ${reason}`);
 }
 
 /**
  * Refuse a signal that makes the position or velocity of a base or wall jump, and a constant in the form of a sine for an input that
  * is integrated; `order`: how many times the input is integrated.
  */
-function checkMotion(what, input, { form, shape, frequency, frequency_rate: rate, amplitude, start, rise, phase, values }, order, isMotion) {
+function checkMotion(what, input, signal, order, isMotion) {
+  const { form, shape, frequency, frequency_rate: rate, amplitude, start, rise, phase, values } = signal;
   if (form === "sine" && order > 0 && !frequency && !rate) {
     throw new RangeError(`${what}.frequency = 0 must be > 0 where ${input} is driven, which is integrated`);
   }
@@ -95,7 +97,9 @@ export function withOutputs(driven, inputs) {
     if (owned) throw new RangeError(`${what} = "${input}" must be driven by one signal only: signals.${owners.get(owned)} drives ${owned}`);
     alone.forEach((quantity) => owners.set(quantity, name));
     const other = signal.form !== "table" && signal.input.find((member) => inputs.has(member) && unitOf(member) !== unitOf(input));
-    if (other) throw new RangeError(`${what} must name inputs of one unit: ${input} is in ${unitText(unitOf(input))}, ${other} in ${unitText(unitOf(other))}`);
+    if (!other) continue;
+    const units = `${input} is in ${unitText(unitOf(input))}, ${other} in ${unitText(unitOf(other))}`;
+    throw new RangeError(`${what} must name inputs of one unit: ${units}`);
   }
   return driven.map((row) => {
     const { alone, family: outputs } = inputs.get(row.input);

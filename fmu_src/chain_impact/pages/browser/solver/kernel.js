@@ -174,7 +174,9 @@ export class Kernel {
       const most = Math.min(RUNS, runs - done);
       const [valuesAt, endsAt, resultsAt] = [rows + done * names.length * WORD, ends + done * WORD, results + done * width * WORD];
       const counts = [names.length, most, words.length].map(BigInt);
-      const complete = Number(this.exports.run_each(this.record, indices, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], resultsAt, continuing));
+      const complete = Number(this.exports.run_each(
+        this.record, indices, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], resultsAt, continuing,
+      ));
       done += complete;
       continuing = complete < most ? 1 : 0;
       yield done / runs;
@@ -197,7 +199,9 @@ export class Kernel {
     const { reals, integers, scene: { layout: { finished, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
     return Array.from({ length: count }, (_, index) => {
-      const read = ([name, word]) => [name, ["point", "wall", "joint"].includes(name) ? Number(integers[word + rowOf(index)]) : reals[word + rowOf(index)]];
+      const row = rowOf(index);
+      const read = ([name, word]) =>
+        [name, ["point", "wall", "joint"].includes(name) ? Number(integers[word + row]) : reals[word + row]];
       return { ...Object.fromEntries(Object.entries(finished.fields).map(read)), ...unknown };
     });
   }

@@ -18,11 +18,20 @@ const FEW_FRAMES = 20; // number of frames in an impact below which additional r
 
 /** Return the impacts of a run in the form of a recording. */
 function impactsOf(impacts, scene, valueOf) {
-  return impacts.map(({ point, wall, onset, end, impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak, joint_force: jointForce, joint }) => {
+  return impacts.map((impact) => {
+    const { point, wall, onset, end, joint } = impact;
+    const { impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak, joint_force: jointForce } = impact;
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
     const endSpeed = speed * (atStop ? valueOf(`link[${point}].length`) : 1);
     const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
-    return { point, what: stopped || pointText(new Map(scene.pointNames), point), wall: scene.wallNames[wall], onset, end: Number.isFinite(end) ? end : null, speed, rebound, endSpeed, peak, jointForce, joint, depth, atStop };
+    return {
+      point,
+      what: stopped || pointText(new Map(scene.pointNames), point),
+      wall: scene.wallNames[wall],
+      onset,
+      end: Number.isFinite(end) ? end : null,
+      speed, rebound, endSpeed, peak, jointForce, joint, depth, atStop,
+    };
   });
 }
 
@@ -54,7 +63,8 @@ function interleaved(each) {
 /** Return the words of the record that the page draws. */
 function drawnWords({ drawn: { points, energies, touches, loads }, moved }) {
   const ofTouches = touches.flatMap(({ force, depth, friction, sticking }) => [force, depth, friction, sticking]);
-  const all = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...loads.flatMap((force) => [force.x, force.y])];
+  const ofLoads = loads.flatMap((force) => [force.x, force.y]);
+  const all = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...ofLoads];
   return all.filter((word) => word !== null);
 }
 

@@ -139,7 +139,9 @@ export class GridMap {
     if (shown !== this.shown) return;
     this.#stop();
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
-    const summary = points === POINTS ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.` : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
+    const summary = points === POINTS
+      ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.`
+      : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const done = `${summary}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
     this.#say(fault || (shown.rows === points ? done : `Stopped after ${shown.rows} of ${points} rows.`));
@@ -294,7 +296,8 @@ export class GridMap {
     if (this.shown?.results[index] === undefined) return;
     const value = this.shown.results[index];
     const parameters = Object.entries(this.#valuesAt(index)).map(([name, given]) => this.#valueText(name, given));
-    const result = value === null ? `the run fails: ${this.shown.faults.get(index)}` : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
+    const { faults, output } = this.shown;
+    const result = value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${numberText(Number(value.toPrecision(6)))}`;
     this.#say(`${parameters.join(", ")}: ${result}`);
   }
 

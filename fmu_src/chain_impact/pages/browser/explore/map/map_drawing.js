@@ -86,7 +86,8 @@ export class MapDrawing {
   /** Draw the scale of the colours, with its ends and its title. */
   #drawColours(left, top, width, { name, unit }, ends) {
     const { factor, text } = scaled(unit, Math.max(...(ends ?? [0]).map(Math.abs)));
-    const bar = this.scales.gradient("linear", (add) => VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
+    const bar = this.scales.gradient("linear", (add) =>
+      VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
     this.scales.rect(width, 9).move(left, top - 8).fill(bar);
     const [least, most] = ends ? ends.map((value) => numberText(Number((factor * value).toPrecision(4)))) : ["", ""];
     this.#write(least, left, top + 16, "start");

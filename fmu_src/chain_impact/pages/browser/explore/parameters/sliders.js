@@ -27,7 +27,10 @@ function scaleOf({ ends, logarithmic, decades, spread }, start) {
   if (logarithmic) {
     const middle = Math.log10(start);
     const [low, high] = ends ?? [Math.floor(middle - decades), Math.ceil(middle + decades)];
-    return { toPosition: (value) => (Math.log10(value) - low) / (high - low), toValue: (position) => 10 ** (low + position * (high - low)) };
+    return {
+      toPosition: (value) => (Math.log10(value) - low) / (high - low),
+      toValue: (position) => 10 ** (low + position * (high - low)),
+    };
   }
   const [low, high] = spread ? [0, spread * start] : ends;
   return { toPosition: (value) => (value - low) / (high - low), toValue: (position) => low + position * (high - low) };
@@ -41,7 +44,8 @@ function rounded(value) {
 /** Return the label of a main parameter, with functions that return and show its unit. */
 function labelOf(changes, { name, label: words }) {
   const text = () => presentUnit(changes, name);
-  const label = make("label", { className: "main-parameter-label", textContent: words.includes(" ") ? words : breakable(words), title: name });
+  const textContent = words.includes(" ") ? words : breakable(words);
+  const label = make("label", { className: "main-parameter-label", textContent, title: name });
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
   const showUnit = () => {
@@ -150,7 +154,8 @@ function signalSliders({ scene, starts }) {
     const [, signal, key] = /^signal\.(\w+)\.(\w+)/.exec(name) ?? [];
     return signal ? [{ name, signal, key, value: starts[name] }] : [];
   });
-  const alike = (key) => (["frequency", "frequency_rate"].includes(key) ? ["frequency"] : ["value", "mean", "amplitude", "initial", "final"]);
+  const alike = (key) =>
+    (["frequency", "frequency_rate"].includes(key) ? ["frequency"] : ["value", "mean", "amplitude", "initial", "final"]);
   return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, key, value }) => {
     const beside = parts.filter((other) => other.signal === signal && alike(key).includes(other.key)).map((other) => other.value);
     return { name, label: name.slice("signal.".length), ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
