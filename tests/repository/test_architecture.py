@@ -2,6 +2,7 @@
 
 import ast
 import graphlib
+import itertools
 import re
 import subprocess
 import sys
@@ -10,6 +11,9 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+
+from tests.conftest import SLOWEST, WITH
+from tests.tiers import IMPORTING
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "fmu_src" / "chain_impact"
@@ -152,6 +156,13 @@ def test_every_module_stands_in_a_layer():
     top = {file.stem if file.name != "__init__.py" else file.parent.name for file in PACKAGE.glob("*.py")}
     top |= {folder.parent.name for folder in PACKAGE.glob("*/__init__.py")}
     assert {name for name in top - {PACKAGE.name} if f"chain_impact.{name}" not in layers} == set()
+
+
+def test_the_order_and_the_tiers_of_the_tests_name_files_that_exist():
+    tests = [*(ROOT / "tests").rglob("test_*.py")]
+    paths, names = {file.relative_to(ROOT).as_posix() for file in tests}, {file.name for file in tests}
+    assert {*SLOWEST, *WITH, *WITH.values()} - paths == set()
+    assert {*itertools.chain(*IMPORTING.values())} - names == set()
 
 
 HELPERS = ROOT / "tests" / "helpers"
