@@ -159,3 +159,8 @@ def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:
         return mechanical_energy(d, moved)[1]
 
     return np.array([(potential(j, h) - potential(j, -h)) / (2 * h) for j in range(d.links + 2)])
+
+
+def relative_motion(count: int) -> np.ndarray:
+    """Return the matrix G with rows g_i: ω_i − ω_{i−1} for the coordinates (base, angles)."""
+    return np.hstack([np.zeros((count, 2)), np.eye(count) - np.eye(count, k=-1)])

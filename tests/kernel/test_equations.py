@@ -9,12 +9,12 @@ from chain_impact.kernel.chain.joints import spring_energy
 from chain_impact.kernel.forces import contact, holding
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import generalized_force, mass_matrix, point_jacobian, set_vectors
-from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,
     free_coordinates,
     press_in,
     random_state,
+    relative_motion,
     struck,
     touch,
     vectors,

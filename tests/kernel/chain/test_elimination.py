@@ -19,7 +19,7 @@ from tests.helpers.models.reference import (
     set_impedances,
     set_vectors,
 )
-from tests.kernel.chains import chain, random_links, random_state, stopped_chain
+from tests.kernel.chains import chain, random_links, random_state, relative_motion, stopped_chain
 
 
 def random_chain(rng, count, base, largest):
@@ -40,11 +40,6 @@ def prepared(scene, angles):
     derive_resistance(d)
     link_vectors(d, np.array([0.0, 0.0, *angles]))
     return d
-
-
-def relative_motion(count):
-    """Return the matrix G with rows g_i: ω_i − ω_{i−1} for the coordinates (base, angles)."""
-    return np.hstack([np.zeros((count, 2)), np.eye(count) - np.eye(count, k=-1)])
 
 
 def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):

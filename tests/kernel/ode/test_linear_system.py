@@ -11,8 +11,7 @@ from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import Plain
 from tests.helpers.models.reference import clearance_gradient, mass_matrix
 from tests.helpers.scenes.turned import turned
-from tests.kernel.chain.test_elimination import relative_motion
-from tests.kernel.chains import chain, free_coordinates, gradients, struck
+from tests.kernel.chains import chain, free_coordinates, gradients, relative_motion, struck
 from tests.kernel.ode.touching import touching
 
 N = 4

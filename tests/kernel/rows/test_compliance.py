@@ -6,12 +6,12 @@ import pytest
 from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.rows import compliance, geometry
 from tests.helpers.models.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
-from tests.kernel.chain.test_elimination import relative_motion
 from tests.kernel.chains import (
     chain,
     free_coordinates,
     gradients,
     random_state,
+    relative_motion,
     stopped_chain,
     stops_of,
     touch,
