@@ -59,16 +59,16 @@ class Difference:
             return WARNING
         return DIFFERS if self.differs else LEFT_OUT
 
-    def matters(self, held: Collection[str], owner: dict[int, int]) -> bool:
+    def matters(self, held: Collection[str], link_of: dict[int, int]) -> bool:
         """Return whether the difference has an effect on the scene.
 
         Args:
             held: names of the joints that are held.
-            owner: body → index of its link, −1 for a body in no link.
+            link_of: body → index of its link, −1 for a body in no link.
         """
         if self.joints and self.joints <= set(held):
             return False
-        return not self.bodies or len({owner[b] for b in self.bodies}) > 1
+        return not self.bodies or len({link_of[b] for b in self.bodies}) > 1
 
 
 def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> Difference:

@@ -230,9 +230,9 @@ def treatments(field: str) -> list[str]:
 
 def fields(model: Any) -> Iterator[tuple[str, Any]]:
     """Yield the fields of a model and of its options, with their values."""
-    for prefix, owner in (("", model), ("opt.", model.opt)):
-        for name in dir(owner):
-            if not name.startswith("_") and not callable(value := getattr(owner, name)):
+    for prefix, part in (("", model), ("opt.", model.opt)):
+        for name in dir(part):
+            if not name.startswith("_") and not callable(value := getattr(part, name)):
                 yield f"{prefix}{name}", value
 
 

@@ -86,7 +86,7 @@ class _Conversion:
         self.chosen: Chosen = chosen_joints(robot, choices.joints, source)
         self.poses, self.hinges, self.slides, self.held = self.chosen
         self.plan: Plan = plan_of(self.hinges[0].axis, choices.plane, source)
-        self.owner, self.parts = self._parts()
+        self.link_of, self.parts = self._parts()
         self.carriage = self._carriage()
         self.differences: list[Difference] = []
         self.notes = [self.plan.remark, *robot.notes]
@@ -129,7 +129,7 @@ class _Conversion:
                 data[key] = {**data.get(key, {}), **table}
         if self.held:
             self.notes.append(line("joint", sorted(self.held), "held at the start"))
-        relevant = [each for each in self.robot.differences if each.matters(self.held, self.owner)]
+        relevant = [each for each in self.robot.differences if each.matters(self.held, self.link_of)]
         relevant += [*self.differences, *differences]
         remarks = [lines(relevant, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
         return Converted(data, remarks[0], remarks[1], remarks[2], self.notes)
@@ -146,7 +146,7 @@ class _Conversion:
         """Return the bodies that slide with the base and belong to no link."""
         before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
-        return [b for b in bodies if self.owner[b] < 0 and before & {*above(self.robot, b)}]
+        return [b for b in bodies if self.link_of[b] < 0 and before & {*above(self.robot, b)}]
 
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
         """Return body → index of its link, −1 for no link; and the bodies of each link.
@@ -154,19 +154,19 @@ class _Conversion:
         A link has all bodies from one joint of the chain to the next joint.
         """
         parts: list[list[int]] = [[] for _ in self.hinges]
-        owner: dict[int, int] = {-1: -1}
+        link_of: dict[int, int] = {-1: -1}
         first = {hinge.body: i for i, hinge in enumerate(self.hinges)}
         for b, body in enumerate(self.robot.bodies):
-            owner[b] = first.get(b, owner[body.parent])
-            if owner[b] >= 0:
-                parts[owner[b]].append(b)
-        return owner, parts
+            link_of[b] = first.get(b, link_of[body.parent])
+            if link_of[b] >= 0:
+                parts[link_of[b]].append(b)
+        return link_of, parts
 
     def _gravity(self) -> np.ndarray:
         """Return gravity [m/s²], reduced by the part of the weight that the file compensates."""
         still = []
         for b, body in enumerate(self.robot.bodies):
-            if self.owner[b] >= 0 or body.mass == 0.0:
+            if self.link_of[b] >= 0 or body.mass == 0.0:
                 continue
             if b in self.carriage:
                 if self.chosen.base == "slider":

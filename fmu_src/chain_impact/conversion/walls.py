@@ -45,7 +45,7 @@ class Walls:
 
     def __post_init__(self) -> None:
         """Store the link of each body."""
-        self.owner = {b: i for i, part in enumerate(self.parts) for b in part}
+        self.link_of = {b: i for i, part in enumerate(self.parts) for b in part}
 
     def converted(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
         """Return the scene's tables for walls, the points of each link, and differences in contacts."""
@@ -99,13 +99,13 @@ class Walls:
         """Return the links that can touch a plane."""
         if plane.touching is None:
             return set(range(len(self.parts)))
-        return {self.owner[b] for b, _ in plane.touching if b in self.owner}
+        return {self.link_of[b] for b, _ in plane.touching if b in self.link_of}
 
     def _friction(self, plane: Plane) -> float:
         """Return the friction of a plane with the bodies that can touch it; if it varies, the largest."""
         if plane.touching is None:
             return plane.friction
-        coefficients = sorted({friction for b, friction in plane.touching if b in self.owner})
+        coefficients = sorted({friction for b, friction in plane.touching if b in self.link_of})
         if len(coefficients) > 1:
             text = (
                 f"its friction is from {coefficients[0]:.6g} to {coefficients[-1]:.6g}, depending on the "
@@ -192,7 +192,7 @@ class Walls:
 
     def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
         """Report shapes that points do not replace, and how far they reach beyond the scene's points."""
-        shapes = [shape for b in self.owner for shape in self.robot.bodies[b].shapes]
+        shapes = [shape for b in self.link_of for shape in self.robot.bodies[b].shapes]
         for touches, text in (
             (True, "do not touch as shapes: only points, joints and the tip touch walls"),
             (False, "touch nothing in the file, and are not in the scene"),
@@ -210,7 +210,7 @@ class Walls:
             self._tell_reach(i, balls[i])
         for b, body in enumerate(self.robot.bodies):
             slid = {slide.body for slide in self.chosen.slides} & {*above(self.robot, b)}
-            if b not in self.owner and slid and any(shape.walls for shape in body.shapes):
+            if b not in self.link_of and slid and any(shape.walls for shape in body.shapes):
                 self._tell(
                     "body",
                     body.name,
