@@ -15,7 +15,7 @@ from matplotlib.text import Text
 
 from chain_impact.pictures.figures import SIZE
 from chain_impact.pictures.labels import Ink
-from chain_impact.pictures.legends import fit_legends, legend_above
+from chain_impact.pictures.legends import MARK, fit_legends, legend_above
 from chain_impact.pictures.overview import BESIDE, broadness
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
@@ -189,7 +189,8 @@ def check_rules(page):
                 axes.get_label() == "friction" and axis is axes.yaxis  # which has names
             )
     if page.get_figwidth() < 4.0:
-        legends = [legend for axes in page.axes if (legend := axes.get_legend())]
+        every = [legend for axes in page.axes if (legend := axes.get_legend())]
+        legends = [legend for legend in every if legend.get_gid() == MARK]  # others take no height
         heads = [item.get_window_extent().height for item in (page._suptitle, *legends)]
         assert sum(heads) <= 0.15 * page.bbox.height
     check_ink(page)

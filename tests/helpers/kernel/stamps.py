@@ -30,7 +30,7 @@ AT_END = ("begin_contact", "lone_contact", "update_extremes", "update_modes")
 """The functions without an argument y that need the points at the end of the last step."""
 LINEAR = ("project_coordinates",)
 """The functions that move y, and are linear about the points located before."""
-BESIDE = ("work_of_holding", "work_along")
+BESIDE = ("work_of_holding", "work_of_sliding", "work_along")
 """The functions that use forces of friction from beside the located state, for a way as small as an error."""
 
 
