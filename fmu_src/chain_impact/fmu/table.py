@@ -42,7 +42,7 @@ HEAD = {
     "record_size": "q",
 }
 """Field of the head of the table → format. docs/generate.py writes both structures for C, in shared.h."""
-CHECKED_FROM = struct.calcsize("<8sQQ")
+CHECKED_FROM = struct.calcsize("<" + "".join(HEAD[name] for name in ("magic", "size", "checksum")))
 Rows = Sequence[tuple[list[Any], int]]
 """A row of the table for each variable, with the number of values of the variable."""
 

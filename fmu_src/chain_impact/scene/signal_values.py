@@ -127,16 +127,18 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         constants = np.zeros((2, powers.shape[1]))
         constants[:, 0] = values[[0, -1]]
         at, powers = np.append(at[0], at), np.concatenate([constants[:1], powers, constants[1:]])
-    ends, gain = np.append(at[1:], at[-1]), 0.0
+    ends, gain, periods, begin = np.append(at[1:], at[-1]), 0.0, 0, 0.0
     if period:
         at, ends = at[:-1], at[1:]
+        # t = 0 is so many periods after the time `begin`, which is in the table
+        periods = math.floor(-at[0] / period)
+        begin = -periods * period
     for _ in range(order):
         powers = np.insert(powers / np.arange(1.0, powers.shape[1] + 1.0), 0, 0.0, axis=1)
         grown = np.cumsum(_at(powers, ends - at))
         powers[1:, 0], gain = grown[:-1], float(grown[-1])
-        # the integral must be 0 at t = 0, the start of the run, which may be in another period than the table
-        periods = math.floor(-at[0] / period) if period else 0
-        powers[:, 0] -= values_of(at, powers, np.array([-periods * (period or 0.0)])) + periods * gain
+        # the integral must be 0 at t = 0, the start of the run
+        powers[:, 0] -= values_of(at, powers, np.array([begin])) + periods * gain
     return at, powers, gain if period else 0.0
 
 

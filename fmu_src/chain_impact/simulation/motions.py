@@ -239,9 +239,9 @@ def contradictions(
     texts = []
     for channel, column in zip(channels, columns, strict=True):
         names = [name for name in channel.names if name in signals]
-        start = derivatives(pieces, 0)[0, 0, column]
         if channel.position in names and channel.position.startswith("base."):
             positions = derivatives(pieces, 0)[0, :, column]
+            start = positions[0]
             round_off = max(OVERLAP, ROUND_OFF * np.abs(positions).max())
             off = abs(start - channel.start)
             if off > max(CONTRADICTS * max(abs(start), abs(channel.start)), round_off):
