@@ -15,13 +15,13 @@ from chain_impact.scene.tables import CORNERS
 
 
 def is_of_body(name: str) -> bool:
-    """Return whether a parameter determines how a body looks."""
+    """Return whether a parameter determines how a body, or the line of a slider, is drawn."""
     is_of_link = name.startswith("link[") and (".point[" in name or name.endswith((".length", ".height")))
     return is_of_link or name.startswith("slider.") or name == "contact.radius"
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:
-    """Return the radius [m] of each point of a link, in the order of the points' numbers."""
+    """Return the radius [m] of each point that is no end of a link, in the order of the points' numbers."""
     return [radius for discs in _discs(values).values() for *_, radius in discs]
 
 
@@ -31,9 +31,9 @@ def sites_of_links(values: Mapping[str, Any]) -> dict[int, int]:
 
 
 def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
-    """Return number of a link → its points as discs, for each link that has points.
+    """Return number of a link → its points beside its ends, as discs, for each link that has such points.
 
-    The discs are in the order of the points' numbers: the corners of a box come first.
+    The discs are in the link's axes, in the order of the points' numbers: the corners of a box come first.
     """
     discs_of: dict[int, list[Disc]] = {}
     for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
@@ -51,7 +51,7 @@ def _discs(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
 
 
 def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[int, np.ndarray]:
-    """Return the outlines of the links with points, each in the link's axes, from the values of parameters.
+    """Return number of a link → its outline in the link's axes, shape (C, 2) [m], for each link with points.
 
     Args:
         values: name of a parameter → value.
@@ -68,7 +68,7 @@ def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[
 
 
 def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
-    """Return the line of a slider; None if the base does not slide.
+    """Return the line of a slider; None if the base does not slide, or if nothing tells the line.
 
     Args:
         bases: the positions of the base, shape (T, 2) [m].

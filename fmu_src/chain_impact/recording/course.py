@@ -14,8 +14,8 @@ from chain_impact.scene.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # the number of times at which the course of an impact is computed
-MANY = 4000  # the number of additional times in the course of a contact that lasts longer than an impact
-SOON = 1e-6  # the first time after the onset, relative to the duration of the contact
+MANY = 4000  # the number of equally spaced times in a contact that lasts longer than its impact
+SOON = 1e-6  # in such a contact, the first time after the onset, relative to the duration of the contact
 
 Rerun = Callable[[np.ndarray], np.ndarray]
 """A function that repeats the run: increasing times [s], shape (S,) → outputs at these times."""
@@ -23,7 +23,7 @@ Rerun = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """One impact over time. At a stop of a joint, the quantities are a moment and an angle.
+    """One impact over time. At a stop of a joint, a moment [N·m] and an angle [rad] replace force and length.
 
     Attributes:
         time: from the onset to the end, shape (S,) [s]; empty for an impulse.
@@ -59,7 +59,8 @@ def course_of(
         rerun: ``Result.rerun``.
         impact: the row of ``Result.impacts``.
         until: the end of the course if the impact has no end [s].
-        near: the time after the onset [s] in which the samples of a longer contact are dense.
+        near: the time after the onset [s] in which the samples of a longer contact are dense; 0 for equal
+            distances between all samples.
 
     Raises:
         ValueError: when the run of the result cannot be repeated.
@@ -92,7 +93,10 @@ def course_of(
 
 
 def place_of(prepared: PreparedScene, impact: np.void) -> tuple[int, float]:
-    """Return the index of an impact's contact in the outputs, and the sign of its force in these outputs."""
+    """Return the index of an impact's contact in the outputs, and the sign of its force there.
+
+    The sign is −1 at a ``joint_max``: both stops of a joint share one output.
+    """
     pairs, scene = prepared.candidates, prepared.scene
     if not at_stop(scene, impact["wall"]):
         return pairs.index((impact["point"], impact["wall"])), 1.0

@@ -21,7 +21,7 @@ NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
 
 class NeedsSceneError(SceneError):
-    """Raised when a table has contacts with walls, and no scene gives the positions of the walls."""
+    """Raised when a table has contacts with walls, but no scene is given that has the walls' positions."""
 
 
 def read_csv(path: Path, scene: Scene | None = None) -> Recording:
@@ -33,11 +33,12 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         scene: the scene with the walls and stops, which are not in a table.
 
     Returns:
-        The recording, with the name of the file, and with impacts if the table has the columns ``impact.*``.
+        The recording, with the name of the file. It has impacts only if the table has the columns
+        ``impact.*``, and a scene is given.
 
     Raises:
         SceneError: when the file is not such a table, or has a wall that is not in the scene.
-        NeedsSceneError: when the table has walls, and no scene is given.
+        NeedsSceneError: when the table has contacts with walls, and no scene is given.
         OSError: when the file cannot be read.
     """
     columns = _columns(path)
@@ -105,7 +106,8 @@ def _numbers(names: list[str], text: list[str]) -> np.ndarray:
     """Return the numbers in the lines below the head line, shape (rows, cells).
 
     Raises:
-        ValueError: when a cell is not a number; the message names the line and the column.
+        ValueError: when a cell is not a number, or a line has too few or too many cells; the message names
+            the line.
     """
     try:
         return np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))

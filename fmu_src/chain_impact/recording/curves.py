@@ -64,13 +64,13 @@ def curves_of(
         recording: the recording with the outputs.
         names: the names of the outputs; ``*`` stands for any text.
         units: name → unit.
-        around: the number of an impact, for a close view of this impact.
+        around: the number of an impact, from 1, for a close view of this impact; None for the whole run.
         prepared: the prepared scene, if it is known.
-        rerun: function that returns outputs at other times; without this function the curves have only the
-            rows.
+        rerun: function that returns outputs at other times. Without this function or the prepared scene, the
+            curves have only the times of the recording's rows.
 
     Raises:
-        UnknownNameError: when no output has a name.
+        UnknownNameError: when no output matches one of the names.
         ValueError: when no impact has the number.
     """
     hint = of_series(recording.output_hint)
@@ -97,7 +97,7 @@ def curves_of(
 def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
     """Return the onset of an impact, and start and end of its view [s].
 
-    Without an impact, the view is the whole run.
+    If ``around`` is None, the onset is None, too, and the view is the whole run.
     """
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:
@@ -121,7 +121,7 @@ def impact_numbers(count: int) -> str:
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
-    """Return times [s] between the rows: everywhere in a close view, else only within impacts."""
+    """Return additional times [s]: everywhere in a close view, else within the first FOLLOWED impacts."""
     if close:
         return np.linspace(low, high, CLOSE)
     impacts = recording.impacts[:FOLLOWED]

@@ -31,11 +31,11 @@ LOG_DTYPE = np.dtype(
 )
 """The columns of ``IMPACT_DTYPE`` that the log of contacts in the kernel contains."""
 IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
-"""The columns of the table of impacts; a row is one contact. The columns are: the number of the point, 0…N;
-the index of the wall in ``scene.wall_names``; onset and end [s]; impact speed and separation speed [m/s];
-peak force [N]; largest penetration [m]; effective mass at the onset [kg]; impulse of the wall [N·s], as
-accurate as the momentum of the chain; the largest force in any joint during the contact [N], and the number
-of this joint, 1…N; the first 32 characters of the wall's name.
+"""The columns of the table of impacts; a row is one contact. The columns are: the number of the point; the
+index of the wall in ``scene.wall_names``; onset and end [s]; impact speed and separation speed [m/s]; peak
+force [N]; largest penetration [m]; effective mass at the onset [kg]; impulse of the wall [N·s], as accurate
+as the momentum of the chain; the largest force in any joint during the contact [N], and the number of this
+joint, 1…N; the first 32 characters of the wall's name.
 
 If the scene asks for no impulses, the impulse is NaN. If the scene asks for no loads, the force in a joint is
 NaN, and the number of the joint is 0. If the wall's name is unknown, it is "". If a contact lasts to the end
@@ -47,7 +47,8 @@ contact that lasts under this law has the largest forces during the contact.
 
 At a stop of a joint, the wall is ``joint_min`` or ``joint_max``, and the point is the number of the joint,
 1…N. The quantities then belong to the joint's angle: speeds [rad/s], moment [N·m], angle beyond the stop
-[rad], effective inertia [kg·m²], impulse of the moment [N·m·s]."""
+[rad], effective inertia [kg·m²], impulse of the moment [N·m·s]. At a stop of a slider, the wall is
+``slider_min`` or ``slider_max``, the point is 0, and the units are those of a wall."""
 
 NO_IMPACTS = np.zeros(0, IMPACT_DTYPE)
 NO_IMPACTS.flags.writeable = False
@@ -84,7 +85,7 @@ def _names(walls: tuple[str, ...]) -> np.ndarray:
 
 
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the indices that sort contacts by onset, and the sorted contacts with the names of walls."""
+    """Return the indices that sort all contacts of ``parts`` by onset, and the sorted contacts, ``named``."""
     numbers = np.concatenate([_numbers(part) for part in parts])
     ordered = np.ndarray(len(numbers), LOG_DTYPE, numbers)
     order = np.lexsort((ordered["wall"], ordered["point"], ordered["onset"]))
@@ -97,7 +98,10 @@ def _numbers(table: np.ndarray) -> np.ndarray:
 
 
 def lasts(impacts: np.ndarray | np.void) -> Any:
-    """Return for each contact whether it lasts to the end of the simulation and has a known peak force."""
+    """Return for each contact whether it lasts to the end of the simulation.
+
+    A contact without a known peak force does not count: an FMU's list lost it before its end.
+    """
     return np.isnan(impacts["end"]) & ~np.isnan(impacts["peak_force"])
 
 
@@ -117,13 +121,13 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
 
     Returns:
         A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. An FMU has no outputs
-            for the effective mass and the joint of an impact, so the effective mass is NaN, and the joint 0.
+            for the effective mass and the force in a joint of an impact, so these are NaN, and the joint 0.
             If a contact lasts to the end of the record, or if newer impacts push it out of the FMU's list
             before it ends, its end and its separation speed are NaN; in the second case peak force,
             penetration and impulse are NaN, too.
 
     Raises:
-        ValueError: when a column is missing.
+        ValueError: when a column is missing, or the record has no rows.
     """
     stored = getattr(record, "impacts", None)
     if isinstance(stored, np.ndarray) and stored.dtype == IMPACT_DTYPE:
@@ -195,7 +199,7 @@ def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Return the impacts in the outputs of an FMU with a list of any length, see `IMPACT_DTYPE`.
 
     ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` shows only the
-    last impact of each communication step, without its end and the quantities that are known only at the end.
+    last impact of each communication step; its end, and the quantities that are known only then, are NaN.
     """
     if "impact[1].time" in names_of(record):
         return _table(record, walls)

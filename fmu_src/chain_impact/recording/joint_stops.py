@@ -1,4 +1,4 @@
-"""The stops of joints in results: ranges of joints, units of impacts at stops, and the marks in pictures."""
+"""The stops of joints in results: the ranges of joints, and the lines that show these ranges in pictures."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class JointRange:
 
 
 def ranges_of(scene: Scene) -> dict[int, JointRange]:
-    """Return the ranges of the joints with stops in a scene."""
+    """Return joint → its range, for the joints of a scene that have stops."""
     links = scene.chain.links
     return {
         joint: JointRange(*ends, links[joint - 1].length) for joint, ends in scene.chain.joint_ranges.items()
@@ -49,7 +49,7 @@ def ranges_of(scene: Scene) -> dict[int, JointRange]:
 
 
 def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
-    """Return the ranges of the joints with stops, from the values of an FMU's parameters."""
+    """Return joint → its range, for the joints that have stops, from the values of an FMU's parameters."""
     ranges = {}
     for joint in range(1, sum(name.endswith(".length") for name in values) + 1):
         low, high = (values.get(f"link[{joint}].{stop}") for stop in STOPS)
@@ -87,7 +87,7 @@ def _directions(angles: np.ndarray) -> np.ndarray:
 
 
 def touching_place(points: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the point [m] where the link of a joint crosses the arc of its range, and the link's direction.
+    """Return the point [m] where a joint's link crosses the arc of its range, and the link's unit vector.
 
     Args:
         points: positions of the points 0…N, shape (N+1, 2) [m].

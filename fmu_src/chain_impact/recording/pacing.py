@@ -12,10 +12,11 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 
 IMPACT_TIME = 0.6  # [s] the time on the screen for one impact
-RAMP = 0.05  # [s] the simulated time before an impact at which the film begins to slow down
-# [s] the time after which slow motion ends in a contact that lasts longer: then the chain only rests or leans
+RAMP = 0.05  # [s] the simulated time in which a film slows down before an impact, or speeds up after it
+# [s] the longest time after an onset that is shown in slow motion; in a contact that lasts longer, the chain
+# only rests or leans
 LONGEST = 0.1
-SHORTEST = 1e-4  # [s] the assumed duration of a contact without a duration, such as an impulse
+SHORTEST = 1e-4  # [s] the least duration assumed for an impact; an impulse has none
 FRAME_RATE = 60.0  # [1/s] frames per second on the screen
 FRAMES_OF_A_PERIOD = 16.0  # the least number of frames in a period of the fastest sine that drives an input
 FLIGHT_STEP = 1 / 240  # [s] far from impacts, the distance of the times at which the ratio is computed
@@ -30,23 +31,23 @@ SLOW_COUNT = 100  # the largest number of impacts that are shown in slow motion;
 # For a film, an impact ends at the latest LONGEST_IMPACT times δ/v after its onset, where δ is the
 # penetration and v the approach speed: a contact that lasts longer is no impact any more, but a rest.
 LONGEST_IMPACT = 5.0
-# [m/s] the least v in δ/v; a point that rests at a wall from the onset on has v = 0, and δ/v would be
-# infinite
+# [m/s, at a stop of a joint rad/s] v in δ/v is at least this large; otherwise a point that rests at a wall
+# from the onset on (v = 0) would give an infinite time
 SLOWEST = 1e-6
 MOST_FRAMES = 20_000  # the largest number of frames of a film
 TAIL = 0.3  # [s] the simulated time in which the trace of the tip fades
 # The rate is simulated seconds per second on the screen. REAL: a rate that differs less from 1 is called real
-# time; SLOW: a smaller rate has a dark text; TENS: a factor from this one on is written without decimals.
+# time; SLOW: a smaller rate is written in a darker colour; TENS: a factor from this one on has no decimals.
 REAL, SLOW, TENS = 0.02, 0.5, 9.95
 
 Span = tuple[float, float]
 
 
 def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
-    """Return the times at which impacts end for a film, shape (I,) [s], also for contacts that last.
+    """Return the times at which impacts end for a film, shape (I,) [s], at the latest at ``stop``.
 
     With penetration δ and approach speed v, an impact takes 2.9 δ/v with Hertz's law, π δ/v with a linear
-    spring, and longer with losses. A contact that lasts ends after LONGEST_IMPACT times δ/v.
+    spring, and longer with losses. A contact that lasts longer ends after LONGEST_IMPACT times δ/v.
     """
     speeds = np.maximum(impacts["impact_speed"], SLOWEST)
     lasting = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
@@ -65,8 +66,9 @@ def slow_spans(recording: Recording) -> list[Span]:
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
     """Return simulated seconds per second on the screen, shape (T,); 1 far from impacts.
 
-    During an impact the rate is so small that the impact takes ``impact_time`` on the screen. Before and
-    after the impact the rate grows in proportion to the distance in time from the impact.
+    During an impact the rate is so small that the impact takes ``impact_time`` on the screen; an impact that
+    lasts longer is shown at the rate 1. Before and after the impact the rate grows in proportion to the
+    distance in time from the impact.
 
     Args:
         time: shape (T,) [s].

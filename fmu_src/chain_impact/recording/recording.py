@@ -30,7 +30,7 @@ from chain_impact.variables.prepared import output_hint
 
 ROWS_AT_ONCE = 10_000  # the number of rows that are written at a time
 _NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
-"""The parts of an output's name in the FMU: owner, number, wall, and quantity."""
+"""The parts of an output's name in the FMU: owner; number; wall, or ``force`` in a joint; and quantity."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -38,7 +38,7 @@ class Recording:
     """A simulation over time, of a scene or an FMU.
 
     Attributes:
-        name: the model's name.
+        name: the name of the scene, of the FMU or of the file.
         time: communication points, shape (T,) [s].
         columns: FMU variable name → values, shape (T,).
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; for an FMU, the impacts in
@@ -48,7 +48,7 @@ class Recording:
         parameters: FMU variable name → value at the start, for a choice its name; empty if the values are
             unknown.
         sensitivities: the requested derivatives, if any.
-        stops: the joints with stops, and their ranges.
+        stops: joint → its range, for the joints with stops.
         point_names: the names of points, by their numbers; not every point has a name.
         stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if the scene names
             none, or if it is unknown, as for an FMU.
@@ -76,7 +76,7 @@ class Recording:
 
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
-        """The columns, by owner, number and wall, and quantity."""
+        """The columns: owner, number and wall → quantity → values."""
         quantities: dict[tuple[str, int, str], dict[str, np.ndarray]] = {}
         for name, values in self.columns.items():
             if at := _NAME.fullmatch(name):
@@ -202,7 +202,7 @@ class Recording:
 
     @cached_property
     def touches(self) -> list[Touch]:
-        """The contacts at walls and at stops of joints over time, and dry friction in joints."""
+        """The contacts at walls and at stops over time, and dry friction in joints and on a slider."""
         touches = [
             Touch(
                 *at,
@@ -262,7 +262,7 @@ class Recording:
     def end_speeds(self) -> np.ndarray:
         """The speeds of the impacts, shape (I,) [m/s].
 
-        For an impact at a stop, this is the speed of the link's end about the joint.
+        For an impact at a stop of a joint, this is the speed of the link's end about the joint.
         """
         arms = [
             self.stops[point].length if stopped else 1.0
@@ -297,7 +297,7 @@ class Recording:
     def spot(self, impact: np.void) -> np.ndarray:
         """Return the place [m] of an impact on its wall, which is a radius away from the point.
 
-        An impact at a stop is at the mark of the stop.
+        An impact at a stop of a joint is where the link crosses the arc of the joint's range.
         """
         if self.is_stop(impact["wall"]):
             return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]

@@ -1,4 +1,4 @@
-"""The rests of a motion: the times in which no point moves noticeably."""
+"""The rests of a motion: the times in which no point and no wall moves noticeably."""
 
 from __future__ import annotations
 
@@ -28,7 +28,10 @@ def ends_at_rest(recording: Recording) -> bool:
 
 
 def rests(recording: Recording) -> list[tuple[float, float]]:
-    """Return start and end [s] of each time in which no point moves noticeably, and no impact happens."""
+    """Return start and end [s] of each time in which no point or wall moves noticeably and no impact begins.
+
+    A rest shorter than LEAST is left out.
+    """
     time, places = recording.time, recording.all_points
     span, size = time[-1] - time[0], np.hypot(*np.ptp(places, axis=0).T).max()
     if len(time) < 3 or not size > 0.0:  # noqa: PLR2004 - no motion between rows
@@ -45,7 +48,7 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
 
 
 def rest_lines(recording: Recording) -> Iterator[str]:
-    """Yield a line with the places of the ends of the chain, if the motion rests at the end."""
+    """Yield a line with the start of the rest at the end, and places of free ends; nothing without a rest."""
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
         start, last = rests(recording)[-1][0], recording.points[-1]
         ends = {"tip": last[-1]} if recording.pinned else {"base": last[0], "tip": last[-1]}

@@ -30,7 +30,7 @@ class Sensitivities:
         prepared: the prepared scene.
         varied: the parameters and inputs.
         chosen: the names of the outputs; None for all outputs that change continuously.
-        slopes: derivatives of the outputs, shape (T, W, P).
+        slopes: derivatives of the W outputs, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
         impact_slopes: quantity of an impact → derivatives, shape (I, P).
         limits: sentences: from which time on there are no derivatives, and why; and the errors of derivatives
@@ -83,7 +83,7 @@ class Sensitivities:
         )
 
     def _repr_html_(self) -> str:
-        """Return the text of ``repr`` for a notebook, with the changes of some outputs at the end."""
+        """Return the text of ``repr`` for a notebook, with a table of changes of outputs at the run's end."""
         outputs = [name for name in self._usual if name in self.columns]
         ends = [self.changes(name)[-1:] for name in outputs]
         head = (
@@ -117,7 +117,7 @@ class Sensitivities:
     def drawn(self, outputs: Sequence[str]) -> list[str]:
         """Return the full names of some outputs.
 
-        By default these outputs are the position of the last point, and the energy.
+        By default these outputs are the position of the tip, and the total energy.
         """
         return [self._output(name) for name in outputs or self._usual]
 
@@ -178,7 +178,7 @@ class Sensitivities:
     def relative(self, quantity: str) -> np.ndarray:
         """Return ``impact_changes`` divided by the value of the quantity; ``duration`` is a quantity, too.
 
-        The result is NaN if the value is unknown.
+        The result is NaN if the value is unknown or not positive.
         """
         rows = self.impacts
         if quantity == "duration":

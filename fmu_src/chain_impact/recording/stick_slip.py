@@ -22,18 +22,18 @@ STICK_SLIP_DTYPE = np.dtype(
         ("mode", np.int64),
     ]
 )
-"""One phase of dry friction: the number of the point, 0…N; the index of the wall in ``scene.wall_names``;
-start and end [s]; and the mode. The end is NaN if the phase lasts to the end of the simulation. The mode is 0
-for sticking, 1 for sliding along t, and −1 for sliding along −t. The tangent t = (n_y, −n_x) belongs to the
+"""One phase of dry friction: the number of the point; the index of the wall in ``scene.wall_names``; start
+and end [s]; and the mode. The end is NaN if the phase lasts to the end of the simulation. The mode is 0 for
+sticking, 1 for sliding along t, and −1 for sliding along −t. The tangent t = (n_y, −n_x) belongs to the
 wall's normal n. For a joint, the wall is −1, the point is the number of the joint, 1…N, and in mode 1 the
-joint's angle grows."""
+joint's angle grows. For a slider, the wall is −1, the point is 0, and in mode 1 its position grows."""
 NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
 """The empty array of phases for a run without dry friction."""
 NO_PHASES.flags.writeable = False
 MODES = {0: "stick", 1: "slip +", -1: "slip -"}
 """Mode → words for the mode."""
 JOINT = -1
-"""The number of the wall in a phase of a joint."""
+"""The number of the wall in a phase of a joint or slider."""
 
 
 def phases_of(changes: np.ndarray) -> np.ndarray:
@@ -58,7 +58,7 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
 
 
 def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
-    """Return words for the place of a phase: "point 2 at y_min", "point 5 (heel) at y_min" or "joint 3".
+    """Return words for the place of a phase: "point 5 (heel) at y_min", "joint 3" or "the slider".
 
     Args:
         phase: the phase of dry friction.
@@ -71,21 +71,21 @@ def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> 
 
 
 def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
-    """Return a phase as texts: start, end, place (see ``place_of``), and mode."""
+    """Return a phase as texts: start, end ("" if it lasts), place (see ``place_of``), and mode."""
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
     return f"{phase['start']:.6f}", end, place_of(phase, walls, names), MODES[int(phase["mode"])]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touch:
-    """A contact of a point with a wall, or of a joint with one of its stops; or dry friction in a joint.
+    """A contact of a point with a wall, or of a joint or slider with a stop; or dry friction in one of these.
 
     Attributes:
         point: the number of the point; for a joint its number, 1…N; for a slider 0.
         wall: the name of the wall; for a stop joint_min, joint_max, slider_min or slider_max; "" for dry
             friction in a joint or on a slider.
-        force: the force of the wall on the point, shape (T,) [N]; for a stop the absolute moment [N·m]; None
-            for dry friction in a joint.
+        force: the force of the wall on the point, shape (T,) [N]; for a stop of a joint the absolute moment
+            [N·m]; None for dry friction in a joint or on a slider.
         penetration: shape (T,) [m]; None if not known.
         rate: the rate of penetration, shape (T,) [m/s]; None if not known.
         friction: dry friction along t = (n_y, −n_x), shape (T,) [N]; for a joint the moment [N·m]; None

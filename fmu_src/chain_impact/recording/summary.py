@@ -110,8 +110,7 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
 def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     """Return the texts for an impact: time, point, wall, speed, duration, peak force, impulse.
 
-    The cells have units if these differ between impacts. If loads are known, two more cells have the largest
-    force in a joint, and the joint.
+    If forces in joints are known, two more cells have the largest force in a joint, and the joint.
     """
     point = result.toucher(impact).removeprefix("point ")
     speed, lasting = f"{impact['impact_speed']:.4f}", _peak(1e3 * (impact["end"] - impact["onset"]))
@@ -123,7 +122,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _peak(value: float) -> str:
-    """Return the text of a peak force or a duration; a dash for 0, because only an impulse has 0."""
+    """Return the text of a peak force or a duration; a dash for NaN, and for 0, which only an impulse has."""
     return digits(value) if value else NONE
 
 

@@ -50,7 +50,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
 
 
 def speed_unit(at_stop: bool) -> str:
-    """Return the unit of an impact's speed, at a stop or at a wall."""
+    """Return the unit of an impact's speed: at a stop of a joint, or elsewhere."""
     return "rad/s" if at_stop else "m/s"
 
 

@@ -124,7 +124,7 @@ def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def size_of(recording: Recording) -> float:
-    """Return the size of a motion [m]."""
+    """Return the larger of width and height of the rectangle around all positions in a motion [m]."""
     return float(np.ptp(recording.all_points, axis=(0, 1)).max())
 
 

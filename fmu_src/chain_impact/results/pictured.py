@@ -46,7 +46,10 @@ class Pictured(Recording):
 
     @cached_property
     def passing(self) -> list[str]:
-        """Sentences on points that pass through walls that they cannot touch."""
+        """Sentences on points that pass through walls that they cannot touch.
+
+        The list is empty if ``simulate(output=…)`` left out positions.
+        """
         moved, numbers = self.moved_walls, {name: k for k, name in enumerate(self.wall_names)}
         walls = {numbers[name]: (name, wall, moved.get(name, 0.0)) for name, wall in self.walls.items()}
         try:
@@ -81,7 +84,7 @@ class Pictured(Recording):
                 returned, for a notebook; ``figure.axes`` have the names of panels as labels.
             kind: the name of a single panel, in place of ``panels``.
             size: width and height [inches]; with the height None, the contents determine the height.
-                On a page narrower than 6 inches the motion is above the rest.
+                In a picture narrower than 6 inches the motion is above the rest.
             panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all panels for
                 which the result has data.
             curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:
@@ -94,8 +97,8 @@ class Pictured(Recording):
                 are returned.
 
         Raises:
-            ValueError: when a panel or an impact does not exist, the page is smaller than 2 by 2 inches or
-                has no room for the panels, or axes are given with a file or a size.
+            ValueError: when a panel or an impact does not exist, the picture is smaller than 2 by 2 inches
+                or has no room for the panels, or axes are given with a file or a size.
             UnknownNameError: when ``simulate(output=…)`` left out an output that is drawn.
             OSError: when the file cannot be written.
         """

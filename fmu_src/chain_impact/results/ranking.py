@@ -301,7 +301,7 @@ def _largest(
 
 
 def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> _Found:
-    """Return a quantity of one impact, counted from 1."""
+    """Return the quantity ``field`` of one impact, with derivatives; ``number`` counts all impacts from 1."""
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
         raise SceneError(f"{recording.name}: there is no impact {number}; there are {len(impacts)}")

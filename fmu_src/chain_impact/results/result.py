@@ -300,10 +300,10 @@ class Result(Pictured):
         return tables.dataframe(self.prepared, self.time, self.columns)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return the outputs as a dataset of xarray over time, point, axis, link and contact, with units.
+        """Return the outputs that change continuously as a dataset of xarray, with units.
 
-        Outputs that ``simulate(output=…)`` left out are NaN. If the result has no output of a kind, the
-        dataset does not have the kind.
+        Its dimensions are time, point, axis, link and contact. Outputs that ``simulate(output=…)`` left out
+        are NaN. If the result has no output of a kind, the dataset does not have the kind.
 
         Raises:
             MissingExtraError: when xarray (the extra ``xarray``) is not installed.
@@ -313,7 +313,8 @@ class Result(Pictured):
     def impact_table(self) -> pandas.DataFrame:
         """Return the impacts as a table of pandas: the columns of ``IMPACT_DTYPE``, with names of walls.
 
-        The rows count from 1. ``attrs["units"]`` has the unit of each column.
+        The rows count from 1. ``attrs["units"]`` has the unit of each column; if joints have stops,
+        ``attrs["units_at_stops"]`` has the units for impacts at these stops.
 
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.
@@ -346,7 +347,8 @@ class Result(Pictured):
     def _all(self, field: str) -> np.ndarray:
         """Return a field of ``output_dtype`` (kernel/record/instance.py) as an array over time.
 
-        If the result has only some outputs, all outputs of the field must be among them.
+        If the result has only some outputs, all outputs of the field must be among them; otherwise this
+        raises UnknownNameError.
         """
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
