@@ -15,7 +15,7 @@ from matplotlib.ticker import EngFormatter
 
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 
-LEAST = 0.02  # the shortest arrow, relative to the smaller side of the scene
+LEAST = 0.02  # the shortest arrow, relative to the smaller side of the view
 # FROM: the least distance of a mark from the left end of the ruler; APART: the least distance of two marks;
 # both relative to the length of the ruler
 FROM, APART = 0.1, 0.3
@@ -27,7 +27,7 @@ class ArrowScale:
     """The scale from forces [N] to lengths [m] of arrows."""
 
     def __init__(self, peak: float, side: float) -> None:
-        """Store the largest force [N], and the smaller side of the scene [m]."""
+        """Store the largest force [N], and the smaller side of the view [m]."""
         self.peak, self.side = peak, side
 
     def length(self, force: float) -> float:
@@ -36,11 +36,14 @@ class ArrowScale:
         return self.side * max(LEAST, LONGEST_ARROW * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
-        """Return whether a force [N] is large enough for the scale; small forces have the shortest arrow."""
+        """Return whether a force [N] is so large that its arrow is longer than the shortest one."""
         return self.length(force) > LEAST * self.side
 
     def marks(self) -> list[tuple[float, str]]:
-        """Return the place [m] and the text of each power of ten that has room, the largest first."""
+        """Return the distance from the ruler's left end [m] and the text of each mark, the largest first.
+
+        Marks are the powers of ten that have room.
+        """
         marks: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side
         for force in 10.0 ** (highest - np.arange(DECADES)):
@@ -53,7 +56,7 @@ class ArrowScale:
         return marks
 
     def draw(self, axes: Axes, corner: np.ndarray, colour: str) -> None:
-        """Draw the ruler, with marks and the word "force", to the right of a corner of the scene [m]."""
+        """Draw the ruler, with marks and the word "force", to the right of a corner of the view [m]."""
         left, y = corner
         text_style: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 7}
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
@@ -66,7 +69,7 @@ class ArrowScale:
                 text, (left + at, y), (0.0, -TICK - 1.0), ha="center", va="top", **text_style
             )
             box = label.get_window_extent()
-            if box.x1 > free:  # on a small page only few numbers have room
+            if box.x1 > free:  # in a small film only few numbers have room
                 label.remove()
                 continue
             axes.plot([left + at], [y], "|", **marks)

@@ -48,7 +48,7 @@ def check_curves(curves: Curves) -> None:
     """Refuse curves that a reader could not distinguish.
 
     Raises:
-        ValueError: when there are no curves, or too many.
+        ValueError: when there are too many panels, or too many curves in a panel.
     """
     panels = curves.panels
     if len(panels) > MOST_PANELS:
@@ -68,7 +68,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     If the title is "", the headline names the impact in view, or summarizes the run. None means no headline.
 
     Raises:
-        ValueError: when there are no curves, or too many.
+        ValueError: as ``check_curves``.
     """
     check_curves(curves)
     if title is not None:
@@ -112,7 +112,7 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
 
 
 def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, beside: bool = True) -> None:
-    """Draw the panels into the axes of a grid; ``beside``: whether curves' names may stand beside it."""
+    """Draw the panels into the axes of a grid; ``beside``: whether legends may stand beside the axes."""
     figure = grid[0].get_figure(root=True)
     wide = beside and figure is not None and not is_narrow(figure)
     start, factor, label = 0.0, 1.0, "time [s]"

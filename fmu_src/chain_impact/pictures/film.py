@@ -47,7 +47,7 @@ def write_film(
         path: the file.
         speed: simulated seconds per second on the screen, outside of slow motion, or None, see ``pace``.
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
-        size: width and height [pixels]; in an mp4 both are rounded down to even numbers.
+        size: width and height [pixels]; both are rounded down to even numbers, as an mp4 needs them.
         progress: called with the finished fraction, 0 to 1.
 
     Warns:
@@ -75,6 +75,8 @@ def write_film(
 
 def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -> float:
     """Return simulated seconds per second on the screen, outside of slow motion.
+
+    A SceneWarning tells if this is too fast to show a sine that drives an input.
 
     Args:
         recording: the recording to show.

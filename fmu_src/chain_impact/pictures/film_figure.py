@@ -50,7 +50,7 @@ CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.06, 0.96, 0.72), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
 # half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
-# the scene
+# the view
 BAR, CORNER = 0.035, 0.035
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
@@ -121,7 +121,7 @@ class Film:
         self._suit(figure)
 
     def _suit(self, figure: Figure) -> None:
-        """Give the page the colours of a dark style, if the style is dark."""
+        """Give the figure the colours of a dark style, if the style is dark."""
         if self.ground:
             self.ground.suit(figure.findobj())
             figure.set_facecolor(self.ground.ground)
@@ -234,7 +234,7 @@ class Film:
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
     def _forces(self, frame: int) -> Iterator[Artist]:
-        """Yield arrows of wall forces and stop moments with their sizes, and marks of sticking joints."""
+        """Yield the arrows of forces, the marks of stop moments and of sticking, and the numbers at them."""
         for artist in self.moving:
             artist.remove()
         self.moving.clear()
@@ -263,7 +263,7 @@ class Film:
         yield from self.moving
 
     def _suited(self, colour: str) -> Any:
-        """Return the colour for the ground."""
+        """Return the colour that replaces a colour on a dark ground, or else the colour itself."""
         return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
@@ -296,7 +296,7 @@ class Film:
     def _add_arrow(
         self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, with_size: bool = True
     ) -> None:
-        """Add the arrow of a force [N] from a point in a direction; ``with_size``: also its size as text."""
+        """Add the arrow of a force of ``whole`` [N] from a point; ``with_size``: also its size as text."""
         head = foot + self.scale.length(whole) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)

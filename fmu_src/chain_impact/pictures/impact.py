@@ -44,7 +44,7 @@ LOOP = 1.6  # the height of the loop on a narrow figure, relative to the height 
 
 @styled()
 def fill_impact(figure: Figure, recording: Recording, number: int, course: Course) -> None:
-    """Draw the impact ``number`` on an empty figure, with the loop on the right or, if narrow, below."""
+    """Draw the impact ``number`` on an empty figure, with force over penetration at the right or the foot."""
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
     title = f"{recording.name}: {hit(recording, impact)}, impact {number}"
@@ -87,10 +87,10 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
 
 
 def shown_time(impact: np.void, course: Course) -> float:
-    """Return the time after the onset [s] for which an impact is shown; of a long contact only the impact.
+    """Return the time after the onset [s] for which a contact is shown; 0 for an impulse.
 
-    For a long contact this is the longer of two times: the theoretical duration of the impact, and a few
-    times the time until the peak force.
+    This is the duration of the contact. Of a long contact only the impact is shown: the longer of two times,
+    the theoretical duration of the impact, and a few times the time until the peak force.
     """
     if not len(course.time):
         return 0.0
@@ -171,6 +171,6 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
 
 
 def restitution_text(impact: np.void) -> str:
-    """Return words for the realised restitution: the separation speed divided by the impact speed."""
+    """Return words for the realised restitution, or that the contact lasts if it is unknown."""
     restitution = impact["separation_speed"] / impact["impact_speed"]
     return "in contact to the end" if math.isnan(restitution) else f"restitution {restitution:.4g} realised"

@@ -95,7 +95,7 @@ class Ink:
         """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free.
 
         A straight line from ``place`` to the box must pass no other label and little else; it is marked, too.
-        At a distance from its place of at least ``own`` at most ``crossed`` of it is strong [pixels].
+        At most ``crossed`` pixels of the line may be strong; its first ``own`` pixels do not count.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box = self._drawn[y0:y1, x0:x1]
@@ -162,9 +162,10 @@ def _place(
     steps: np.ndarray,
     **look: Any,
 ) -> bool:
-    """Write one of some texts at the first free position; return whether there is one.
+    """Write the first text that has a free position; return whether there is one.
 
-    A text covers the best position of another label only if the text has no other position.
+    For each text, and each limit in CROSSED on what its line may cross, positions that spare the best
+    positions of other labels are tried first.
 
     Args:
         axes: the axes inside which the text stays.

@@ -59,7 +59,7 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
 
 
 def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], parts: str) -> list[str]:
-    """Return lines, each with as many pieces as fit."""
+    """Return lines, each with as many pieces as fit into a width [pixels]."""
     space = width("n n") - width("nn")
     lines: list[str] = []
     filled = math.inf  # the width [pixels] of the last line with a space at its end; no line exists yet

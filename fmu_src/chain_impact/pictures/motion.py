@@ -32,7 +32,7 @@ from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import TICK
 
 STRONG = 6  # strong poses show the fastest impacts, at most this number of them
-FAINT = 80  # the number of faint poses, at equal distances in time
+FAINT = 80  # the number of faint poses, in evenly spaced rows
 PATH = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
 MARKED = 12  # the largest number of points that get marks
 FEW = 6  # the largest number of points with clear paths; with more points the paths are fainter
@@ -56,7 +56,7 @@ LISTED, FASTEST = 3, 2
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
     """Draw walls, faint poses, paths of points, and strong poses at start, end and impacts.
 
-    ``shape`` is the height of the axes divided by their width; the view fills axes of this shape.
+    ``shape`` is the height of the axes divided by their width, if known; the view fills axes of this shape.
     """
     view = view_of(recording, shape)
     draw_walls(axes, recording, view)
@@ -127,12 +127,12 @@ def strongest(recording: Recording, count: int) -> np.ndarray:
 
 
 def by_speed(recording: Recording) -> np.ndarray:
-    """Return the numbers of the impacts in the order of their impact speeds, the fastest first."""
+    """Return the rows of the impacts, from 0, in the order of their impact speeds, the fastest first."""
     return np.argsort(-recording.end_speeds, kind="stable")
 
 
 def draw_faint(axes: Axes, recording: Recording) -> None:
-    """Draw the chain at evenly spaced times."""
+    """Draw the chain in evenly spaced rows of the recording."""
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT).round().astype(int))
     axes.add_collection(LineCollection(list(recording.points[rows]), colors=INK, linewidths=0.6, alpha=0.13))
 
@@ -153,7 +153,7 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def draw_rings(axes: Axes, recording: Recording) -> None:
-    """Draw a ring at each place where a point hit a wall, or a joint hit its stop."""
+    """Draw a ring at each place where a point hit a wall, or where a joint or slider hit a stop."""
     ring_style: dict[str, Any] = {
         "marker": "o",
         "markersize": RING,
@@ -165,7 +165,7 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
 
 
 def draw_sticking(axes: Axes, recording: Recording) -> None:
-    """Draw a square at each contact and each joint that sticks at the end."""
+    """Draw a square at each contact, joint or slider that sticks at the end."""
     last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
     positions = []
     for phase in last[last["mode"] == STICKS]:
@@ -224,9 +224,9 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
 
 
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of the impacts outside of the walls, in the order of speed.
+    """Write the numbers of the impacts beside their rings, beyond the walls, the fastest impacts first.
 
-    Returns the numbers that have no room, as text.
+    Returns the numbers that have no room, as text; "" if all have room.
     """
     hits_at, labels = rings(axes, recording), []
     for spot, hits in hits_at.items():
@@ -271,9 +271,9 @@ def _label_place(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """Return position of impacts on walls → the rows of the impacts at this position, the fastest first.
+    """Return position of a ring → the rows of the impacts at this position, the fastest first.
 
-    Impacts close to each other share a position.
+    Impacts at the same wall or stop share a position if they are close to each other.
     """
     spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}

@@ -15,7 +15,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import pin_mark
 
 FAINT = 40  # the number of faint positions of a moving wall, at equal distances in time
-FAINT_MARKS = 8  # the number of faint ground marks of a moving base, at equal distances in time
+FAINT_MARKS = 8  # the number of faint ground marks of a moving base, in evenly spaced rows
 BESIDE = 0.04  # the distance of the trace from the end of a wall, relative to the visible length of the wall
 
 
@@ -24,7 +24,10 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
     (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
-        """Return the visible line of a wall at each of some times."""
+        """Return the visible part of the wall ``name`` at each of some times.
+
+        This is the part along the free region, inside the view: the two ends of a line, or nothing.
+        """
         rooms = (recording.walls_at(time) for time in times)
         return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
 
@@ -51,7 +54,11 @@ def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the path of a point on a wall, near the end that is far from the chain, shape (T, 2) [m]."""
+    """Return the path of a point on a wall, shape (T, 2) [m]; empty if the wall is not visible.
+
+    The point is near the end of the wall that is farther from the chain. ``lines`` are visible parts of the
+    wall.
+    """
     wall, moved = recording.walls[name], recording.moved_walls[name]
     line = next((visible for visible in lines if len(visible) > 1), np.zeros((0, 2)))
     if not len(line):

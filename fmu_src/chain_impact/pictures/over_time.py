@@ -124,7 +124,7 @@ def over_all_time(axes: Axes, recording: Recording) -> None:
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """Draw phases of dry friction: bars where a contact or joint sticks, lines where it slides.
 
-    Of many contacts and joints, only those with the longest phases are drawn.
+    Of many contacts and joints, only the ROWS with the largest sums of durations are drawn.
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
@@ -157,7 +157,7 @@ def phase_lengths(recording: Recording) -> np.ndarray:
 
 
 def rubbing_places(recording: Recording) -> list[str]:
-    """Return the contacts and joints with dry friction, those with the longest phases first."""
+    """Return words for the places with dry friction, those with the largest sum of durations first."""
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
         location = place_of(phase, recording.wall_names, recording.point_names)
@@ -279,6 +279,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 
     Of impacts at equal distances in time only every k-th is numbered, in order of time, if the numbers of all
     have no room.
+
     Returns words for the impacts without a number; "" if there are none.
     """
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
@@ -294,7 +295,10 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:
-    """Return k if every k-th of the impacts is to be numbered: they have equal distances that are narrow."""
+    """Return k: only every k-th impact gets a number.
+
+    It is larger than 1 if the impacts have equal distances in time in which the numbers have no room.
+    """
     onsets = recording.impacts["onset"]
     gaps = np.diff(onsets)
     if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():

@@ -215,7 +215,7 @@ def motion_share(ratio: float) -> float:
 
 
 def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
-    """Return the heights of the panels over time and of the axis of colours, relative to the energies."""
+    """Return the heights of the panels over time and the axis of colours, relative to a panel of energies."""
     timed = [name for name in shown if name != "motion"]
     rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
     return [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])

@@ -170,7 +170,10 @@ def draw_room(
 
 
 def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
-    """Return the ends of a wall's visible line along the room between ``walls``, shape (C, 2) [m]."""
+    """Return the two ends of the part of a wall that bounds the room between ``walls`` in a view [m].
+
+    The shape is (2, 2); it is (0, 2) if no part of the wall bounds this room.
+    """
     corners = _corners(walls, view)
     gaps = corners @ np.array(wall.normal) - wall.offset
     return np.asarray(corners[abs(gaps) < ROUND_OFF * np.ptp(view)])

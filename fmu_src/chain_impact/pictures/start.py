@@ -31,7 +31,8 @@ BORDER, MARGIN = 1.4, 0.3
 # [points] the length of an arrow, the radius of the arc of an angle, the length of the line from which an
 # angle is measured
 ARROW, ARC, REFERENCE = 30.0, 18.0, 32.0
-# the largest number of points that all get labels; with more points only the first angle is shown
+# the largest number of links with which all points and angles get labels; with more links only some points
+# and the first angle get one
 LABELLED = 8
 SIGNS = (
     "This is the start. Link i ends at point i. Angles, angular velocities and torques are positive "
@@ -95,7 +96,7 @@ def _chain(
 ) -> tuple[Any, np.ndarray, float]:
     """Draw the chain at its start, and the walls.
 
-    Returns the axes, the positions of the points [m], and the size of a typographic point [m].
+    Returns the axes, the positions of the points 0…N [m], and the size of a typographic point [m].
 
     The view contains the chain and the nearest points of all walls.
     """

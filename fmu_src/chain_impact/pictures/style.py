@@ -89,7 +89,7 @@ MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the
 # two lines
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
-STEPS = (1, 2, 2.5, 5, 10)  # the distances between ticks, in powers of ten
+STEPS = (1, 2, 2.5, 5, 10)  # the allowed distances between ticks, times any power of ten
 
 
 @contextmanager

@@ -11,7 +11,7 @@ MOST_PARTS = 32  # the largest number of pieces between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the path of the last point, with additional points between rows that are far from each other.
+    """Return the path of the tip, with additional points between rows in which the tip is far apart.
 
     Args:
         recording: the recording to show.
@@ -37,7 +37,7 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def _speeds(recording: Recording) -> np.ndarray:
-    """Return the velocity of the last point, shape (T, 2) [m/s].
+    """Return the velocity of the tip, shape (T, 2) [m/s].
 
     If the velocity is unknown, it is computed from parabolas through the rows.
     """
