@@ -1,15 +1,18 @@
 """The order of the tests, and fixtures of many tests: the command line in an empty folder, and an FMU."""
 
+import filecmp
 import math
 import os
 import shutil
 import sys
 import tempfile
 from multiprocessing.util import Finalize
+from pathlib import Path
 
 import pytest
 from xdist.scheduler import LoadFileScheduling
 
+import chain_impact
 from chain_impact import cli
 from chain_impact.cli import progress
 from tests import tiers
@@ -49,6 +52,7 @@ def pytest_configure(config):
     tiers.pytest_configure(config)
     if hasattr(config, "workerinput"):
         return  # a worker process, which has the settings of its parent
+    check_sources(config.rootpath / "fmu_src/chain_impact", Path(chain_impact.__file__).parent)
     # The tests use all cores already: threads of numpy's linear algebra would only wait for one another.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
@@ -62,6 +66,17 @@ def pytest_configure(config):
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = f"{folder}/bytecode"
         sys.dont_write_bytecode = False
+
+
+def check_sources(sources, installed):
+    """Refuse to test an installed copy of the package if a source differs from it."""
+    names = [str(file.relative_to(sources)) for file in sources.rglob("*.py")]
+    _, changed, missing = filecmp.cmpfiles(sources, installed, names, shallow=False)
+    if changed or missing:
+        raise pytest.UsageError(
+            f"{sorted(changed + missing)[0]} is not the file that is installed in {installed}; "
+            "repeat the installation, or install with pip's option -e"
+        )
 
 
 @pytest.hookimpl(wrapper=True)

@@ -14,6 +14,7 @@ import pytest
 
 import chain_impact
 from chain_impact.cli import parser
+from tests.conftest import check_sources
 
 PACKAGING = Path(__file__).parents[2] / "packaging"
 
@@ -134,3 +135,21 @@ def test_the_traps_of_the_smoke_suite_end_a_process():
 
 def run_python(*arguments):
     return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False)
+
+
+# --- an installed copy -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("copy", [{"a.py": "x = 1"}, {"a.py": "x = 1", "b/c.py": "y = 3"}])
+def test_an_installed_copy_that_differs_from_the_sources_is_not_tested(copy, tmp_path):
+    def write(name, files):
+        for file, text in files.items():
+            path = tmp_path / name / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return tmp_path / name
+
+    sources = write("sources", {"a.py": "x = 1", "b/c.py": "y = 2"})
+    check_sources(sources, sources)
+    with pytest.raises(pytest.UsageError, match=r"b/c\.py is not the file that is installed"):
+        check_sources(sources, write("installed", copy))
