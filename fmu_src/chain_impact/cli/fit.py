@@ -43,7 +43,7 @@ REPEATED = (
     ),
     ("--bounds", "NAME=LOW:HIGH", "search between these values only"),
 )
-"""Name of an option that can be repeated → metavariable and help."""
+"""The options that can be repeated: name, metavariable and help of each."""
 
 
 def add(verbs: Verbs) -> None:

@@ -22,7 +22,7 @@ def say(text: str) -> None:
 
 
 def complain(text: object) -> None:
-    """Print an error on standard error."""
+    """Print an error, a warning or a message on standard error, after the name of the program."""
     err.print(f"chain-impact: {text}", markup=False, soft_wrap=True)
 
 

@@ -1,4 +1,4 @@
-"""The tables and lines that the command line prints about a simulation or a comparison."""
+"""The tables and lines that the command line prints: of a simulation, a comparison, an FMU's variables."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def indented(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
 
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
-    """Yield the impacts and the energy balance."""
+    """Yield the summary of a run: impacts, remarks, dry friction, rest, loads in joints, and energies."""
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
@@ -129,7 +129,10 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 
 
 def meanings(recording: Recording) -> Iterator[str]:
-    """Yield lines that explain the numbers of points and the names of walls in the table of impacts."""
+    """Yield lines that explain the numbers of points and the names of walls in the table of impacts.
+
+    A further line tells how many contacts are known only in part.
+    """
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Canvas:
-    """A file, an empty window, or both, for one picture; ``size`` is the size of the page in the file."""
+    """A file, an empty window, or both, for one picture; ``size`` is its size in the file [inches]."""
 
     path: Path | None = None
     size: Size | None = None
@@ -59,7 +59,7 @@ class Canvas:
         return bool(self.path or self.window)
 
     def draw(self, plot: Callable[..., object], fill: Callable[[Figure], object]) -> None:
-        """Draw by ``plot(path, size=size)`` into the file, and by ``fill(page)`` into the window."""
+        """Draw by ``plot(path, size=size)`` into the file, and by ``fill(window)`` into the window."""
         write_picture(self.path, self.size, plot)
         if self.window:
             from chain_impact.pictures.style import suit_figure  # this import takes a second
@@ -189,7 +189,11 @@ def run(options: argparse.Namespace) -> int:
 
 
 def open_window() -> Figure:
-    """Return an empty page in a window."""
+    """Open a window of matplotlib, and return its empty figure.
+
+    Raises:
+        RunError: when there is no display, or the backend is missing.
+    """
     from matplotlib import pyplot
 
     try:
