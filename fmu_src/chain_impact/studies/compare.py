@@ -94,11 +94,11 @@ class Comparison(LawRuns):
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
             size: width and height [inches]; with the height None, the contents determine the height.
-                On a page narrower than 6 inches the loops are above the energy.
+                In a picture narrower than 6 inches the loops are above the energy.
             ax: axes of matplotlib for the loops; these axes are returned.
 
         Raises:
-            ValueError: when a page is too small, or axes are given with a file or a size.
+            ValueError: when the picture is too small, or axes are given with a file or a size.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.compare_plot import plot_comparison
@@ -143,8 +143,8 @@ def compare(
 ) -> Comparison:
     """Simulate a scene with each law of the registry and with the scene's own law, or with some laws.
 
-    A law that needs another exponent than the scene's runs with its exponent, and with the stiffness that
-    gives the first impact the same penetration if it were elastic. A law that does not allow the scene's
+    If a law needs another exponent than the scene has, it runs with this exponent, and with the stiffness
+    that gives the first impact the same penetration if it were elastic. A law that does not allow the scene's
     restitution, or fails, is listed with the reason. Stops with their own law keep this law; then only the
     law of the walls changes, and the first impact at a wall is compared.
 
@@ -273,7 +273,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
-    """Return the run with the number and time of its first impact that differs from the reference."""
+    """Return the run with number and time of the first impact that differs from the reference, if any."""
     if run.result is None:
         return run
     rows = run.result.impacts, expected.impacts

@@ -1,7 +1,7 @@
 """The picture of a comparison of contact laws: the first impact, and energy over time.
 
-Six laws have a colour and a name: the reference, the scene's own law, the law that differs most, and other
-common laws. The other laws are grey.
+At most six laws have a colour and a name: the reference, the scene's own law, the law that differs most, and
+other common laws. The other laws are grey.
 """
 
 from __future__ import annotations

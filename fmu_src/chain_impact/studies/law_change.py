@@ -53,7 +53,7 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
 
 
 def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
-    """Return the number of the first row in ``Result.impacts`` for which the law of `contact` acts.
+    """Return the index of the first row in ``Result.impacts`` for which the law of `contact` acts.
 
     Returns None if there is no such row.
 

@@ -33,8 +33,9 @@ class LawRun:
             the angle: the peak is a moment [N·m].
         max_penetration: largest penetration in the first impact [m].
         duration: duration of the first impact [s]; 0 for an impulse.
-        energy_lost: energy that all contacts lose between the onset and the end of the first impact [J].
-        loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse.
+        energy_lost: energy that the whole chain dissipates from the onset to the end of the first impact [J].
+        loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse; None if
+            the impact has not ended.
         divergence: number, from 1, of the first impact whose point or wall differs from the reference law's
             run; None if none differs.
         divergence_time: onset of the impact with the number ``divergence`` [s].

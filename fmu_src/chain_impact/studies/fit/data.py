@@ -39,7 +39,7 @@ class ImpactRow:
     Attributes:
         number: number in the order of onsets, from 1, among all impacts; if ``alike``, among the impacts of
             the same point and wall.
-        point: 0…N; None if the row does not give it.
+        point: number of the point, or of the joint at a stop; None if the row does not give it.
         wall: index in ``scene.wall_names``; None if the row does not give it.
         alike: whether ``number`` counts only impacts at the same point and wall.
         order: the measured onset, or else the measured end [s]; NaN if neither is measured.
@@ -102,7 +102,11 @@ class Measurements:
 
     @property
     def order(self) -> np.ndarray:
-        """The time of each value, shape (M,) [s]; NaN for an impact without a measured time."""
+        """The time of each value, shape (M,) [s].
+
+        For a value of an impact it is the measured onset, or else the measured end; NaN if neither is
+        measured.
+        """
         onsets = np.array([impact.order for impact in self.impacts])
         order = np.zeros(len(self))
         order[~self.of_impact] = self.times[self.row[~self.of_impact]]
@@ -120,7 +124,7 @@ class Measurements:
         return LATE * last if self.of_impact.any() else last
 
     def until(self, stop: float) -> Measurements:
-        """Return the measurements up to a time [s].
+        """Return the measurements up to a time [s], and those of impacts without a measured time.
 
         Raises:
             SceneError: when no measurement is left.

@@ -82,7 +82,7 @@ class Estimates:
 
     @property
     def law(self) -> str:
-        """The contact law of the scene; "" if nothing can touch."""
+        """The contact law of the walls, or of the stops if no point can touch a wall; "" without both."""
         contact, stops = self.scene.contact, self.scene.stops
         if point_wall_pairs(self.scene):
             return contact.model

@@ -209,7 +209,7 @@ def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | S
 
 
 def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -> list[Scene]:
-    """Return the scene of each data set, with its start values."""
+    """Return the scene of each data set, with its known values from ``set_each``."""
     for name, values in set_each.items():
         if len(values) != count:
             raise SceneError(

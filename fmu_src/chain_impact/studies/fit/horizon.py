@@ -166,7 +166,11 @@ def _estimated(problem: Problem) -> list[tuple[int, float]]:
 
 
 def _check(problem: Problem, whole: Evaluation) -> None:
-    """Refuse data that cannot determine any parameter."""
+    """Refuse data that cannot be fitted.
+
+    A column has a σ for some of its values only, or has no σ and only one value; or the model has none of
+    the measured values.
+    """
     for name in problem.estimated:
         mine = problem.group == problem.names.index(name)
         sources = ", ".join(data_set.source for data_set in problem.data)

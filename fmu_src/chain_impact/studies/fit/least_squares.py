@@ -25,7 +25,7 @@ class Search:
     Attributes:
         best: the model at the end.
         converged: whether no step within the bounds reduces the sum of squares much.
-        steps: the number of steps.
+        steps: the number of tried steps.
     """
 
     best: Evaluation
@@ -50,7 +50,7 @@ def minimize(
         sigma: standard deviations of the values, shape (M,).
         bounds: the lowest and the highest coordinates, each of shape (P,).
         enough: relative change of the sum of squares in a step, below which the search has converged.
-        most: the largest number of steps.
+        most: the largest number of tried steps.
     """
     rows = first.usable
     # parameters without effect are left out, because SciPy would take many steps along them

@@ -28,7 +28,7 @@ class Parameter:
     Attributes:
         name: as in the FMU.
         unit: the unit of the value.
-        start: value in the scene.
+        start: value in the scene; 0 for an input.
         low, high: bounds of the value; infinite if there is no bound.
         logarithmic: whether the search uses the logarithm, as for a positive number of unknown size.
         run: index of the data set to which the number belongs; None if all data sets share the number.

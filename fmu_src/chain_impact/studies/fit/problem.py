@@ -71,7 +71,7 @@ class Problem:
         group: index of each value's column in ``names``, shape (M,).
         names: the names of the columns.
         used: for each data set, the indices of the parameters on which its model depends.
-        evaluations: the number of runs with derivatives.
+        evaluations: how often the model was evaluated, each time with a run of every data set.
     """
 
     def __init__(
@@ -238,8 +238,8 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
     """Return a quantity of an impact of the model, and its derivatives, shape (P,).
 
-    The quantity is NaN for the peak force of an impulse, which has none. While the contact lasts, it is NaN
-    unless the onset already determines it.
+    The quantity is NaN for the peak force and the force in a joint of an impulse, which has none. While the
+    contact lasts, it is NaN unless the onset already determines it.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

@@ -56,7 +56,7 @@ class Fit(Estimates):
         estimated: columns whose standard deviation was estimated.
         deviance: −2 log of the likelihood, up to a constant that depends only on the data.
         converged: whether the search ended because no step improves the fit.
-        runs: the number of runs with derivatives.
+        runs: how often the model was evaluated, each time with a run of every data set with derivatives.
         horizons: the successive times [s] up to which data were used.
         unknown: sentences on parameters that the data do not determine.
         notes: further remarks, such as values that were left out and bounds that were reached.
@@ -103,7 +103,7 @@ class Fit(Estimates):
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
             size: width and height [inches]; with the height None, the contents determine the height.
-                On a page narrower than 6 inches all panels are in one column.
+                In a picture narrower than 6 inches all panels are in one column.
 
         Raises:
             ValueError: when the size is not possible, or has no room for the panels.

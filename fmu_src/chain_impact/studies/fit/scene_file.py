@@ -17,7 +17,9 @@ from chain_impact.system import written_whole
 
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
-    """Write a scene file and, in the same folder, the file of a law that ``with_law`` has put into the cache.
+    """Write a scene file and, in the same folder, the file of the scene's own law, if it is in the cache.
+
+    ``chain_impact.with_law`` has put it there.
 
     Args:
         scene: the scene to write.
@@ -116,7 +118,8 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
     """Write one value of a table; in a list write only the entries that differ.
 
-    A comment after the value keeps its column. The scene's present value may be in degrees in the table.
+    A comment after the value keeps its column. ``present`` is the value of the scene before the change; the
+    table may have this value in degrees, so that the two cannot be compared.
     """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0

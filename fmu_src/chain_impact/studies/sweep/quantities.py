@@ -136,7 +136,7 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
 
 
 def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
-    """Return the outputs that the table of a job needs in addition, so that a picture has some panels.
+    """Return the outputs that the table of a job needs in addition for the panels of a picture.
 
     Raises:
         UnknownNameError: when there is neither a column nor an output for a panel.

@@ -112,7 +112,7 @@ class Sweep(Runs):
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
             size: width and height [inches]; with the height None, the contents determine the height.
-                On a page narrower than 6 inches all panels are in one column.
+                In a picture narrower than 6 inches all panels are in one column.
             panels: the columns to draw, ``*`` for any text, such as ``"peak_force"``; by default the main
                 results and the additional outputs, as far as they differ between the runs.
 
