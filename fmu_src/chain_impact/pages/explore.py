@@ -77,7 +77,7 @@ def page(scene: Scene, command: Sequence[str]) -> str:
 
 
 def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
-    """Return the data from which the page makes a scene: the contents of its file, and tables of numbers."""
+    """Return the data of the page: contents of the scene's file, ``kit``, and the words of its command."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():
         if "file" in signal:  # without its folders, because a page must not show folders of this machine

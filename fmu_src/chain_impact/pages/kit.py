@@ -42,7 +42,7 @@ WITH_STOPS = SimpleNamespace(stops=True, links=())
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each owner."""
 LONGEST = 1e9
-"""[s] the longest stop time, and the longest communication step, that a reader can set"""
+"""[s] The longest stop time, and the longest communication step, that a reader can set."""
 PATHS: dict[str, DataPath] = {
     **{name: (name,) for name in (*COUNTS, *FEATURES)},
     "site_link": ("site", "link", AT),
@@ -65,9 +65,9 @@ PATHS: dict[str, DataPath] = {
 
 
 def kit(scene: Scene) -> dict[str, Any]:
-    """Return all data about scenes that the page needs, for the contact laws of a scene.
+    """Return the data with which the page can handle any scene; JSON can hold them.
 
-    JSON can hold them.
+    Only the user's own contact law and the tables of signals are from this scene.
     """
     choices = choices_of(scene)
     inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != MOTION]

@@ -97,8 +97,8 @@ def modules(*names: str) -> list[str]:
 def thinned(recording: Recording, impact_time: float) -> Recording:
     """Return a recording without most of its rows, if it has more than MOST_ROWS rows.
 
-    These rows stay: MOST_ROWS rows at equal distances, the rows next to a frame that the page shows at real
-    time, and the rows next to the onset or the end of an impact.
+    These rows stay: MOST_ROWS rows at equal distances, the rows next to a frame that the page shows at the
+    speed 1, with its slow motion, and the rows next to the onset or the end of an impact.
     """
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_ROWS:
@@ -199,9 +199,9 @@ def _rail(recording: Recording) -> dict[str, Any] | None:
 
 
 def _touch(touch: Touch) -> dict[str, Any] | None:
-    """Return force and friction between a point and a wall, in the rows in which they touch.
+    """Return what is known of a contact in the rows in which it has a force, or of a joint's dry friction.
 
-    Returns None if they never touch.
+    For dry friction these are the rows in which the joint sticks. Returns None without such rows.
     """
     there = touch.sticking if touch.force is None else touch.force
     rows = np.flatnonzero(np.zeros(0) if there is None else there > 0.0)

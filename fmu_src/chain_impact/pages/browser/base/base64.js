@@ -5,12 +5,12 @@ export function bytesIn(text) {
   return Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
 }
 
-/** Return the numbers in a text that is not compressed. */
+/** Return the numbers of 8 bytes in a text in base64, whose bytes are not compressed. */
 export function numbersIn(text) {
   return new Float64Array(bytesIn(text).buffer);
 }
 
-/** Return the bytes of a compressed text. */
+/** Return the bytes whose compressed form a text in base64 has. */
 export async function decompressed(text) {
   const stream = new Blob([bytesIn(text)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   return new Uint8Array(await new Response(stream).arrayBuffer());

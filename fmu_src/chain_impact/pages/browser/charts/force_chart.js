@@ -14,7 +14,8 @@ function highest(...all) {
 }
 
 /**
- * Return the rows around a contact: times since its onset [s] and, during the contact, force, penetration and dry friction.
+ * Return the rows around a contact: times since its onset [s], force, penetration and dry friction, all 0 outside of the
+ * contact. Penetration and friction are undefined if they are unknown.
  */
 function courseAround(recording, contact) {
   const { onset, end } = contact;
@@ -29,13 +30,13 @@ function courseAround(recording, contact) {
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
 }
 
-/** Return the ticks of a time axis as texts in seconds or milliseconds, all in the same unit. */
+/** Return a tick of a time axis as text in seconds or milliseconds: all of `ticks` have the same unit. */
 function ticksText(tick, ticks) {
   const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
   return `${+(factor * tick).toPrecision(6)} ${unit}`;
 }
 
-/** Return the ticks of a penetration axis as texts in millimetres or micrometres. */
+/** Return a tick of a penetration axis as text in millimetres or micrometres: all of `ticks` have the same unit. */
 function depthText(tick, ticks) {
   const [factor, unit] = ticks.at(-1) >= 1e-4 ? [1e3, "mm"] : [1e6, "µm"];
   return `${+(factor * tick).toPrecision(6)} ${unit}`;

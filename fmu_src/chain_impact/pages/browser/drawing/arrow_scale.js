@@ -3,8 +3,8 @@
 
 import { forceText } from "../base/format.js";
 
-// length of the arrow of the largest force, relative to the smaller side of the scene; largest number of powers of ten on the
-// ruler
+// largest number of powers of ten on the ruler; length of the arrow of the largest force, relative to the smaller side of the
+// drawing
 const { DECADES, LONGEST_ARROW } = SHARED.view;
 const LEAST_ARROW = 9; // [pixels] least length of an arrow, so that a small force is visible
 const MARKS_FROM = 6; // [pixels] least distance of a mark from the foot of the ruler
@@ -12,7 +12,7 @@ const LETTER = 6.5; // [pixels] approximate width of a letter of the ruler's num
 const NUMBERS_APART = 6; // [pixels] least distance between two numbers
 
 export class ArrowScale {
-  /** The scale for a largest force [N], in a scene of a width and height [pixels]. */
+  /** The scale for a largest force [N], in a drawing of a width and height [pixels]. */
   constructor(peak, width, height) {
     Object.assign(this, { peak, longest: LONGEST_ARROW * Math.min(width, height) });
   }
@@ -27,7 +27,7 @@ export class ArrowScale {
     return Math.max(LEAST_ARROW, this.#lengthOnScale(force));
   }
 
-  /** Return whether the arrow of a force [N] is as long as on the scale. */
+  /** Return whether the arrow of a force [N] has its length on the scale, and is not lengthened to LEAST_ARROW. */
   isOnScale(force) {
     return this.#lengthOnScale(force) >= LEAST_ARROW;
   }

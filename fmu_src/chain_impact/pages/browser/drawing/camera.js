@@ -16,12 +16,12 @@ export class Camera {
     ];
   }
 
-  /** Return the position on the screen of a position in the scene [m]. */
+  /** Return the position in the drawing [pixels] of a position [m]. */
   toScreen(x, y) {
     return [this.left + this.scale * x, this.bottom - this.scale * y];
   }
 
-  /** Return the position in the scene [m] of a position on the screen. */
+  /** Return the position [m] of a position in the drawing [pixels]. */
   toMetres(left, top) {
     return [(left - this.left) / this.scale, (this.bottom - top) / this.scale];
   }

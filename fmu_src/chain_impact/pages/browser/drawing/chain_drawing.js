@@ -112,7 +112,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Return the number of the body to which a point belongs: as an end of a link with an outline, or as a point of a link.
+   * Return the index of the body to which a point belongs: as an end of the chain, or as a point of a link. For a joint between
+   * links it is undefined; for an end of a link without an outline it is −1.
    */
   #nearestBody(point) {
     const { links, bodies } = this.recording;
@@ -124,7 +125,7 @@ export class ChainDrawing {
     return distances.indexOf(Math.min(...distances));
   }
 
-  /** Fit the scene into a width and height [pixels]. */
+  /** Fit the drawing into a width and height [pixels]. */
   resize(width, height) {
     this.size = [width, height];
     this.drawing.size(width, height).viewbox(0, 0, width, height);
@@ -339,7 +340,10 @@ export class ChainDrawing {
     return hasLabel && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, forceText(force), kind]] : [];
   }
 
-  /** Write a text near a position, ahead of it if nothing is there. */
+  /**
+   * Write a text at the first free place around a position, beginning ahead of it; if no place is free, ahead of it all
+   * the same.
+   */
   #label(position, direction, distance, text, kind) {
     const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, direction, distance)) ??
       { at: position.map((value, axis) => value + distance * direction[axis]), anchor: anchorOf(direction[0]) };

@@ -32,7 +32,7 @@ export class LabelSpace {
   #taken = []; // the used boxes
   #lines = []; // the used lines: pairs of positions
 
-  /** An empty scene of some width and height, in which texts stay below a strip. */
+  /** An empty drawing of some width and height [pixels], in which texts stay below a strip of some height. */
   constructor(width, height, strip) {
     this.limits = [0, strip, width, height];
   }
@@ -77,7 +77,7 @@ export function positionsAround([x, y], [dx, dy], distance) {
   }));
 }
 
-/** Return at which side of a position a text begins, by the horizontal component of the direction to the text. */
+/** Return the text-anchor of a text beside a position, by the horizontal component of the direction to the text. */
 export function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
 }

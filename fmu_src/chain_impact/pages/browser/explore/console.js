@@ -13,7 +13,10 @@ export function consoleInterface(changes, ask) {
       const values = changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]);
       return Object.fromEntries(changes.texts(Object.fromEntries(values)));
     },
-    /** Simulate the scene with some parameters changed, independently of the page: {time, columns, impacts, statistics}. */
+    /**
+     * Simulate the scene with some parameters changed, independently of the page: {time, columns, impacts, statistics}. If
+     * the simulation stops before its end, an error has its `status`, its `time` [s] and the `result` so far.
+     */
     async simulate(given = {}, { output } = {}) {
       const { scene } = changes;
       const values = new Changes(scene).with(given);

@@ -167,7 +167,10 @@ function showDescription() {
   find("edit-first").hidden = !opened;
 }
 
-/** Use the scene and the changes in the address; a fault is shown, and changes nothing. */
+/**
+ * Use the scene and the changes in the address; a fault is shown. A fault in the scene changes nothing; with a fault in the
+ * changes, all changes of the address are left out.
+ */
 function applyAddress() {
   try {
     const { scene: text = "", curves = "", ...parts } = changesIn(location.hash);

@@ -80,7 +80,10 @@ export function save(blob, name) {
 const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-linecap", "stroke-linejoin",
   "opacity", "font", "paint-order", "text-anchor", "stroke-dasharray"];
 
-/** Return a picture of the present drawing with twice the resolution of the screen; `below` draws the background. */
+/**
+ * Return a picture of a drawing as PNG, with twice the resolution of the screen: on a ground of the colour `background`, on
+ * which `below` first draws what is behind the drawing.
+ */
 export async function pictureOf(svg, background, below = () => {}) {
   const copy = svg.cloneNode(true);
   const [from, to] = [svg, copy].map((root) => [...root.querySelectorAll("*")]);

@@ -215,7 +215,7 @@ export class Handles {
     return Math.abs(camera.toMetres(1, 0)[0] - camera.toMetres(0, 0)[0]);
   }
 
-  /** Move the base, or for another joint turn the link before it, to a position. */
+  /** Return the changes that move the base to a position [m], or turn the link before another joint towards it. */
   joint([x, y], index) {
     const k = Number(index);
     if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };
@@ -226,7 +226,7 @@ export class Handles {
     return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Move a point of a link on the link. */
+  /** Return the changes that move a point of a link, on this link, to a position [m]. */
   site([x, y], number) {
     const { positions } = this.#start;
     const { site: { link, entry } } = this.#sites(positions).find(({ number: other }) => other === Number(number));
@@ -237,7 +237,10 @@ export class Handles {
       [`link[${link + 1}].point[${entry + 1}].${key}`, byHand(value, this.#pixel)]));
   }
 
-  /** Set a velocity by its arrow: of the base the velocity, of another joint the angular velocity of the link before it. */
+  /**
+   * Return the changes with which the arrow of a velocity ends at a position [m]: of the base its velocity, of another joint
+   * the angular velocity of the link before it.
+   */
   velocity([x, y], index) {
     const k = Number(index);
     const { positions, velocity } = this.#start;
@@ -252,7 +255,7 @@ export class Handles {
     return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Move a wall along its normal. */
+  /** Return the changes that move a wall along its normal to a position [m]. */
   wall([x, y], name) {
     const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (parameter) => this.changes.valueOf(parameter))[name];
     const distance = nx * x + ny * y - offset;
@@ -293,7 +296,7 @@ function edgeBefore({ normal, offset }, [low, high], inside) {
   return middle.map((coordinate, axis) => coordinate - distance * normal[axis]);
 }
 
-/** Return the ends of the visible part of a wall; undefined if no part is visible. */
+/** Return a list with the ends of the visible part of a wall; an empty list if no part is visible. */
 function edgesOf(walls, name, rectangle) {
   const { normal: [nx, ny], offset } = walls[name];
   const { edges } = freeRegionWithin(walls, rectangle);

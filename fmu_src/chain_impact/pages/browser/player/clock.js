@@ -94,7 +94,7 @@ export class Clock {
     this.set({});
   }
 
-  /** Go to the impact before (−1) or after (1) the present time. */
+  /** Go to the impact before (−1) or after (1) the present time; if none is before, to the start. */
   stepImpact(direction) {
     const now = this.time;
     const same = 1e-9 * (1 + Math.abs(now)) + 2e-3 * this.recording.rateAt(this.frame) / this.recording.frameRate;

@@ -21,7 +21,8 @@ function approachText(impact) {
 }
 
 /**
- * Return the ratio of separation speed to impact speed as text; for a contact that has not ended, the word that it lasts.
+ * Return the ratio of separation speed to impact speed as text; "lasts" for a contact that has not ended; a dash if it is
+ * unknown.
  */
 function reboundText({ speed, rebound, peak }) {
   if (!Number.isFinite(rebound ?? NaN)) return peak === null ? "–" : "lasts";

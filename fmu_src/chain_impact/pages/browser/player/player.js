@@ -39,7 +39,7 @@ export class Player {
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
 
-  /** Show another recording at the same time; a panel without contents is hidden. */
+  /** Show another recording, from the present simulated time on; a panel without contents is hidden. */
   show(recording) {
     const first = !this.recording;
     this.recording = recording;

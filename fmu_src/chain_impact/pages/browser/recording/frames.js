@@ -6,7 +6,7 @@ import { viewOf } from "./view.js";
 const COORDINATES = 2_000_000; // largest number of coordinates in all frames
 const FEWEST_FRAMES = 200; // smallest number of frames
 
-/** Return the impacts in the form of the page, for a recording that ends at `stop`; unknown values are null. */
+/** Return the impacts in the form of the page; an unknown end becomes `stop`, the recording's end, and a peak of 0 null. */
 export function contactsOf(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
     const until = end ?? stop;

@@ -1,6 +1,7 @@
 // The ratio of simulated time to time on the screen: smaller during impacts, to show them slowly. `pacing.py` computes the
-// same ratio for films, and has the constants. In an impact the ratio is such that the impact takes a given time. Before and
-// after the impact the ratio is proportional to the distance in time from the impact.
+// same ratio for films, and has the constants. In an impact the ratio is such that the impact takes a given time on the
+// screen; it is 1 for an impact that lasts longer. Before and after the impact the ratio grows in proportion to the distance
+// in time from the impact.
 
 export const PACING = SHARED.pacing;
 
@@ -19,7 +20,7 @@ function between(from, to, count) {
   return Array.from({ length: count }, (_, k) => (k < count - 1 ? from + k * step : to));
 }
 
-/** Return the values at some x of a curve through nodes, which increase; x increase, too. */
+/** Return the values at `allX` of straight lines between nodes; `allX` and `nodes` increase. */
 function interpolated(allX, nodes, values) {
   let at = 0;
   return allX.map((x) => {

@@ -138,7 +138,7 @@ export class Recording {
     return this.loads.map(({ joint, x, y }) => ({ joint, force: [x, y].map((values) => this.betweenRows(values, frame)) }));
   }
 
-  /** Return the joints that stick at a frame. */
+  /** Return the numbers of the joints that stick at a frame; 0 stands for a slider. */
   stuckJointsAt(frame) {
     return this.stuckJoints.filter(({ spans }) => isWithin(spans, frame)).map(({ joint }) => joint);
   }

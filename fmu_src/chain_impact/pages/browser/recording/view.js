@@ -37,7 +37,7 @@ function enclosureOf(walls, [low, high], width) {
   return corners.every(isInside) ? corners : [];
 }
 
-/** Return the size of a motion [m], whose points are at `x` and `y`. */
+/** Return the larger of width and height of a motion [m], whose points are at `x` and `y`. */
 export function sizeOf(x, y) {
   return Math.max(...[x, y].map((all) => ends(all)).map(([low, high]) => high - low));
 }

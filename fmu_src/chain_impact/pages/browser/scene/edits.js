@@ -65,11 +65,11 @@ function keepPoints(file) {
   file.contact.points &&= file.contact.points.filter((point) => movable.includes(point));
 }
 
-/** Add another link after link k, equal to it and in line with it. */
+/** Add a link at the tip, equal to the last link and in line with it. */
 export function addLink({ chain: { links }, initial, contact }) {
   const tip = links.length;
   links.push(structuredClone(links.at(-1)));
-  if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]); // both lists are absolute, from +x
+  if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]); // stops of link 1 are angles from +x, of link 2 from link 1
   [initial.angles, initial.angular_velocities].forEach((list) => list.push(list.at(-1)));
   if (contact.points?.includes(tip)) contact.points.push(tip + 1);
 }

@@ -6,7 +6,7 @@ import { pointText, STOPS, sumOf, wallsAt } from "./geometry.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, signalOwners, withOutputs } from "./signals.js";
 
-/** Return the values of everything that may be a parameter: name → number, and whether the number is derived. */
+/** Return everything that may be a parameter: name → number, path in the file (`steps`), and the rule if it is derived. */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];
   for (const { name, path, owner, rule, items, has } of rows) {
@@ -66,7 +66,7 @@ function parametersOf(rows, others, values, { facts, sizes }) {
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
     const index = word ? wordIndex(given && facts[givenIf] ? given : word, sizes, owner.at) : -1;
-    // numbers of a signal have the unit of the driven input
+    // in a signal's row the unit "1" stands for the unit of the input that the signal drives
     const unit = row.unit === "1" ? owner.unit ?? row.unit : row.unit;
     return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, owner), start, derived: follows };
   });

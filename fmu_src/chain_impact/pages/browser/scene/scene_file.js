@@ -134,7 +134,7 @@ export function movablePoints({ chain: { base, links } }) {
 
 const isAtBase = ({ link, x, y }) => link === 0 && x === 0 && y === 0;
 
-/** Return the numbers of the points that may touch walls: listed joints, and movable points of links. */
+/** Return the numbers of the points that may touch walls: listed ends of links, else those that move; points of links that move. */
 export function touchingPoints(file) {
   const { chain: { base, links }, contact } = file;
   const movable = sitesOf(file).flatMap((site, s) => (base === "pinned" && isAtBase(site) ? [] : [links.length + 1 + s]));
@@ -175,7 +175,7 @@ export function complete(data, kit) {
   return file;
 }
 
-/** Add the corners of links that are boxes, and the slider of a sliding base; another base has no slider. */
+/** Add the corners of links that are boxes, and remove the slider of a base that does not slide, or refuse it if it is given. */
 function setBodies({ chain }, data) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;

@@ -6,7 +6,7 @@ import { unitText } from "../base/format.js";
 
 const SIGNALS = SHARED.signals;
 
-/** Return the signals with exactly the keys of their forms; `tables` are the tables by name. */
+/** Add the default values of their forms to the signals, and refuse keys of other forms; `tables` are the tables by name. */
 export function completeSignals(signals, tables) {
   for (const [name, signal] of Object.entries(signals)) {
     const what = `signals.${name}`;

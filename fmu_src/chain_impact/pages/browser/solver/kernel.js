@@ -19,7 +19,7 @@ export function rowTimes(stop, step) {
   return times;
 }
 
-/** Return spans of consecutive words: the first word of each span, and its number of words. */
+/** Return spans of consecutive words in one list: for each span its first word, and its number of words. */
 function wordSpans(outputs) {
   const spans = [];
   for (const { word } of outputs) {

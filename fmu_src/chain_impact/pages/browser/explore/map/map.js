@@ -12,14 +12,17 @@ const COARSE = 9; // number of points of the preview in each direction
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"]; // the map opens with the first that the scene has
 const WORKERS = 8; // largest number of workers
 
-/** Return the first and the last value of an axis: around the present value, within the allowed values. */
+/**
+ * Return the first and the last value of an axis: around the present value, within the allowed values; for a parameter from 0
+ * to 1, always 0.05 and 0.95.
+ */
 function rangeOf({ low, high }, value) {
   if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
   const reach = value === 0 ? 1 : Math.abs(value) / 2;
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-/** Return an output by its name, if the scene has it; its value is the largest of some words of the record. */
+/** Return a list with the output of a name, empty if the scene has none; its value is the largest of its words of the record. */
 function outputsLike({ columns }, name) {
   return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
 }
@@ -170,7 +173,7 @@ export class GridMap {
     return this.changes.numberOf(name, isShown ? Number(text) / factor : text);
   }
 
-  /** Simulate the rows of a map, each in the next free worker; there is a worker for each processor. */
+  /** Simulate the rows of a map, each in the next free worker; there is a worker for each processor, up to WORKERS. */
   async #simulate(shown) {
     const { names, axes, values, output, points } = shown;
     const words = [this.changes.scene.layout.status, ...output.words];
@@ -196,7 +199,7 @@ export class GridMap {
     this.#engines = [];
   }
 
-  /** Store the outputs at the ends of a row's runs; null, and the reason, for a run that fails, or that the scene refuses. */
+  /** Store the outputs of a row's runs; null, and the reason, for a run that fails, or whose values the scene refuses. */
   #store(rows, row) {
     const { output, results, points } = this.shown;
     const integers = new BigInt64Array(rows.buffer);

@@ -37,7 +37,7 @@ const QUANTITIES = {
   "energy.total": "Energy at the end",
 };
 
-/** Return the quantity with a name, or the name if there is no quantity. */
+/** Return the words for an output or a main parameter with a name; the name itself if there are none. */
 export function quantityOf(name) {
   return QUANTITIES[name] ?? MAIN_PARAMETERS.find((parameter) => parameter.name === name)?.label ?? name;
 }

@@ -15,7 +15,7 @@ export function attempt(field, change) {
   explain(field.closest(".main-parameter, .parameter"));
 }
 
-/** Return the element of a row that shows why a value is refused. */
+/** Return a new element for a row, which will show why a value is refused. */
 export function refusal() {
   const message = make("p", { className: "refusal" });
   message.setAttribute("role", "alert");

@@ -5,7 +5,10 @@ import { breakable, numberText } from "../../base/format.js";
 import { valueText } from "../../scene/angles.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
-/** The main parameters, which have a slider: name, label, and the ends of the slider. */
+/**
+ * The main parameters, which have a slider: name, label, and the ends of the slider. These are given, as powers of ten if
+ * logarithmic, or follow from the start value: `decades` below and above it, or 0 and `spread` times it.
+ */
 export const MAIN_PARAMETERS = [
   { name: "contact.model", label: "Contact law" },
   { name: "contact.stiffness", label: "Stiffness", logarithmic: true, decades: 3 },
@@ -146,8 +149,8 @@ function endsOfSignal(key, value, beside, stop) {
 }
 
 /**
- * Return the sliders of the signals: for the numbers that a form needs, and for other numbers that the scene gives. The list
- * has all numbers.
+ * Return the sliders of the signals: for the numbers that a form needs, and for other numbers that the scene gives. The list of
+ * all parameters has the rest.
  */
 function signalSliders({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name }) => {
@@ -163,7 +166,7 @@ function signalSliders({ scene, starts }) {
 }
 
 /**
- * Return the main parameters of the scene; if walls have their own friction or restitution, one for each of these walls.
+ * Return the main parameters and the inputs of the scene; if walls have their own friction or restitution, one for each of them.
  */
 export function mainParametersOf(changes) {
   const { parameters, scene } = changes;
@@ -177,8 +180,8 @@ export function mainParametersOf(changes) {
 }
 
 /**
- * Fill an element with the main parameters of the scene, and again when another scene is opened. `now` returns the present time, and
- * whether the motion plays; call the returned function when they change.
+ * Fill an element with signals, main parameters and inputs of the scene, and again when another scene is opened. `now` returns
+ * the present time, and whether the motion plays; call the returned function when they change.
  */
 export function showMainParameters(element, changes, now) {
   let rows;
