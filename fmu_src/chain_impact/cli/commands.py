@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """In this context, print each warning only once, such as a hint on a probable mistake in a scene.
+    """In this context, print each warning once, such as a hint on a probable mistake; none if quiet.
 
     The line has the text only; Python would add the place in the code, and its line.
     """

@@ -86,7 +86,7 @@ class Subject:
     around: int | None = None
 
     def check(self, *, is_drawn: bool) -> None:
-        """Refuse curves if no picture is asked for, and curves together with derivatives or a ranking."""
+        """Refuse curves without a picture, or with derivatives or a ranking, and ``around`` without them."""
         if self.curves and not is_drawn:
             raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
         if self.curves and (self.rank or self.sensitivities):
@@ -260,7 +260,7 @@ def report(
 
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
-    """Draw the derivatives of a recording, or its motion."""
+    """Draw the derivatives of a recording, or else its motion with energies and impacts."""
     from chain_impact.pictures import SIZE, drawn, fill, fill_sensitivities, usual_size
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)

@@ -73,7 +73,10 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
 
 
 def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
-    """Return whether a curve turns so often, by at least ``least``, that its drawing would be an area."""
+    """Return whether a curve turns so often, by at least ``least``, that its drawing would be an area.
+
+    A curve with missing values, or with at most ``bins`` rows, does not count.
+    """
     if not np.isfinite(values).all() or len(along) <= bins:
         return False
     steps = np.diff(values)

@@ -136,7 +136,7 @@ def draw_changes(
 
 
 def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, looks: Looks) -> None:
-    """Draw the changes of each impact's speed for each parameter: a dot at a wall, a diamond at a stop."""
+    """Draw the changes of each impact's speed for each parameter: dots, or diamonds at stops of joints."""
     changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
@@ -172,7 +172,7 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
 
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
-    """Shade the time in which derivatives are unknown."""
+    """Shade the time from the first row in which all derivatives are unknown to the end, if there is one."""
     unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]

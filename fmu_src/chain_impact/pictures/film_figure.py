@@ -280,7 +280,7 @@ class Film:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
     def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
-        """Add the normal and the tangential force on a point.
+        """Add the arrow of the whole force on a point from its normal and its tangential part, ``force`` [N].
 
         Add a bar along the wall if the contact sticks.
         """

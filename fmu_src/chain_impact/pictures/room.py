@@ -47,9 +47,9 @@ class View(NamedTuple):
 def view_of(recording: Recording, shape: float | None = None) -> View:
     """Return the view: the motion, with a margin, and the walls near it.
 
-    A wall that is always far from the motion is left out. A wall that comes near is visible at all times when
-    it is not very far. ``shape`` is the wanted height of the view divided by its width; the view is narrower
-    if the walls leave no room beside the motion.
+    A wall that is always far from the motion is left out. A wall that comes near is in view at each of its
+    positions that is not very far. ``shape`` is the wanted height of the view divided by its width; the view
+    is narrower if the walls leave no room beside the motion.
     """
     places = {
         (name, end): wall

@@ -90,7 +90,7 @@ def _headline(result: Recording, outputs: int) -> str:
 def impact_heads(result: Recording) -> tuple[str, ...]:
     """Return the heads of the columns of ``impact_cells``, with their units.
 
-    Impacts at stops have other units than impacts at walls. With both kinds of impacts, or with the two
+    Impacts at stops of joints have other units. With both kinds of impacts, or with the two
     columns of loads, the heads have several lines, so that a row fits into 80 characters.
     """
     stopped = result.at_stops

@@ -251,7 +251,7 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
 
 
 def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
-    """Return the values of an impact, by name."""
+    """Return values for ``LawRun`` by name; without lost energy and loop for an impact that has not ended."""
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:

@@ -306,7 +306,7 @@ class _Book:
             self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:
-        """Return the number, the point or the wall of the impact in a row."""
+        """Return the number, the point or the wall of the impact in a row; None if the cell is empty."""
         cell = table.cell(row, name)
         if cell is None:
             return None

@@ -166,10 +166,9 @@ def _estimated(problem: Problem) -> list[tuple[int, float]]:
 
 
 def _check(problem: Problem, whole: Evaluation) -> None:
-    """Refuse data that cannot be fitted.
+    """Refuse data that cannot be fitted, and data of which the model has no value.
 
-    A column has a σ for some of its values only, or has no σ and only one value; or the model has none of
-    the measured values.
+    A column cannot be fitted if only some of its values have a σ, or if it has one value without σ.
     """
     for name in problem.estimated:
         mine = problem.group == problem.names.index(name)
@@ -189,7 +188,10 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Return the time [s] of the first data that can determine the parameters; infinity for all data."""
+    """Return the first horizon [s], before which are at least the early values that ROWS asks for.
+
+    It is infinity if all data are used at once.
+    """
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
     rows = max(least, min(ROWS * least, len(times) // ROWS))

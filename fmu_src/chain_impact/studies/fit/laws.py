@@ -76,7 +76,7 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 
 
 def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
-    """Return the key that sorts laws: first the laws that use all values, then by the criterion."""
+    """Return the key that sorts laws: first those that use all values, each by the criterion; last no fit."""
     if law_fit.fit is None:
         return True, True, math.inf
     return False, bool(law_fit.fit.used.sum() < most), round(law_fit.fit.aic, DIGITS)

@@ -141,7 +141,7 @@ def _parameter(
 
 
 def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -> tuple[float, float]:
-    """Return the lower and the upper bound."""
+    """Return the lower and the upper bound; infinite where none is given."""
     parts = bounds.split(":") if isinstance(bounds, str) else list(bounds)
     try:
         low, high = (sign * math.inf if part in ("", None) else float(in_radians(part, variable.unit))

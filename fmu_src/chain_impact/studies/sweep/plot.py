@@ -179,9 +179,9 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _across(count: int, kind: str, width: float) -> int:
-    """Return how many panels are in a row of a figure of some width [inches]: two, or one or three of three.
+    """Return how many panels are in a row of a figure of some width [inches]: two at most.
 
-    So three panels leave no gap.
+    Three panels are all in one row, or in one column if they are maps in a narrow figure, and leave no gap.
     """
     if count != 3:  # noqa: PLR2004
         return 2

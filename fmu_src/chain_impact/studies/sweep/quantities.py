@@ -87,7 +87,7 @@ class Results:
 
     @property
     def same(self) -> list[Quantity]:
-        """The quantities without a panel."""
+        """The quantities without a panel, because they are the same in all runs."""
         return [quantity for quantity in self.every if quantity not in self.drawn]
 
 

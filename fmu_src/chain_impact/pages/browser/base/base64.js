@@ -10,7 +10,7 @@ export function numbersIn(text) {
   return new Float64Array(bytesIn(text).buffer);
 }
 
-/** Return the bytes whose compressed form a text in base64 has. */
+/** Return the decompressed bytes of a text in base64. */
 export async function decompressed(text) {
   const stream = new Blob([bytesIn(text)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   return new Uint8Array(await new Response(stream).arrayBuffer());

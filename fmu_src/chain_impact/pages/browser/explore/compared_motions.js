@@ -66,7 +66,7 @@ export class ComparedMotions {
     const { pinned, panel, table, player } = this;
     player.panels.forEach(([, , chart]) => chart.compare(pinned.map(({ recording, colour }) => ({ recording, colour: `pin-${colour}` }))));
     panel.hidden = pinned.length === 0;
-    // if the panel is hidden, the charts leave space for the list of impacts
+    // while the panel is shown, the charts are lower, so that the list of impacts has space
     document.body.classList.toggle("with-pins", !panel.hidden);
     if (panel.hidden) return;
     const all = [{ recording: player.recording, text: "present" }, ...pinned];
@@ -96,7 +96,7 @@ export class ComparedMotions {
   }
 }
 
-/** Return a cell for an impact: time, point and wall, and the peak force. */
+/** Return a cell for an impact: its time and peak force, and the other values when pointed at; a dash without an impact. */
 function cellOf(impact) {
   if (!impact) return make("td", { textContent: "–" });
   const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);

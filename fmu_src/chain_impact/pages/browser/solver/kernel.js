@@ -158,8 +158,8 @@ export class Kernel {
   }
 
   /**
-   * Run once for each row of values of some real parameters, and return words of the record at the end of each run. The
-   * generator yields the finished fraction.
+   * Run once for each row of values of some real parameters, until the stop time of the row, and return words of the record at
+   * the end of each run. The generator yields the finished fraction.
    */
   *runEach(values, names, each, stops, words) {
     const [runs, width] = [stops.length, words.length];

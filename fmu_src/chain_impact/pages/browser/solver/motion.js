@@ -166,7 +166,7 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   return { ...ending, parts: { ...framesOf(rows, { times: frames, frameRate }), inputs, outputs } };
 }
 
-/** Return inputs with steps as a run of the kernel needs them. */
+/** Return inputs with steps as a run of the kernel needs them: one step after the other, in the order of time. */
 export function stepsForKernel(kernel, inputSteps) {
   const all = Object.entries(inputSteps).flatMap(([name, pairs]) =>
     pairs.map(([time, value]) => ({ time, word: kernel.parameters.get(name).word, value })));
