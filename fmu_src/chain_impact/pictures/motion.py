@@ -37,11 +37,11 @@ PATH = 2.1  # the layer of the path of the tip: above walls, along which the tip
 MARKED = 12  # the largest number of points that get marks
 FEW = 6  # the largest number of points with clear paths; with more points the paths are fainter
 # RIM: [points] how much wider the start is than the end that would cover it: if each point is at the end
-# nearer to its start than COVERS, relative to the size of the view
+# nearer to its start than COVERS, relative to the size of the motion
 RIM, COVERS = 3.0, 0.02
 RING = 6.5  # [points] the size of the mark of an impact
 SQUARE = 4.0  # [points] the size of the mark where a contact or a joint sticks
-# the distance within which impacts at a wall share a ring, relative to the width of the view
+# the distance within which impacts at a wall share a ring, relative to the larger side of the view
 NEAR_PLACE = 0.03
 # the length of the arrow of the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3

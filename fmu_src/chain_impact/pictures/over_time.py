@@ -60,7 +60,7 @@ POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)
 REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of impacts that get numbers
 SHORT = 0.002  # phases of dry friction up to this part of the run's duration are too short to be drawn
-SEEN = 0.01  # the least duration of a contact that gets a band, relative to the shown time
+SEEN = 0.01  # the least duration of a contact that gets a band, relative to the run's duration
 # the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
 HEADROOM = 1.3
 DOT = 4.0  # [points] the size of the mark of an impact

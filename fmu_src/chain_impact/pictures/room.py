@@ -18,10 +18,10 @@ from chain_impact.recording.view import free_room, open_shares, pin_mark, places
 from chain_impact.scene.half_planes import HalfPlane
 
 # MARGIN: the margin of the view around the motion; BAND: the visible width of the area outside of a wall;
-# both relative to the width of the motion. √2 BAND must be less than NEAR of recording/view.py: then a wall
+# both relative to the size of the motion. √2 BAND must be less than NEAR of recording/view.py: then a wall
 # that is left out because it is farther away than NEAR is also outside of the margins.
 MARGIN, BAND = 0.04, 0.14
-# a moving wall that is farther from the motion than this is not in view; relative to the motion's width
+# a moving wall that is farther from the motion than this is not in view; relative to the motion's size
 FARTHEST = 1.0
 SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
 BROADEST = 1.6  # the largest ratio of width to height to which a view grows to fill its axes

@@ -80,7 +80,7 @@ If the user's style is dark, ``suit_figure`` then changes the colours.
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The kinds of settings that have an effect when a figure is drawn."""
 DPI = 160
-FULL, WIDE = 10.0, 6.0  # [inch] FULL: the width of a figure; WIDE: the least width for two columns of axes
+FULL, WIDE = 10.0, 6.0  # [inch] FULL: the usual width of a figure; WIDE: the least for two columns of axes
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 GAP = 0.09  # [inch] space below the headline, and below the conditions
 MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the figure

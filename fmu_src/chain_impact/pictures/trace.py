@@ -6,7 +6,7 @@ import numpy as np
 
 from chain_impact.recording.recording import Recording
 
-PIECE = 0.004  # the approximate length of a piece of the curve, relative to the size of the view
+PIECE = 0.004  # the approximate length of a piece of the curve, relative to the smaller side of the view
 MOST_PARTS = 32  # the largest number of pieces between two rows
 
 
@@ -15,7 +15,7 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 
     Args:
         recording: the recording to show.
-        size: the size of the view [m].
+        size: the smaller side of the view [m].
 
     Returns:
         The times, shape (S,) [s], and the positions, shape (S, 2) [m].

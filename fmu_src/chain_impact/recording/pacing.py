@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.recording.recording import Recording
 
-IMPACT_TIME = 0.6  # [s] the time on the screen for one impact
+IMPACT_TIME = 0.6  # [s] the default for the time on the screen for one impact
 RAMP = 0.05  # [s] the simulated time in which a film slows down before an impact, or speeds up after it
 # [s] the longest time after an onset that is shown in slow motion; in a contact that lasts longer, the chain
 # only rests or leans
@@ -34,10 +34,10 @@ LONGEST_IMPACT = 5.0
 # [m/s, at a stop of a joint rad/s] v in δ/v is at least this large; otherwise a point that rests at a wall
 # from the onset on (v = 0) would give an infinite time
 SLOWEST = 1e-6
-MOST_FRAMES = 20_000  # the largest number of frames of a film
+MOST_FRAMES = 20_000  # the largest number of frames for which simulated times are computed
 TAIL = 0.3  # [s] the simulated time in which the trace of the tip fades
 # The rate is simulated seconds per second on the screen. REAL: a rate that differs less from 1 is called real
-# time; SLOW: a smaller rate is written in a darker colour; TENS: a factor from this one on has no decimals.
+# time; SLOW: a smaller rate has a stronger colour; TENS: a factor from this one on has no decimals.
 REAL, SLOW, TENS = 0.02, 0.5, 9.95
 
 Span = tuple[float, float]

@@ -38,7 +38,7 @@ STOP_UNITS = {
     "effective_mass": "kg.m2",
     "impulse": "N.m.s",
 }
-"""The units of quantities at a stop that differ from the units at a wall."""
+"""The units of quantities at a stop of a joint that differ from the units at a wall."""
 SUFFIXES = (".csv", ".json", ".parquet")
 """The suffixes of a file with a list of impacts."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}

@@ -10,23 +10,24 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import HalfPlane
 
-NEAR = 0.2  # the distance beyond which a wall is left out, relative to the width of the motion
+# the size of a motion is the larger of its width and height
+NEAR = 0.2  # the distance beyond which a wall is left out, relative to the size of the motion
 # if walls close a room that ends within this distance from the motion, an animation shows the whole room;
-# relative to the width of the motion
+# relative to the size of the motion
 ROOM = 1.0
 MARGIN = 0.06  # the margin around the view of a film, relative to the size of the view
 LEAST = 1e-6  # [m] the size assumed for a chain that does not move
 # a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
 UPRIGHT = 0.5
 ALONE = 1e-3  # a radius up to this size is not drawn, relative to the size of the motion
-PIN = 0.08  # the height of the ground mark of a pinned base, relative to the width of the motion
+PIN = 0.08  # the height of the ground mark of a pinned base, relative to the size of the motion
 # the corners of the support, relative to the height of the mark
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 PIN_LINES = [SUPPORT, GROUND, *HATCHES]
-# the length of the arrow of the largest force, relative to the smaller side of a film; the largest number of
-# powers of ten on the ruler of forces
+# in films and pages, the length of the arrow of the largest force, relative to the smaller side of the view;
+# the largest number of powers of ten on the ruler of forces
 LONGEST_ARROW, DECADES = 0.26, 6
 Key = TypeVar("Key", bound=Hashable)
 """The type of the keys of a dict of walls: names of walls; for a wall that moves, one key for each of several
@@ -67,8 +68,8 @@ def seen(
         points: positions, shape (T, N+1, 2) [m].
         walls: name → free side; a wall that moves has a name for each of several positions.
         radius: the radius of the points [m].
-        near: a wall is near up to this distance from the motion, relative to the width of the motion.
-        room: a distance, relative to the width of the motion. If the walls close a room that ends within
+        near: a wall is near up to this distance from the motion, relative to the size of the motion.
+        room: a distance, relative to the size of the motion. If the walls close a room that ends within
             this distance, the rectangle contains the whole room, and all walls are near.
         pinned: whether the base has a ground mark, which moves with the base.
 

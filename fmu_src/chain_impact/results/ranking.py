@@ -31,7 +31,7 @@ LARGEST = {
     "stop.max_penetration": ("max_penetration", True),
 }
 """Name of a largest quantity of the run, as in sweeps → field of ``Result.impacts``, and whether it is at
-stops."""
+stops of joints."""
 JOINT_FORCE = "joint_force"
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
 OF_FMU = {"time": "onset", "speed": "impact_speed"}
