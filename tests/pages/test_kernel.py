@@ -197,9 +197,9 @@ def motions(worker):
               const scene = sceneOf(contents);
               const kernel = await Kernel.load(await compiled(text), scene);
               const { parts, status } = runThrough(motion(kernel, {}));
-              const { time, view, anchor, pin, energies, forces, stops, radius, peakForce, loads } = parts;
+              const { time, view, anchor, pin, energies, forces, stops, radius, peakForce, drawn } = parts;
               return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
-                loads: loads.map(({ joint, x, y }) => [joint, Math.min(...x), Math.max(...y)]),
+                loads: drawn.loads.map(({ n, columns: { x, y } }) => [n, Math.min(...x), Math.max(...y)]),
                 stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
             }""",
             [packed_module(), page_contents(scene)],

@@ -48,8 +48,11 @@ def unpacked(packed):
     return packed["low"] + (packed["high"] - packed["low"]) * values / 65535
 
 
-def rows_of(touch):
-    return np.frombuffer(base64.b64decode(touch["rows"]), "<u4")
+def whole(entry, name, time):
+    """Return the values of a quantity of an entry in all rows."""
+    values = np.zeros(len(time))
+    values[np.frombuffer(base64.b64decode(entry["rows"]), "<u4")] = unpacked(entry["columns"][name])
+    return values
 
 
 def test_the_page_needs_nothing_else(recording):
@@ -71,30 +74,31 @@ def test_what_is_packed_is_the_recording(recording):
     for axis, name in enumerate("xy"):
         points = unpacked(packed[name]).reshape(len(time), -1)
         np.testing.assert_allclose(points, recording.points[:, :, axis], atol=5e-5)
-    np.testing.assert_allclose(unpacked(packed["energies"]["total"]), recording.energies["total"], atol=1e-3)
-    touches = {(one.point, one.wall): one.force for one in recording.touches}
-    for touch in packed["touches"]:
-        whole = np.zeros(len(time))
-        whole[rows_of(touch)] = unpacked(touch["force"])
-        np.testing.assert_allclose(whole, touches.pop((touch["point"], touch["wall"])), atol=0.5)
-    assert not any(force.any() for force in touches.values())
+    (energies,) = packed["drawn"]["energies"]
+    np.testing.assert_allclose(whole(energies, "total", time), recording.energies["total"], atol=1e-3)
+    forces = {(one.point, one.wall): one.force for one in recording.touches}
+    for contact in packed["drawn"]["contacts"]:
+        known = forces.pop((contact["n"], contact["name"]))
+        np.testing.assert_allclose(whole(contact, "force", time), known, atol=0.5)
+    assert not any(force.any() for force in forces.values())
     assert [one["onset"] for one in packed["impacts"]] == recording.impacts["onset"].tolist()
     assert packed["touching"] == [[point, 0.0] for point in range(5)]
     assert packed["pinned"] is False
 
 
 def test_friction_and_what_sticks():
-    found = data(record_slowly(sled()))
-    assert found["touches"][0]["friction"]["low"] < -2.0
-    assert found["touches"][0]["sticking"] == found["touches"][1]["sticking"]
-    joints = data(record_slowly(pendulum()))["touches"]
-    assert [(one["point"], one["wall"]) for one in joints] == [(1, ""), (2, "")]
-    assert [set(unpacked(one["sticking"])) for one in joints] == [{1.0}, {1.0}]
+    first, second = (entry["columns"] for entry in data(record_slowly(sled()))["drawn"]["contacts"])
+    assert first["friction"]["low"] < -2.0
+    assert first["sticking"] == second["sticking"]
+    joints = data(record_slowly(pendulum()))["drawn"]["joints"]
+    assert [(one["n"], one["name"]) for one in joints] == [(1, ""), (2, "")]
+    assert [set(unpacked(one["columns"]["sticking"])) for one in joints] == [{1.0}, {1.0}]
 
 
 def test_forces_in_joints():
     recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
-    packed = {one["joint"]: [unpacked(one[axis]) for axis in "xy"] for one in data(recording)["loads"]}
+    loads = data(recording)["drawn"]["loads"]
+    packed = {one["n"]: [whole(one, axis, recording.time) for axis in "xy"] for one in loads}
     assert packed.keys() == {1, 2}
     for joint, force in packed.items():
         known = np.transpose([recording[f"joint[{joint}].force.{axis}"] for axis in "xy"])

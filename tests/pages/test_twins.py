@@ -5,13 +5,15 @@ libraries round sines differently.
 """
 
 import re
-from functools import cache
+from functools import cache, partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import quickjs
 
 from chain_impact import load_scene, model_names, simulate
+from chain_impact.pages.drawn import GROUPS, drawn
 from chain_impact.pages.recorded import data, free_sides, impacts, text_of
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.film_figure import CHAIN, FORCE, MUTED, TIP
@@ -25,6 +27,8 @@ from chain_impact.scene.bodies import outlines_of, rail_of
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.unit_text import of_power, unit_text
 from tests.helpers.campaigns import random_scenes
+from tests.helpers.scenes.friction import sled
+from tests.helpers.scenes.stops import knee
 from tests.pages.conftest import page_contents
 
 FRAMES = """([start, stop, spans, impactTime, most, rate]) => {
@@ -49,6 +53,8 @@ SHOWN = """([packed, impactTime]) => {
   const frames = timesOf(contacts, start, stop, rows.pointCount, impactTime, packed.frameRate);
   const { time, x, y, view, anchor, pin } = framesOf({ ...rows, contacts }, frames);
   return { time: [...time], x: [...x], y: [...y], view, anchor, pin }; }"""
+DRAWN = """(contents) => Object.entries(sceneOf(contents).drawn.groups).map(([group, entries]) =>
+  [group, entries.map(({ n, name, words }) => [n, name, Object.keys(words)])])"""
 ARROWS = "([peak, forces]) => forces.map((force) => new ArrowScale(peak, 1, 1).lengthOf(force))"
 
 
@@ -190,6 +196,22 @@ def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script,
     view, anchor = framed(places_of(result), result.walls, radius_of(result), pinned=result.pinned)
     np.testing.assert_allclose(found["view"], view, atol=1e-3 * np.ptp(view))
     assert found["anchor"] == anchor.tolist()
+
+
+@pytest.mark.parametrize("source", ["knee", "sled", *model_names()])
+def test_the_quantities_that_are_drawn(script, source):
+    scene = {"knee": knee, "sled": sled}.get(source, partial(load_scene, source))()
+    scene = scene.with_values({"outputs.loads": True, "simulation.stop_time": 1e-3})
+    known = drawn(simulate(scene).columns)
+    assert known.keys() == set(GROUPS)
+    for group, entries in script.evaluate(DRAWN, page_contents(scene)):
+        found = {(n, name): set(names) for n, name, names in entries}
+        assert found == {(one["n"], one["name"]): one["columns"].keys() for one in known[group]}
+
+
+def test_a_group_that_is_not_drawn_is_an_error(script):
+    with pytest.raises(quickjs.JSException):
+        script.evaluate("() => Recording.prototype.drawnAt.call({ drawn: { loads: [] } }, 'load', 0)")
 
 
 def test_the_lengths_of_arrows(script):

@@ -22,6 +22,7 @@ from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.record.signals import signal_dtype
+from chain_impact.pages.drawn import DRAWN
 from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.limits import Derived, allowed, keys, without_none
@@ -157,7 +158,12 @@ def _driven(kind: Kind) -> dict[str, Any]:
 
 
 def _output(kind: Kind) -> dict[str, Any]:
-    return _named(kind) | {"unit": kind.unit, "integer": not kind.unit, "word": words(kind.record_path)}
+    return _named(kind) | {
+        "unit": kind.unit,
+        "integer": not kind.unit,
+        "word": words(kind.record_path),
+        "drawn": DRAWN.get(kind.name),
+    }
 
 
 def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:

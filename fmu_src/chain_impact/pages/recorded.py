@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.pages.drawn import drawn
 from chain_impact.pages.encoding import encoded
 from chain_impact.pages.shared import FINEST, declaration
 from chain_impact.recording.joint_stops import JointRange
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.stick_slip import Touch
 from chain_impact.recording.view import radius_of, size_of
 from chain_impact.scene.half_planes import HalfPlane
 
@@ -118,7 +118,7 @@ def script_data(content: Any) -> str:
 
 def data(recording: Recording) -> dict[str, Any]:
     """Return the data that ``player/packed_recording.js`` reads, only as accurate as the screen needs."""
-    points, touches = recording.all_points, recording.touches
+    points = recording.all_points
     return {
         "name": recording.name,
         "links": recording.link_count,
@@ -126,12 +126,10 @@ def data(recording: Recording) -> dict[str, Any]:
         "time": encoded(recording.time.astype("<f8").tobytes()),
         "x": _packed(points[:, :, 0]),
         "y": _packed(points[:, :, 1]),
-        "energies": {name: _packed(energy) for name, energy in recording.energies.items()},
-        "touches": [found for touch in touches if (found := _touch(touch))],
-        "loads": [
-            {"joint": joint, "x": _packed(force[:, 0]), "y": _packed(force[:, 1])}
-            for joint, force in recording.loads.items()
-        ],
+        "drawn": {
+            group: [entry | found for entry in entries if (found := _column_data(entry["columns"]))]
+            for group, entries in drawn(recording.columns).items()
+        },
         "impacts": impacts(recording),
         "walls": free_sides(recording.walls),
         "moved": {name: _packed(moved) for name, moved in recording.moved_walls.items()},
@@ -198,19 +196,13 @@ def _rail(recording: Recording) -> dict[str, Any] | None:
     )
 
 
-def _touch(touch: Touch) -> dict[str, Any] | None:
-    """Return what is known of a contact in the rows in which it has a force, or of a joint's dry friction.
-
-    For dry friction these are the rows in which the joint sticks. Returns None without such rows.
-    """
-    there = touch.sticking if touch.force is None else touch.force
-    rows = np.flatnonzero(np.zeros(0) if there is None else there > 0.0)
+def _column_data(columns: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
+    """Return packed columns, and the rows in which any of the columns is not 0; None without such rows."""
+    rows = np.flatnonzero(np.any([*columns.values()], axis=0))
     if not len(rows):
         return None
-    columns = {"force": touch.force, "depth": touch.penetration}
-    columns |= {"friction": touch.friction, "sticking": touch.sticking}
-    packed = {name: _packed(column[rows]) for name, column in columns.items() if column is not None}
-    return {"point": touch.point, "wall": touch.wall, "rows": encoded(rows.astype("<u4").tobytes()), **packed}
+    packed = {name: _packed(column[rows]) for name, column in columns.items()}
+    return {"rows": encoded(rows.astype("<u4").tobytes()), "columns": packed}
 
 
 def _packed(values: np.ndarray) -> dict[str, Any]:

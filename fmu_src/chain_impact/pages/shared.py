@@ -22,6 +22,7 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
+from chain_impact.pages.drawn import GROUPS
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.scene import angles, bodies, names, reading, tables, unit_text
 from chain_impact.scene.checks import OUT_OF_REACH, WITHOUT_VELOCITY
@@ -70,6 +71,7 @@ def shared() -> dict[str, Any]:
             "PARALLEL": PARALLEL,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
         },
+        "drawn": {"GROUPS": GROUPS},
         "packed": {"FINEST": FINEST},
     }
 

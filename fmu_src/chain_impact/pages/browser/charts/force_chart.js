@@ -26,7 +26,7 @@ function courseAround(recording, contact) {
   const last = lastBefore(time, end + margin) + 2;
   const times = Array.from(time.slice(first, last), (now) => now - onset);
   const during = (all) => all && times.map((now, index) => (now >= 0 && now <= end - onset ? all[first + index] : 0));
-  const [force, depth, friction] = [columns.force, columns.depth, columns.friction].map(during);
+  const [force, depth, friction] = [columns.force, columns.penetration, columns.friction].map(during);
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
 }
 
@@ -104,7 +104,7 @@ export class ForceChart extends Chart {
       return;
     }
     const course = this.recording.courseOf(contact);
-    const [depth, force] = [course.depth, course.force].map((values) => this.recording.betweenRows(values, frame));
+    const [depth, force] = [course.penetration, course.force].map((values) => this.recording.betweenRows(values, frame));
     this.at = undefined;
     this.dot.hidden = !(depth > 0);
     const [left, top] = [this.plot.valToPos(depth, "x"), this.plot.valToPos(force, "y")];

@@ -137,10 +137,10 @@ export class ChainDrawing {
     this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#toScreen(line))).addClass("pin"));
-    const hasForces = this.recording.forces.length || this.recording.loads.length;
+    const hasForces = this.recording.forces.length || this.recording.drawn.loads.length;
     const rulerEnd = hasForces ? drawRuler(this.ground, this.arrowScale, width) : 0;
     drawScaleBar(this.ground, this.camera.scale, width, rulerEnd);
-    if (this.recording.loads.length) drawKey(this.ground, width);
+    if (this.recording.drawn.loads.length) drawKey(this.ground, width);
     this.discs.forEach(([, ownRadius, disc]) => disc.radius(ownRadius * this.camera.scale));
     ({ frames: this.traceFrames, positions: this.tracePositions } = traceOf(this.recording, this.camera));
   }
@@ -320,10 +320,10 @@ export class ChainDrawing {
    */
   #drawLoads(frame) {
     const { recording, camera } = this;
-    const sized = recording.loadsAt(frame).map(({ joint, force: [x, y] }) => ({ joint, x, y, size: Math.hypot(x, y) }));
+    const sized = recording.drawnAt("loads", frame).map((load) => ({ ...load, size: Math.hypot(load.x, load.y) }));
     const most = Math.max(...sized.map(({ size }) => size));
-    return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ joint, x, y, size }) => {
-      const position = camera.toScreen(...recording.pointAt(frame, joint - 1));
+    return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ n, x, y, size }) => {
+      const position = camera.toScreen(...recording.pointAt(frame, n - 1));
       return this.#arrow(position, [x / size, -y / size], size, "load", size === most);
     });
   }

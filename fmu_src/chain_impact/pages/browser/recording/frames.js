@@ -1,5 +1,6 @@
 // The frames of a recording: the parts of a `Recording`, computed from rows of numbers.
 
+import { STOPS } from "../scene/geometry.js";
 import { frameTimes, PACING, slowSpans } from "./pacing.js";
 import { viewOf } from "./view.js";
 
@@ -57,41 +58,42 @@ function largest(values) {
   return values.reduce((most, value) => Math.max(most, value), 0);
 }
 
+/** Return the moments of the two stops of a joint, as forces on a point at a wall. */
+function ofStops({ n, columns: { moment } }) {
+  return STOPS.map((wall, k) => ({ point: n, wall, force: moment.map((value) => Math.max(k ? -value : value, 0)) }));
+}
+
 /**
  * Return the parts of a `Recording`.
  *
  * @param rows name, links, pointCount, the times of the rows (time), x and y (row after row, a value for each point in each
- *   row), energies by name, touches { point, wall, and for each row force, depth, friction, sticking } (for a joint with dry
- *   friction without wall and force), loads { joint, and for each row x, y }, the forces in joints if they are known,
- *   contacts, walls, the displacements of moving walls along their normals by name (moved, if any move), stops, radius,
+ *   row), the quantities of `drawn.py` (drawn: group → entries { n, name, and columns: name → a value for each row }), contacts, walls, the displacements of moving walls along their normals by name (moved, if any move), stops, radius,
  *   touching [point, its radius], pointNames [point, its name], bodies [link, corners in the link's axes], rail { lines,
  *   carriage, stops } of a slider or null, pinned.
  * @param frames the times of the frames, and the number of frames per second on the screen; the frames are the rows if the
  *   times are the array `rows.time` itself.
  */
 export function framesOf(rows, { times, frameRate }) {
-  const { name, links, pointCount, loads, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
+  const { name, links, pointCount, drawn, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
   const brackets = times === rows.time ? null : bracketsOf(rows.time, times);
   const at = (values, width = 1) => (brackets && values ? interpolatedColumn(values, brackets, width) : values);
   const spansAbove = (values) => spansOf(brackets ? brackets.map(([row]) => values[row]) : values);
   const [x, y] = [rows.x, rows.y].map((all) => at(all, pointCount));
-  const forces = rows.touches
-    .filter(({ wall, force }) => wall && force.some((value) => value > 0))
+  const forces = [...drawn.contacts.map(({ n, name: wall, columns }) => ({ point: n, wall, ...columns })), ...drawn.stops.flatMap(ofStops)]
+    .filter(({ force }) => force.some((value) => value > 0))
     .map(({ sticking, ...course }) => ({ ...course, spans: sticking ? spansAbove(sticking) : [] }));
-  const stuckJoints = rows.touches
-    .filter(({ wall }) => !wall)
-    .map(({ point, sticking }) => ({ joint: point, spans: spansAbove(sticking) }));
-  const energies = Object.entries(rows.energies).filter(([, values]) => values.some((value) => value !== 0))
+  const stuckJoints = drawn.joints.map(({ n, columns: { sticking } }) => ({ joint: n, spans: spansAbove(sticking) }));
+  const energies = Object.entries(drawn.energies[0]?.columns ?? {}).filter(([, values]) => values.some((value) => value !== 0))
     .map(([key, values]) => [key, at(values)])
     .sort(([a], [b]) => (a === "total") - (b === "total")); // the total is drawn last, above the others
   const peaks = [
     ...contacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
     ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ force }) => largest(force)),
-    ...loads.map((force) => largest(force.x.map((along, row) => Math.hypot(along, force.y[row])))),
+    ...drawn.loads.map(({ columns: { x: along, y: up } }) => largest(along.map((value, row) => Math.hypot(value, up[row])))),
   ];
   return {
     name, links, pointCount, rowTime: rows.time, time: times, frameRate, x, y,
-    energies: Object.fromEntries(energies), forces, loads, stuckJoints, contacts,
+    energies: Object.fromEntries(energies), forces, drawn, stuckJoints, contacts,
     walls, stops, radius, touching, pointNames, bodies, rail,
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: Math.max(largest(peaks), 1e-300),

@@ -1,5 +1,7 @@
 // The recording: a simulation at frames, with interpolation between frames.
 
+import { mapped } from "../base/mapped.js";
+
 /** Return whether a frame is in any of some spans of frames. */
 function isWithin(spans, frame) {
   return spans.some(([first, last]) => frame >= first && frame < last + 1);
@@ -133,9 +135,10 @@ export class Recording {
       .filter(({ force }) => force > 0);
   }
 
-  /** Return the forces in the joints at a frame: joint, and force on its link [N]; an empty list if they are not known. */
-  loadsAt(frame) {
-    return this.loads.map(({ joint, x, y }) => ({ joint, force: [x, y].map((values) => this.betweenRows(values, frame)) }));
+  /** Return the entries of a group in `drawn.py` at a frame: { n, name }, the owner, and the quantities under their names. */
+  drawnAt(group, frame) {
+    return this.drawn[group].map(({ n, name, columns }) =>
+      ({ n, name, ...mapped(columns, (values) => this.betweenRows(values, frame)) }));
   }
 
   /** Return the numbers of the joints that stick at a frame; 0 stands for a slider. */

@@ -1,8 +1,9 @@
 // The model of a scene for the page: its variables and its record, from the contents of its file and the templates of
 // `kit.py`.
 
+import { mapped } from "../base/mapped.js";
 import { filled, instances, ownersOf, partsOf, range } from "./elements.js";
-import { pointText, STOPS, sumOf, wallsAt } from "./geometry.js";
+import { pointText, sumOf, wallsAt } from "./geometry.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, signalOwners, withOutputs } from "./signals.js";
 
@@ -27,33 +28,20 @@ function valuesOf(file, rows) {
   return values;
 }
 
-/** Return the words of the record that the page draws; null for values that the scene does not have. */
-function drawnOf(kit, { sizes, pairs, sliderStops, wallNames, joints }, columns) {
-  const words = new Map(columns.map(({ name, word }) => [name, word]));
-  const word = (name) => words.get(name) ?? null;
-  const touch = (point, wall, values) => ({ point, wall, sign: 1, force: null, depth: null, friction: null, sticking: null, ...values });
-  const atWalls = pairs.map(([point, wall]) => {
-    const of = `contact[${point}].${wallNames[wall]}`;
-    const [force, depth] = [word(`${of}.force`), word(`${of}.penetration`)];
-    return touch(point, wallNames[wall], { force, depth, friction: word(`${of}.friction_force`), sticking: word(`${of}.sticking`) });
-  });
-  const onSlider = [
-    ...sliderStops.map((stop) =>
-      touch(0, stop, { force: word(`contact[0].${stop}.force`), depth: word(`contact[0].${stop}.penetration`) })),
-    touch(0, "", { friction: word("slider.friction_force"), sticking: word("slider.sticking") }),
-  ];
-  const inJoints = joints.flatMap((joint) => {
-    const of = `joint[${joint}]`;
-    const stops = STOPS.map((stop, k) => touch(joint, stop, { sign: k ? -1 : 1, force: word(`${of}.stop_moment`) }));
-    return [...stops, touch(joint, "", { friction: word(`${of}.friction_moment`), sticking: word(`${of}.sticking`) })];
-  });
+/**
+ * Return the words of the record that the page draws: of both coordinates of each point, and of the quantities in `drawn.py` of
+ * each owner, in groups.
+ */
+function drawnOf(kit, sizes, outputs) {
+  const groups = Object.fromEntries(SHARED.drawn.GROUPS.map((group) => [group, new Map()]));
+  for (const { drawn, owner: { n = 0, name = "" }, word } of outputs.filter((row) => row.drawn)) {
+    const [entries, key] = [groups[drawn[0]], `${n}.${name}`];
+    if (!entries.has(key)) entries.set(key, { n, name, words: {} });
+    entries.get(key).words[drawn[1]] = word;
+  }
   return {
     points: range(sizes.links + 1 + sizes.sites).map((k) => kit.points.map((coordinate) => wordIndex(coordinate, sizes, k))),
-    energies: Object.fromEntries([...words].flatMap(([name, at]) => (name.startsWith("energy.") ? [[name.slice(7), at]] : []))),
-    touches: [...atWalls, ...onSlider, ...inJoints].filter(({ force, sticking }) => force !== null || sticking !== null),
-    loads: joints
-      .map((joint) => ({ joint, x: word(`joint[${joint}].force.x`), y: word(`joint[${joint}].force.y`) }))
-      .filter(({ x }) => x !== null),
+    groups: mapped(groups, (entries) => [...entries.values()]),
   };
 }
 
@@ -110,8 +98,8 @@ export function describe(kit, file, command) {
     const [row, order] = driving.get(name);
     return { name, unit, word: wordIndex(kit.driven[order], sizes, row), integer: false };
   });
-  const columns = [...driven, ...all(kit.outputs)
-    .map(({ name, unit, word, integer, owner }) => ({ name, unit, word: wordIndex(word, sizes, owner.at), integer }))];
+  const outputs = all(kit.outputs).map((row) => ({ ...row, word: wordIndex(row.word, sizes, row.owner.at) }));
+  const columns = [...driven, ...outputs.map(({ name, unit, word, integer }) => ({ name, unit, word, integer }))];
   const named = new Set(parts.driven.map(({ input }) => input));
   return {
     name: file.name,
@@ -135,7 +123,7 @@ export function describe(kit, file, command) {
     moved: driven.filter(({ name }) => /^wall\..*\.displacement$/.test(name)),
     parameters: parametersOf(rows, [...inputs, ...times], values, parts),
     columns,
-    drawn: drawnOf(kit, parts, columns),
+    drawn: drawnOf(kit, sizes, outputs),
     reasons: reasonsOf(parts, new Map(pointNames)),
   };
 }

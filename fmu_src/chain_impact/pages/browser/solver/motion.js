@@ -1,6 +1,7 @@
 // A motion for the player, from two runs of the kernel, and a third run if outputs are chosen. The first run finds the impacts, the second
 // run has rows at the frames, which are dense where the motion is shown slowly. Rows do not change the solution.
 
+import { mapped } from "../base/mapped.js";
 import { contactsOf, framesOf, timesOf } from "../recording/frames.js";
 import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
@@ -61,16 +62,14 @@ function interleaved(each) {
 }
 
 /** Return the words of the record that the page draws. */
-function drawnWords({ drawn: { points, energies, touches, loads }, moved }) {
-  const ofTouches = touches.flatMap(({ force, depth, friction, sticking }) => [force, depth, friction, sticking]);
-  const ofLoads = loads.flatMap((force) => [force.x, force.y]);
-  const all = [...moved.map(({ word }) => word), ...points.flat(), ...Object.values(energies), ...ofTouches, ...ofLoads];
-  return all.filter((word) => word !== null);
+function drawnWords({ drawn: { points, groups }, moved }) {
+  const entries = Object.values(groups).flat();
+  return [...moved.map(({ word }) => word), ...points.flat(), ...entries.flatMap(({ words }) => Object.values(words))];
 }
 
 /** Return the rows of a recording in the form for `framesOf`; `column` returns the values of a word of the record. */
 function rowsOf(scene, valueOf, { time, contacts, column }) {
-  const { drawn: { points, energies, touches, loads }, moved } = scene;
+  const { drawn: { points, groups }, moved } = scene;
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
   const size = sizeOf(x, y);
   const touching = scene.contactPoints.map((point) => [point, radiusOf(scene, valueOf, point)]);
@@ -82,16 +81,7 @@ function rowsOf(scene, valueOf, { time, contacts, column }) {
     time,
     x,
     y,
-    energies: Object.fromEntries(Object.entries(energies).map(([name, word]) => [name, column(word)])),
-    touches: touches.map(({ point, wall, sign, force, depth, friction, sticking }) => ({
-      point,
-      wall,
-      force: column(force)?.map((value) => Math.max(sign * value, 0)),
-      depth: column(depth),
-      friction: column(friction),
-      sticking: column(sticking),
-    })),
-    loads: loads.map(({ joint, x: along, y: up }) => ({ joint, x: column(along), y: column(up) })),
+    drawn: mapped(groups, (entries) => entries.map(({ n, name, words }) => ({ n, name, columns: mapped(words, column) }))),
     contacts,
     walls: wallsAt(scene, valueOf),
     moved: Object.fromEntries(moved.map(({ name, word }) => [name.split(".")[1], column(word)])),
@@ -152,7 +142,7 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   const words = drawnWords(scene);
   const { time, columns } = yield* run(1, dense, words.map((word) => ({ word })));
   if (time.length < 2) return { ...ending, parts: null };
-  const column = (word) => (word === null ? undefined : columns[words.indexOf(word)]);
+  const column = (word) => columns[words.indexOf(word)];
   const rows = rowsOf(scene, valueOf, { time, contacts, column });
   const inputs = inputCurves(kernel, first, inputSteps, valueOf);
 

@@ -1,0 +1,6 @@
+// The values of tables.
+
+/** Return a table with each value of another table replaced by the value of a function. */
+export function mapped(table, of) {
+  return Object.fromEntries(Object.entries(table).map(([key, value]) => [key, of(value)]));
+}
