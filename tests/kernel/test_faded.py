@@ -68,6 +68,7 @@ def resting():
 def test_what_has_faded_is_cleared_and_the_rest_is_kept(size, sign):
     _, d = chain(np.random.default_rng(0), 3, "pinned")
     last_step.reset_step(d, 0.0, d.step.state_end)
+    d.model.has_springs_or_dampers = 1
     d.trial.state[:] = sign * size
     d.trial.state[0], d.trial.state[velocity_at(3) + 2] = 0.25, -1e-99
     d.trial.state[time_at(3)], d.trial.size = 0.1, 0.1

@@ -42,6 +42,64 @@ def test_an_impulse_of_a_force_that_jumps_has_a_derivative_by_the_time_of_the_ju
     assert max(jumps) > 1.0
 
 
+LIFTED = PRESSED.replace("joint_torques = true, tip_force = true", "base_motion = true, tip_force = true")
+
+
+def lifted(before, after, rises=True):
+    """Return the arm with a base that accelerates upward with ``before``, and with ``after`` from 0.104 s on.
+
+    The force in the joint ``rises`` while the arm falls, and falls while the arm swings up.
+    """
+    text = LIFTED.replace("INPUT", "base.ay").replace("[6.0, 9.0]", f"[{before}, {after}]")
+    swings = "angles = [-1.5708], angular_velocities = [3.0]"
+    return text if rises else text.replace("angles = [-0.9273]", swings)
+
+
+def pressed_hard(model):
+    """Return the arm whose end is pressed into a soft wall, until its torque is reversed."""
+    text = PRESSED.replace("INPUT", "joint[1].torque").replace("[6.0, 9.0]", "[60.0, -20.0]")
+    law = f'model = "{model}", exponent = 1.0, stiffness = 2000.0, restitution = 0.1'
+    return text.replace('model = "newton_impact", restitution = 0.0', law).replace("0.104", "0.012")
+
+
+LARGEST = {
+    "behind the jump": (lifted(0.0, 12.0, rises=False), -26.02494),
+    "before the jump": (lifted(12.0, 0.0), 83.73723),
+    "in a wall": (pressed_hard("kelvin_voigt"), -2560.5829),
+}
+
+
+@pytest.mark.parametrize("name", LARGEST)
+def test_a_largest_force_has_a_derivative_by_the_time_of_a_jump(name):
+    text, known = LARGEST[name]
+    scene, parameter = parse_scene(text, "x"), "signal.push.time[2]"
+    run, value = simulate(scene, sensitivities=[parameter], tolerance=1e-12), scene.values[parameter]
+    found = run.sensitivity("joint[1].peak_force", parameter)
+    assert found[-1] == pytest.approx(known, rel=1e-6)
+    for size in (1e-6, 5e-6):
+        less, more = (
+            simulate(scene.with_values({parameter: value + h}), tolerance=1e-12) for h in (-size, size)
+        )
+        slope = (more["joint[1].peak_force"] - less["joint[1].peak_force"]) / (2.0 * size)
+        np.testing.assert_allclose(found, slope, rtol=1e-5, atol=1e-4)
+        for quantity in ("peak_force", "joint_force"):
+            slope = (more.impacts[quantity] - less.impacts[quantity]) / (2.0 * size)
+            of_impacts = run.impact_sensitivity(quantity, parameter)
+            np.testing.assert_allclose(of_impacts, slope, rtol=1e-5, atol=1e-4)
+
+
+@pytest.mark.parametrize("text", [lifted(0.0, 12.0, rises=False), lifted(12.0, 0.0)])
+def test_a_largest_force_at_two_jumps_at_one_time_has_no_derivative_by_the_time_of_one(text):
+    text += (
+        '[signals.pull]\ninput = "tip.force.y"\nform = "steps"\ntimes = [0.0, 0.104]\nvalues = [0.0, 1.0]\n'
+    )
+    scene, by = parse_scene(text, "x"), ["signal.push.time[2]", "link[1].mass"]
+    run = simulate(scene, sensitivities=by)
+    assert np.isnan(run.sensitivity("joint[1].peak_force", by[0])[-1])
+    assert np.isfinite(run.sensitivity("joint[1].peak_force", by[1])).all()
+    assert np.isfinite(run.sensitivity("point[1].y", by[0])).all()
+
+
 def pushed(frequency):
     """Return a cart with dry friction under a force whose amplitude is 5 % (of 1 N) above the friction."""
     table = {

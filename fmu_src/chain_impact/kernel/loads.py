@@ -27,7 +27,7 @@ from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.forces.contact import set_joint_top
 from chain_impact.kernel.ode.control import IMPLICIT
-from chain_impact.kernel.ode.dense import fraction, interpolate, maximum_of
+from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, maximum_of
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.rows.geometry import WALLS, at_joint, lever, link_of, normal, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
@@ -56,6 +56,11 @@ def start_loads(d, time):
 def keep_tip_impulse(d, j, impulse):
     """Store component j of the impulse [N·s] of the tip's force since the start."""
     d.transmitted.tip_impulse[j] = impulse
+
+
+def set_load_peak(d, i, square):
+    """Set the largest |f|² [N²] so far of the joint in row i."""
+    d.transmitted.peak[i] = square
 
 
 def link_momenta(d, x, y):
@@ -236,10 +241,10 @@ def search_step(d):
 
 def search_peaks(d, time):
     """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step up to a ``time`` [s]."""
-    transmitted, end = d.transmitted, fraction(d, time)
+    transmitted, first, end = d.transmitted, event_fraction(d), fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
-        load_joints_at(d, end * m / intervals)
+        load_joints_at(d, first + (end - first) * m / intervals)
         for i in range(d.links):
             transmitted.after[i] = square_of_force(d, i)
         for i in range(d.links):
@@ -247,7 +252,8 @@ def search_peaks(d, time):
             transmitted.before[i], transmitted.middle[i] = top, right
             transmitted.top[i] = max(transmitted.top[i], right)
             if m >= 2 and rises_between(left, top, right, transmitted.top[i]):
-                largest = largest_square(d, i, end * (m - 1) / intervals, end / intervals, end)
+                middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
+                largest = largest_square(d, i, middle, reach, end)
                 transmitted.top[i] = max(transmitted.top[i], largest)
 
 

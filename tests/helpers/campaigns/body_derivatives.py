@@ -68,6 +68,7 @@ def moved_bases(draw: Draw) -> Given:
         "inputs": {"base_motion": True},
         "signals": {"push": push},
         "initial": {"angles": [draw.real(-0.3, 0.2) for _ in links]},
+        "outputs": {"loads": True},
         "solver": {"tolerance": 1e-10},
         "simulation": {"stop_time": 0.6, "step_size": 2e-3},
     }, {}

@@ -96,13 +96,8 @@ def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method
     assert d.step.end == 0.0
 
 
-@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
-@pytest.mark.parametrize("cut", [False, True])
-def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method, cut):
-    """Each step dissipates less than half of the last digit of 1e6 J; a refused step leaves nothing.
-
-    A step that is cut at an event keeps its part.
-    """
+def sticking_and_damped():
+    """Return two links at one base: the first sticks, and the second turns slowly against a damper."""
     links = [
         {"length": 1.0, "mass": 1.0, "joint_friction": 1.0},
         {"length": 1.0, "mass": 1.0, "joint_damping": 0.1},
@@ -111,9 +106,19 @@ def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method
         {"base": "pinned", "links": links},
         {"angles": [0.0, 0.0], "angular_velocities": [0.0, 2e-4]},
     )
-    scene = scene_from_dict(
+    return scene_from_dict(
         {"name": "Sticks", "gravity": [0.0, 0.0], "chain": chain, "initial": initial}, "sticks"
     )
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+@pytest.mark.parametrize("cut", [False, True])
+def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method, cut):
+    """Each step dissipates less than half of the last digit of 1e6 J; a refused step leaves nothing.
+
+    A step that is cut at an event keeps its part.
+    """
+    scene = sticking_and_damped()
     lost, digit, found = state.dissipated_at(2), np.spacing(1e6), []
     for before in (0.0, 1e6):
         d = begun(scene)
@@ -131,6 +136,27 @@ def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method
         assert found[0] / 12 < 0.5 * digit < 0.25 * found[0]
         assert abs(d.step.remainder_end) <= 0.5 * digit
     assert found[1] + d.step.remainder_end == pytest.approx(found[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+@pytest.mark.parametrize("first", [1.0, 0.9, 0.55])
+def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
+    """This includes the part below the last digit of 1e6 J, also after a step of zero length."""
+    lost, found = state.dissipated_at(2), []
+    for parts in ((0.5,), (first, 0.5)):
+        d = begun(sticking_and_damped())
+        d.step.method, d.step.state_end[lost] = method, 1e6
+        for _ in range(3):
+            d.step.state_end[-1] = 0.0
+            with_a_step(d)
+            for part in parts:
+                last_step.truncate_step(d, part)
+        last_step.reset_step(d, d.step.end, d.step.state_end.copy())
+        for _ in parts:
+            last_step.truncate_step(d, 0.0)
+        found.append((d.step.state_end[lost], d.step.remainder_end))
+    assert found[0][1] != 0.0
+    assert found[0] == found[1]
 
 
 @pytest.mark.parametrize("how", ["mark_jump", "roll_back", "truncate_step", "reset_step"])

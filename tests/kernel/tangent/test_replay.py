@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE, SLIDING_ENDS
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.last_step import SOLVER
-from chain_impact.kernel.tangent import replay
+from chain_impact.kernel.tangent import replay, step_ends
 from tests.helpers.scenes.derivative_scenes import (
     AT_STOPS,
     pinned_chain,
@@ -89,6 +89,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
     t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
+    t.step.start_delay = dual(0.0)
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
     t.work, t.trust = SimpleNamespace(acceleration="acceleration"), SimpleNamespace(share=0.0)
     t.trial = SimpleNamespace(state="y", size=-1.0)
@@ -115,7 +116,9 @@ def calls(monkeypatch):
     )
     names += " truncate_step settle_impulses accept ensure_rate ensure_dense ensure_points check_onsets"
     for name in names.split():
-        monkeypatch.setattr(replay, name, partial(note, name))
+        for module in (replay, step_ends):
+            if hasattr(module, name):
+                monkeypatch.setattr(module, name, partial(note, name))
     return called
 
 
@@ -206,13 +209,13 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     t.step.start = t.step.end - 0.2
     *t.touch.event, t.element.event[1], t.drive.event = events
     names = {KINK: "kink", RELEASE: "release"}
-    monkeypatch.setattr(replay, "delay_of_crossing", lambda _t, c, kind: (c, kind))
-    monkeypatch.setattr(replay, "delay_of_bend", lambda _t, c, kind: f"{names[kind]} of {c}")
-    monkeypatch.setattr(replay, "delay_of_saturation", lambda _t: "limit")
-    monkeypatch.setattr(replay, "delay_of_change", lambda _t: "late")
-    monkeypatch.setattr(replay, "check_changes", lambda _t, time: calls.append(("checked", time)))
-    monkeypatch.setattr(replay, "move_along", lambda _t, time: calls.append(("moved", time)))
-    replay.move_end(t)
+    monkeypatch.setattr(step_ends, "delay_of_crossing", lambda _t, c, kind: (c, kind))
+    monkeypatch.setattr(step_ends, "delay_of_bend", lambda _t, c, kind: f"{names[kind]} of {c}")
+    monkeypatch.setattr(step_ends, "delay_of_saturation", lambda _t: "limit")
+    monkeypatch.setattr(step_ends, "delay_of_change", lambda _t: "late")
+    monkeypatch.setattr(step_ends, "check_changes", lambda _t, time: calls.append(("checked", time)))
+    monkeypatch.setattr(step_ends, "move_along", lambda _t, time: calls.append(("moved", time)))
+    step_ends.move_end(t)
     checks = {"late": [("checked", "late")], (0, RELATCH): [("check_onsets",)]}
     checks |= {(1, kind): [("check_onsets",)] for kind in (ONSET, END)}
     ready = [("ensure_rate",), ("ensure_dense", SOLVER), ("ensure_points",)]
@@ -224,7 +227,7 @@ def test_what_a_jump_brings_about_has_the_time_of_the_jump(calls, events):
     """A step of zero length ends where a force is beyond its kink, or a speed is much larger than before."""
     _, t = instances(events=events)
     *t.touch.event, t.step.start, t.drive.event = *events, t.step.end, 1
-    replay.move_end(t)
+    step_ends.move_end(t)
     assert calls == []
 
 
@@ -232,7 +235,7 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
     """y moves by ẏ, the end of the step by the time itself, and a quadrature by its rate."""
     _, t = instances()
     before = [parts(one) for one in t.step.state_end]
-    replay.move_along(t, dual(0.0, 2.0, -3.0))
+    step_ends.move_along(t, dual(0.0, 2.0, -3.0))
     moved = np.array([2.0, -3.0])
     for j, (value, slopes) in enumerate(before):
         pace = 0.5 + j if j < sundman_u_at(LINKS) else 1.0 if j == time_at(LINKS) else 0.0
@@ -255,7 +258,7 @@ def test_the_step_after_the_limit_of_a_drive_starts_at_a_time_without_derivative
 ):
     d, t = instances()
     t.drive.event, t.touch.event, t.element.event = limit, list(events), [NONE] * 3
-    monkeypatch.setattr(replay, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))
+    monkeypatch.setattr(step_ends, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))
     monkeypatch.setattr(replay, "make", lambda _d, t, _h: calls.append(("make", parts(t.step.end))))
     monkeypatch.setattr(replay, "take_values", lambda _d, _t: None)
     monkeypatch.setattr(replay, "move_end", lambda _t: None)
@@ -267,3 +270,5 @@ def test_the_step_after_the_limit_of_a_drive_starts_at_a_time_without_derivative
         [a + b for a, b in zip(before[1], moved, strict=True)]
     )
     assert (("evaluate_start",) in calls) == fixed
+    # the event, at which the search for peaks in this step begins, is delayed
+    assert parts(t.step.start_delay) == (0.0, [3.0, 4.0] if fixed else [0.0, 0.0])

@@ -14,7 +14,13 @@ from chain_impact.kernel.forces.contact import (
     set_rates,
 )
 from chain_impact.kernel.loads import update_load_peaks
-from chain_impact.kernel.ode.dense import commit_quadratures, fraction, interpolate, maximum_of
+from chain_impact.kernel.ode.dense import (
+    commit_quadratures,
+    event_fraction,
+    fraction,
+    interpolate,
+    maximum_of,
+)
 from chain_impact.kernel.ode.last_step import (
     OUTPUTS,
     SOLVER,
@@ -74,11 +80,13 @@ def peaks(d, c, force_rate, time, reader):
     depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
     if force_peaked or depth_peaked:
         ensure_dense(d, reader)
-    middle = 0.5 * fraction(d, time) if force_peaked or depth_peaked else 0.0
+    first = event_fraction(d)
+    reach = 0.5 * (fraction(d, time) - first) if force_peaked or depth_peaked else 0.0
+    middle = first + reach
     if force_peaked:
-        peak = max(peak, largest_force(d, c, middle, middle, 2.0 * middle))
+        peak = max(peak, largest_force(d, c, middle, reach, middle + reach))
     if depth_peaked:
-        depth = max(depth, largest_penetration(d, c, middle, middle, 2.0 * middle))
+        depth = max(depth, largest_penetration(d, c, middle, reach, middle + reach))
     return peak, depth, force_peaked or depth_peaked
 
 
@@ -91,9 +99,10 @@ def update_held_extremes(d):
     """Update the peak forces at rigid walls for the last step, by parabolas through samples."""
     step, samples = d.step, d.rigid.sample
     ensure_dense(d, SOLVER)
-    end = fraction(d, step.end)
+    first = event_fraction(d)
+    length = fraction(d, step.end) - first
     for j in range(HELD_SAMPLES):
-        interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
+        interpolate(step, first + length * j / (HELD_SAMPLES - 1), d.work.y)
         state_rate(d, d.work.y, d.work.rate)
         for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]

@@ -137,6 +137,7 @@ def renew_modes(d, jumped):
     choose_saturation(d)
     reinit_modes(d, jumped)
     set_kink_sides(d)
+    expect_peaks(d)
 
 
 def recompute_active_set(d):

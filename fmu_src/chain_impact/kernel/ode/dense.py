@@ -70,6 +70,12 @@ def fraction(d, time):
     return regularized_fraction(d, elapsed)
 
 
+@has_dual_rule
+def event_fraction(_d):
+    """Return the fraction of the last step at which the event lies that begins it: 0, with derivatives."""
+    return 0.0
+
+
 def regularized_fraction(d, elapsed):
     """Return the fraction θ of the last step, a regularized one, a time ``elapsed`` [s] after its start."""
     step, root, clock = d.step, sundman_u_at(d.links), time_at(d.links)
@@ -331,6 +337,8 @@ def maximum_of(value_at):
     def maximum_near(d, index, middle, reach, end):
         """Return the maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
 
+        Values before the event that begins the step do not count either.
+
         The search uses three parabolas, each through three points around the maximum of the parabola before.
         The result is the maximum of the third parabola, or a larger sample.
 
@@ -354,7 +362,7 @@ def maximum_of(value_at):
             summit = top - 0.25 * (left - right) * shift if abs(shift) <= 1.0 else top
             middle += shift * reach
             reach *= 0.1
-            middle = min(max(middle, reach), end - reach)
+            middle = min(max(middle, event_fraction(d) + reach), end - reach)
         return max(best, summit)
 
     return maximum_near

@@ -52,6 +52,7 @@ def reset_step(d, time, y):
         step.state_end[j] = step.state[j]
     reset_times(d, time)
     step.size = 1.0
+    step.remainder = step.remainder_whole = step.remainder_end
     reset_quadratures(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
@@ -63,6 +64,12 @@ def reset_times(d, time):
     """Set all times of the last step to ``time`` [s]."""
     step = d.step
     step.time, step.start, step.end, step.clock = time, time, time, time
+    step.start_delay = 0.0
+
+
+def delay_start(d, delay):
+    """Set the ``delay`` [s] of the event with which the next step begins."""
+    d.step.start_delay = delay
 
 
 def accept(d):
@@ -72,7 +79,10 @@ def accept(d):
     if any_constraint(d):
         project_trial(d)
         keep_anchors(d)
-    faded = clear_faded(d, y)
+    step.remainder_whole = step.remainder_end
+    # without dissipation no component fades
+    resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.model.has_springs_or_dampers != 0
+    faded = clear_faded(d, y) if resisted else False
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
         step.state_end[j] = y[j]
@@ -157,7 +167,7 @@ def end_at(d, theta):
     # The interpolant contains the rounded change of the energy in the whole step: an implicit one in
     # proportion to θ, an explicit one also in its slopes.
     part = theta if step.last_method == IMPLICIT else theta * theta * (3.0 - 2.0 * theta)
-    grown = step.remainder + part * (step.remainder_end - step.remainder)
+    grown = step.remainder + part * (step.remainder_whole - step.remainder)
     add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])
     truncate_quadratures(d, theta)
     step.kept = theta

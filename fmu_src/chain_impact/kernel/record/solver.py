@@ -35,6 +35,8 @@ def step_dtype(links: int) -> np.dtype:
         # s, time at which the time t in the state is 0: the start of the last or the tried step
         ("clock", REAL),
         ("end", REAL),  # s, end of the whole step, or the event at which the step was truncated
+        # s, delay of the event with which the step begins, after `start`: 0, only its derivatives matter
+        ("start_delay", REAL),
         ("size", REAL),  # s, in the step's integration variable, see kernel/ode/sundman.py
         ("kept", REAL),  # fraction of `size` at which the step ends
         ("next_size", REAL),  # s, the proposed size of the next step, in the step's integration variable
@@ -45,6 +47,7 @@ def step_dtype(links: int) -> np.dtype:
         # J, the parts of the dissipated energy at `start` and at `end` that are below its last digit in y
         ("remainder", REAL),
         ("remainder_end", REAL),
+        ("remainder_whole", REAL),  # J, the same part at the end of the whole step of `size`
         # coefficients of the dense output of the whole step of `size`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`

@@ -29,7 +29,7 @@ the residual.
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
-from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.rows.compliance import (
     SWEEPS,
     factorize_contacts,
@@ -246,6 +246,7 @@ def find_residual(d):
     return worst
 
 
+@inlined
 def correct_impulses(d):
     """Correct the impulses for the residuals, and find the motion with the corrected impulses."""
     rigid, motion = d.rigid, d.work.motion

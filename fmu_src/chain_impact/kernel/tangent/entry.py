@@ -13,7 +13,8 @@ from chain_impact.kernel.observe import fill_outputs, refill_motion
 from chain_impact.kernel.ode.last_step import keep_state, return_to_kept_state, set_own_output_time
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS, block, words
-from chain_impact.kernel.tangent.replay import move_end, reinit_tangent, replay, start_tangent
+from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
+from chain_impact.kernel.tangent.step_ends import move_end
 from chain_impact.kernel.tangent.trust import share_reason, trusted
 
 

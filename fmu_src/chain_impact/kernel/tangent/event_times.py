@@ -9,9 +9,11 @@ import math
 
 from chain_impact.kernel.chain.joints import mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.signals import segment_end
 from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import KINK, RELATCH
+from chain_impact.kernel.events.segments import has_ended
 from chain_impact.kernel.forces.contact import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
@@ -109,3 +111,11 @@ def delay_of_saturation(t):
     """Return the delay [s] of the time at which a drive reaches its limit, or falls below its limit."""
     rate = _margin_rate(t, 0)
     return _delay_of_margin(t, 0, rate if rate != 0.0 else math.inf)
+
+
+def delay_of_segment(t):
+    """Return the delay [s] of the end of a signal's segment at the end of the last step; 0 if none ends."""
+    for j in range(t.signals):
+        if has_ended(t, j):
+            return carried(0.0, 1.0, segment_end(t, j) - t.step.end)
+    return carried(0.0, 0.0, t.step.end)

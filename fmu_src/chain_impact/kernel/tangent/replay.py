@@ -11,7 +11,8 @@ parameters, too. With φ′ the derivatives of φ where the step of d ends, this
 state at the event changes by −ẏ φ′/φ̇. Time is part of the state, and the change of the state at an event is
 differentiated like the rest of the run. At the kink of a force the rate is continuous, so the derivative of
 the event time affects only a peak at the kink, not the motion. The dense output of a step is computed before
-the end of the step moves, so its derivatives are those at fixed times.
+the end of the step moves, so its derivatives are those at fixed times. Peaks are searched for between the
+events with which a step begins and ends: a force that jumps with a signal may have its largest value there.
 
 An implicit step repeats the iteration, started from the stages that d has found. The result does not depend
 on the approximate Jacobian A, so the derivatives in each direction are solved with the linear systems of d,
@@ -28,8 +29,8 @@ import math
 from chain_impact.kernel.advance import apply_pending_events, apply_pending_inputs, set_first_stage
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals
-from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, time_at, velocity_at
-from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE, copy_marks, pending_changes
+from chain_impact.kernel.chain.state import dissipated_at, velocity_at
+from chain_impact.kernel.events.marks import END, copy_marks
 from chain_impact.kernel.events.segments import begin_segments
 from chain_impact.kernel.forces.contact import clear_loads
 from chain_impact.kernel.forces.contact_law import start_laws
@@ -55,13 +56,9 @@ from chain_impact.kernel.ode.extended import (
     project_clearances,
 )
 from chain_impact.kernel.ode.last_step import (
-    SOLVER,
     accept,
     choose_variable,
-    ensure_dense,
-    ensure_points,
-    ensure_rate,
-    evaluate_start,
+    delay_start,
     mark_jump,
     reset_step,
     truncate_step,
@@ -79,20 +76,21 @@ from chain_impact.kernel.tangent.duals import (
     slope,
     sloped,
     value,
+    varies,
 )
-from chain_impact.kernel.tangent.event_times import (
-    delay_of_bend,
-    delay_of_crossing,
-    delay_of_saturation,
-    lasted,
+from chain_impact.kernel.tangent.friction import check_coefficients
+from chain_impact.kernel.tangent.step_ends import (
+    ends_at_limit,
+    ends_with_segment,
+    fix_start,
+    move_end,
+    move_to_segment,
 )
-from chain_impact.kernel.tangent.friction import check_changes, check_coefficients, delay_of_change
 from chain_impact.kernel.tangent.trust import (
     NO_IMPACT,
     NOT_SOLVED,
     TRUSTED,
     begin_trust,
-    check_onsets,
     check_turns,
     mark_untrusted,
     trust,
@@ -263,8 +261,9 @@ def speed_by_friction(d, t, direction):
 def replay(d, t):
     """Repeat the last step of d in dual numbers."""
     copy_modes(d, t)
-    limit_ends_step = ends_at_limit(t)
+    limit_ends_step, segment_ends_step = ends_at_limit(t), ends_with_segment(t)
     apply_pending_events(t)
+    delay_start(t, carried(0.0, 0.0, t.step.end))
     if limit_ends_step:
         fix_start(t)
     # derivatives of an input belong to a constant that is added to the input
@@ -273,6 +272,8 @@ def replay(d, t):
         copy_values(d.moved, t.moved)
     if d.signals > 0:
         begin_segments(t)
+    if segment_ends_step and varies(t.step.end):
+        fix_start(t)
     t.step.method = d.step.last_method
     choose_variable(t, True)
     set_first_stage(t)
@@ -289,26 +290,8 @@ def replay(d, t):
     settle_impulses(t)
     copy_marks(d, t)
     move_end(t)
-
-
-def ends_at_limit(t):
-    """Return whether the last step ends with the end of a drive's mode, and with no other event."""
-    for c in range(t.candidates):
-        if t.touch.event[c]:
-            return False
-    return t.drive.event != 0 and pending_changes(t) == 0
-
-
-def fix_start(t):
-    """Move the state after an event along the motion to a start time that has no derivatives.
-
-    Otherwise the derivatives at a fixed time would have the error of the interpolant's slope times the
-    derivative of the event time, in all steps up to the next event.
-    """
-    mark_jump(t)
-    ensure_rate(t)
-    move_along(t, carried(0.0, -1.0, t.step.end))
-    evaluate_start(t)
+    if d.signals > 0:
+        move_to_segment(t)
 
 
 def make(d, t, h):
@@ -337,63 +320,3 @@ def take_values(d, t):
     for j in range(len(d.step.state_end)):
         t.step.state_end[j] = carried(d.step.state_end[j], 1.0, t.step.state_end[j])
     t.step.end = carried(d.step.end, 1.0, t.step.end)
-
-
-def move_end(t):
-    """Give the end of the last step the derivatives of the time of the event that ends the step.
-
-    The dense output belongs to the step with the old end. The time of an event at which a force only has a
-    kink affects a peak and the end of a contact, but not the motion.
-    """
-    for c in range(t.candidates):
-        if is_crossing(t, c):
-            prepare_end(t)
-            check_onsets(t)
-            move_along(t, delay_of_crossing(t, c, t.touch.event[c]))
-            return
-    if pending_changes(t) > 0:
-        prepare_end(t)
-        time = delay_of_change(t)
-        check_changes(t, time)
-        move_along(t, time)
-        return
-    # the event of a step without length follows from a jump at its start, and so has no delay of its own
-    if not lasted(t) > 0.0:
-        return
-    for c in range(t.candidates):
-        if t.touch.event[c] in (KINK, RELEASE):
-            prepare_end(t)
-            move_along(t, delay_of_bend(t, c, t.touch.event[c]))
-            return
-    if t.drive.event:
-        prepare_end(t)
-        move_along(t, delay_of_saturation(t))
-
-
-def is_crossing(t, c):
-    """Return whether candidate c has an event at the end of the last step whose time changes the motion."""
-    kind = t.touch.event[c]
-    # at the end of a regularized contact dt/ds = 0, so a delay in s, the step's variable, changes nothing
-    if kind == END:
-        return c != t.step.regularized
-    return kind == ONSET or (kind == RELATCH and lasted(t) > 0.0)
-
-
-def prepare_end(t):
-    """Compute rate and points at the end of the last step, and values from them, before the end moves."""
-    ensure_rate(t)
-    ensure_dense(t, SOLVER)
-    ensure_points(t)
-
-
-def move_along(t, time):
-    """Move the end of the last step along the motion by a ``time`` [s], a dual number of the value 0."""
-    y, rate = t.step.state_end, t.work.rate_end
-    for j in range(sundman_u_at(t.links)):
-        y[j] += value(rate[j]) * time
-    y[time_at(t.links)] += time
-    t.step.end += time
-    quadrature = t.quadrature
-    for k in range(quadrature.count):
-        quadrature.state_end[k] += value(quadrature.rate_end[k]) * time
-    mark_jump(t)

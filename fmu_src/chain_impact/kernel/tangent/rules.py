@@ -14,6 +14,7 @@ from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
+from chain_impact.kernel.tangent.peaks import forget_peaks
 
 # relative increment of an argument of a user's law, for derivatives by differences
 ARGUMENT_DIFFERENCE = 1e-3
@@ -103,6 +104,8 @@ def choose_saturation(t):
 def shift_start(t, delay):
     """Move the start of the next step by the derivatives of the ``delay`` [s]."""
     y, rate, time = t.step.state_end, t.work.rate_start, carried(0.0, 1.0, delay)
+    if varies(time):
+        forget_peaks(t, time)
     for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time
     quadrature = t.quadrature
@@ -130,6 +133,15 @@ def fraction(t, time):
     # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ; where a
     # contact begins or ends ṫ = 0, and θ has no derivatives
     return carried(theta, -reciprocal(max(0.0, rate)), error)
+
+
+def event_fraction(t):
+    """Return the fraction of the last step at which the event lies that begins it: 0, with derivatives."""
+    step = t.step
+    rate = value(step.size)
+    if step.regularized >= 0:
+        rate *= dense.time_rate(value(step.state[sundman_u_at(t.links)]))
+    return carried(0.0, reciprocal(max(0.0, rate)), step.start_delay)
 
 
 def iterated_enough(_t, iterations):
@@ -197,6 +209,7 @@ RULES = {
     contact_force.user_force: user_force,
     saturation.choose_saturation: choose_saturation,
     dense.fraction: fraction,
+    dense.event_fraction: event_fraction,
     segments.shift_start: shift_start,
     angles.direction: direction,
     kinematics.polar: polar,

@@ -1,0 +1,135 @@
+"""The end of a step moves with the event that ends it, and the start of the next one with it.
+
+The time of an event depends on the parameters (event_times.py). The end of the last step gets the derivatives
+of this time, so the search for peaks ends at the event: a force that jumps there may have its largest value
+before the jump.
+"""
+
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE, pending_changes
+from chain_impact.kernel.events.segments import has_ended
+from chain_impact.kernel.ode.last_step import (
+    SOLVER,
+    delay_start,
+    ensure_dense,
+    ensure_points,
+    ensure_rate,
+    evaluate_start,
+    mark_jump,
+)
+from chain_impact.kernel.tangent.duals import carried, value, varies
+from chain_impact.kernel.tangent.event_times import (
+    delay_of_bend,
+    delay_of_crossing,
+    delay_of_saturation,
+    delay_of_segment,
+    lasted,
+)
+from chain_impact.kernel.tangent.friction import check_changes, delay_of_change
+from chain_impact.kernel.tangent.trust import check_onsets
+
+
+def move_end(t):
+    """Give the end of the last step the derivatives of the time of the event that ends the step.
+
+    The dense output belongs to the step with the old end. The time of an event at which a force only has a
+    kink affects a peak and the end of a contact, but not the motion.
+    """
+    for c in range(t.candidates):
+        if is_crossing(t, c):
+            prepare_end(t)
+            check_onsets(t)
+            move_along(t, delay_of_crossing(t, c, t.touch.event[c]))
+            return
+    if pending_changes(t) > 0:
+        prepare_end(t)
+        time = delay_of_change(t)
+        check_changes(t, time)
+        move_along(t, time)
+        return
+    # the event of a step without length follows from a jump at its start, and so has no delay of its own
+    if not lasted(t) > 0.0:
+        return
+    for c in range(t.candidates):
+        if t.touch.event[c] in (KINK, RELEASE):
+            prepare_end(t)
+            move_along(t, delay_of_bend(t, c, t.touch.event[c]))
+            return
+    if t.drive.event:
+        prepare_end(t)
+        move_along(t, delay_of_saturation(t))
+
+
+def move_to_segment(t):
+    """Give the end of the last step the derivatives of the end of a signal's segment, if it ends the step."""
+    delay = delay_of_segment(t)
+    if ends_with_segment(t) and varies(delay):
+        prepare_end(t)
+        move_along(t, delay)
+
+
+def is_crossing(t, c):
+    """Return whether candidate c has an event at the end of the last step whose time changes the motion."""
+    kind = t.touch.event[c]
+    # at the end of a regularized contact dt/ds = 0, so a delay in s, the step's variable, changes nothing
+    if kind == END:
+        return c != t.step.regularized
+    return kind == ONSET or (kind == RELATCH and lasted(t) > 0.0)
+
+
+def prepare_end(t):
+    """Compute rate and points at the end of the last step, and values from them, before the end moves."""
+    ensure_rate(t)
+    ensure_dense(t, SOLVER)
+    ensure_points(t)
+
+
+def move_along(t, time):
+    """Move the end of the last step along the motion by a ``time`` [s], a dual number of the value 0."""
+    y, rate = t.step.state_end, t.work.rate_end
+    for j in range(sundman_u_at(t.links)):
+        y[j] += value(rate[j]) * time
+    y[time_at(t.links)] += time
+    t.step.end += time
+    quadrature = t.quadrature
+    for k in range(quadrature.count):
+        quadrature.state_end[k] += value(quadrature.rate_end[k]) * time
+    mark_jump(t)
+
+
+def ends_at_limit(t):
+    """Return whether the last step ends with the end of a drive's mode, and with no other event."""
+    return t.drive.event != 0 and not ends_with_contact(t)
+
+
+def ends_with_segment(t):
+    """Return whether the last step ends where a segment of a signal ends, and with no other event."""
+    if t.drive.event != 0 or ends_with_contact(t):
+        return False
+    for j in range(t.signals):
+        if has_ended(t, j):
+            return True
+    return False
+
+
+def ends_with_contact(t):
+    """Return whether the last step ends with an event of a contact or of dry friction."""
+    for c in range(t.candidates):
+        if t.touch.event[c]:
+            return True
+    return pending_changes(t) > 0
+
+
+def fix_start(t):
+    """Move the state after an event along the motion to a start time that has no derivatives.
+
+    Otherwise the derivatives at a fixed time would have the error of the interpolant's slope times the
+    derivative of the event time, in all steps up to the next event. The search for peaks in the next step
+    begins at the event.
+    """
+    delay = t.step.start_delay + carried(0.0, 1.0, t.step.end)
+    mark_jump(t)
+    ensure_rate(t)
+    move_along(t, carried(0.0, -1.0, t.step.end))
+    delay_start(t, delay)
+    evaluate_start(t)
