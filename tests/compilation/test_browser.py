@@ -7,11 +7,10 @@ import pytest
 from chain_impact.compilation import browser, ready
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import browser_module
+from tests.helpers.scenes.law_texts import LAW, SINH
 from tests.tiers import needs_compilers
 
 SECTIONS = {"type": 1, "import": 2, "export": 7}
-LAW = "import math\n\n\ndef mine(penetration, stiffness, exponent):\n    return {}\n"
-SINH = LAW.format("stiffness * math.sinh(penetration) ** exponent")
 
 
 def number(content, at):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact.system import HOST
-from tests.fmu.test_platforms import ARM_LIBRARIES
 from tests.helpers.kernel.own_functions import NAMES, arguments, in_plain_python, lowered, program, run
+from tests.helpers.tools.binaries import ARM_LIBRARIES
 
 pytestmark = pytest.mark.full("takes long")
 MANY, SOME = 1_000_000, 50_000

@@ -19,13 +19,12 @@ from chain_impact.system import HOST, PLATFORMS
 from tests.fmu.interface import description, unpacked
 from tests.fmu.standard import co_simulation_functions
 from tests.fmu.zig import zig
-from tests.helpers.tools.binaries import binary, oldest_macos, signed_without_identity
+from tests.helpers.tools.binaries import ARM_LIBRARIES, binary, oldest_macos, signed_without_identity
 
 pytestmark = pytest.mark.full("takes long")
 
 HOST_PROGRAM = Path(__file__).with_name("host.c")
 HOST3_PROGRAM = Path(__file__).with_name("host3.c")
-ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")  # Debian's libc6-arm64-cross
 X86, ARM = {62, 0x8664, 0x1000007}, {183, 0x100000C}  # the processor in ELF, PE and Mach-O
 OF_THE_SYSTEM = {
     "linux64": r"lib[cm]\.so\.6",

@@ -10,7 +10,7 @@ from chain_impact import SceneError, build_fmu, simulate
 from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.scene import parse_scene
 from chain_impact.scene.signals import with_inputs
-from tests.simulation.test_signals import ARM, TIMES, TORQUE, with_table
+from tests.helpers.scenes.signal_arm import ARM, TIMES, TORQUE, with_table
 from tests.tiers import needs_compilers
 
 pytestmark = needs_compilers

@@ -10,8 +10,8 @@ from chain_impact.recording.view import framed, pin_mark, radius_of
 from chain_impact.scene.candidates import places
 from chain_impact.scene.signals import with_inputs
 from chain_impact.studies.animate import record_slowly
-from tests.compilation.test_browser import SINH
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
+from tests.helpers.scenes.law_texts import SINH
 from tests.helpers.scenes.stops import knee
 from tests.pages.conftest import bits, packed_module, page_contents
 from tests.tiers import needs_browser

@@ -15,7 +15,7 @@ from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.prepared import PreparedScene
 from tests.pages.conftest import page_contents
-from tests.pages.test_edit import BODIES, WRITTEN
+from tests.pages.scene_texts import BODIES, WRITTEN
 
 PAGE = """([kit, contents]) => {
   try {

@@ -1,6 +1,7 @@
 """Recordings for pictures, and the pictures."""
 
 import functools
+import itertools
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -9,10 +10,11 @@ from matplotlib.text import Text
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
 from chain_impact.pictures import figures
 from chain_impact.pictures.overview import fill
+from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.scene import model_names
-from tests.scenarios.test_models import inputs_of
+from tests.helpers.scenes.model_files import inputs_of
 
 WITHOUT_IMPACTS = {"shaken_pendulum", "simple_pendulum", "triple_pendulum"}
 _PAGES = {}
@@ -91,3 +93,30 @@ def texts(axes):
 def boxes(axes):
     """Return the rectangles of the texts inside the axes, in pixels."""
     return [Text.get_window_extent(text) for text in axes.texts]
+
+
+WIDTHS = [width / 25.4 for width in (84, 120, 190)]  # inches
+
+
+@styled()
+def told(page):
+    """Return all texts of a page, and the rectangles that the texts cover."""
+    page.draw_without_rendering()
+    hidden = {
+        id(text)
+        for axes in page.axes
+        for axis in (axes.xaxis, axes.yaxis)
+        for tick in {*axis.get_major_ticks(), *axis.get_minor_ticks()} - {*axis._update_ticks()}
+        for text in (tick.label1, tick.label2)
+    }
+    texts = [text for text in page.findobj(Text) if text.get_visible() and id(text) not in hidden]
+    return [(text.get_text(), Text.get_window_extent(text)) for text in texts if text.get_text().strip()]
+
+
+def check_texts(page):
+    """Check that no text is outside the page, or over another text."""
+    texts = told(page)
+    for text, box in texts:
+        assert min(box.x0, box.y0, page.bbox.x1 - box.x1, page.bbox.y1 - box.y1) > -0.5, text
+    for (one, box), (other, another) in itertools.combinations(texts, 2):
+        assert not box.padded(-0.5).overlaps(another), (one, other)

@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from chain_impact import compare, simulate
 from chain_impact.recording.course import course_of
 from tests.helpers.scenes.problems import driven
-from tests.pictures.pictures import recorded
-from tests.pictures.test_overview import WIDTHS, check_texts
+from tests.pictures.pictures import WIDTHS, check_texts, recorded
 
 
 def test_the_loop_encloses_the_lost_energy_and_has_the_peak_of_the_list():

@@ -20,11 +20,21 @@ from chain_impact.pictures.overview import BESIDE, broadness
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.models import model_names
-from tests.pictures.pictures import MODELS, boxes, crowd, drawn, hit, recorded, swing, write
+from tests.pictures.pictures import (
+    MODELS,
+    WIDTHS,
+    boxes,
+    check_texts,
+    crowd,
+    drawn,
+    hit,
+    recorded,
+    swing,
+    write,
+)
 
 BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
 PICTURES = [*MODELS, "sixty impacts"]
-WIDTHS = [width / 25.4 for width in (84, 120, 190)]  # inches
 COLOURS = 10  # maximal number of distinguishable colours
 
 
@@ -150,30 +160,6 @@ def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
         shade = strip.cmap(strip.norm(strip.get_array()[0, round(time / 2.0 * 255)]))
         np.testing.assert_allclose(path.get_colors()[row], shade, atol=0.02)
     assert strip.get_extent() == [0.0, 2.0, 0, 1]
-
-
-@styled()
-def told(page):
-    """Return all texts of a page, and the rectangles that the texts cover."""
-    page.draw_without_rendering()
-    hidden = {
-        id(text)
-        for axes in page.axes
-        for axis in (axes.xaxis, axes.yaxis)
-        for tick in {*axis.get_major_ticks(), *axis.get_minor_ticks()} - {*axis._update_ticks()}
-        for text in (tick.label1, tick.label2)
-    }
-    texts = [text for text in page.findobj(Text) if text.get_visible() and id(text) not in hidden]
-    return [(text.get_text(), Text.get_window_extent(text)) for text in texts if text.get_text().strip()]
-
-
-def check_texts(page):
-    """Check that no text is outside the page, or over another text."""
-    texts = told(page)
-    for text, box in texts:
-        assert min(box.x0, box.y0, page.bbox.x1 - box.x1, page.bbox.y1 - box.y1) > -0.5, text
-    for (one, box), (other, another) in itertools.combinations(texts, 2):
-        assert not box.padded(-0.5).overlaps(another), (one, other)
 
 
 def check_rules(page):

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from chain_impact import load_scene
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
-from tests.scenarios.test_grazes import FAR, instance, run, set_motion
+from tests.scenarios.grazes import FAR, instance, run, set_motion
 
 pytestmark = pytest.mark.full("takes long, and needs python-flint")
 

@@ -10,7 +10,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
 from chain_impact.variables.prepared import PreparedScene
-from tests.scenarios.test_models import table
+from tests.helpers.scenes.model_files import table
 from tests.tiers import needs_interop
 
 MODEL = "controlled_arm"

@@ -7,7 +7,6 @@ tests/scenarios/test_driven_models.py has independent models for moving bases an
 """
 
 import csv
-import functools
 import subprocess
 import sys
 import tempfile
@@ -21,6 +20,7 @@ from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SCENE_FILE, model_names
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.derivative_scenes import Case, exact as kept_motion
+from tests.helpers.scenes.model_files import CO_SIMULATED, inputs_of, reference
 
 DOCS = Path(__file__).parents[2] / "docs" / "models"
 STEP = 0.02  # s, between two rows of a reference
@@ -90,11 +90,6 @@ REGRESSION_ERROR = {
 }
 
 
-CO_SIMULATED = {
-    "controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"},
-    "carried_arm": {"carriage.py", "co_simulation.py"},
-    "cart_pole": {"balancer.py", "co_simulation.py"},
-}
 BODIES = {
     "cart_pole",
     "hopper",
@@ -110,28 +105,6 @@ def compute_reference(model):
     scene, inputs, step = load_scene(model), inputs_of(model), STEPS.get(model, STEP)
     found = simulate(scene, output_step=step, tolerance=1e-12, method="explicit", inputs=inputs)
     return Recording(found.name, found.time, found.motion)
-
-
-@functools.cache
-def table(model, file):
-    """Return the columns and the time of a model's file."""
-    with (models_folder() / model / file).open(newline="") as lines:
-        names, *rows = csv.reader(lines)
-    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
-    return columns.pop("time"), columns
-
-
-def reference(model):
-    """Return the columns of the stored reference, and its time."""
-    return table(model, "reference.csv")
-
-
-def inputs_of(model):
-    """Return the inputs of a model, in the form that ``simulate`` takes."""
-    if "inputs.csv" not in CO_SIMULATED.get(model, ()):
-        return {}
-    time, columns = table(model, "inputs.csv")
-    return {name: (time, values) for name, values in columns.items()}
 
 
 def coordinates(columns, links):

@@ -11,9 +11,9 @@ from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
 from chain_impact.scene.scene import SceneError, scene_from_dict
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.kernel_calls import initialize
+from tests.helpers.models.lagrange import lagrange_accelerations
 from tests.helpers.models.reference import balance
 from tests.helpers.scenes.problems import GRAVITY
-from tests.kernel.chain.test_recursion import lagrange_accelerations
 
 
 def bob(length, mass, **more):

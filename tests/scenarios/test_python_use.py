@@ -11,7 +11,7 @@ import pytest
 import chain_impact
 from chain_impact import Chain, SceneError, load_scene, record_slowly, simulate
 from tests.helpers.tools.refusal import refusal
-from tests.scene.test_scene_text import is_short
+from tests.helpers.tools.reprs import is_short
 
 
 def test_help_shows_no_address_and_tab_completion_the_public_names_only():

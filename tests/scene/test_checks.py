@@ -21,7 +21,7 @@ from chain_impact.scene.scene import (
 )
 from tests.helpers.scenes.problems import of_law
 from tests.helpers.tools.refusal import refusal
-from tests.scene.test_stops import FILE
+from tests.scene.finger import FINGER
 
 
 def refused(*changes) -> str:
@@ -50,7 +50,7 @@ def change(text):
 
 
 def test_what_is_refused_and_by_which_words():
-    scenes, wrong = {"finger": parse_scene(FILE, "finger.toml")}, []
+    scenes, wrong = {"finger": parse_scene(FINGER, "finger.toml")}, []
     for name, changes, message in table():
         scene = scenes.setdefault(name, scenes.get(name) or load_scene(name))
         found = refusal(with_values, scene, changes)

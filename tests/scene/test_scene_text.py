@@ -3,13 +3,7 @@
 from chain_impact import Scene, load_scene, model_names
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.stops import knee
-
-LINES, COLUMNS = 8, 120  # the largest size of a repr
-
-
-def is_short(text):
-    lines = text.splitlines()
-    return len(lines) <= LINES and max(map(len, lines)) <= COLUMNS
+from tests.helpers.tools.reprs import is_short
 
 
 def test_the_repr_of_a_scene_is_some_short_lines():

@@ -15,7 +15,7 @@ from jsonschema import Draft7Validator
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SCENE_FILE, load_scene, model_names, scene_from_dict, scene_to_dict
-from tests.scene.test_reading import scene_dicts
+from tests.scene.scene_files import scene_dicts
 
 ROOT = Path(__file__).parents[2]
 FILE = ROOT / "docs" / "scene.schema.json"

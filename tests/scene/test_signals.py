@@ -10,8 +10,8 @@ from chain_impact import SceneError, SceneWarning, load_scene, simulate
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.prepared import PreparedScene
+from tests.helpers.scenes.signal_arm import ARM
 from tests.helpers.tools.refusal import refusal
-from tests.simulation.test_signals import ARM
 
 SINE = 'form = "sine"\namplitude = 0.01\nfrequency = 5.0\n'
 RAMP = 'form = "ramp"\nfinal = 0.1\nduration = 0.2\n'

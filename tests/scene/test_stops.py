@@ -11,42 +11,19 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.checks import hints
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict, with_values
 from tests.helpers.tools.refusal import refusal
-
-FILE = """
-name = "Finger"
-chain.base = "pinned"
-initial.angles = [0.0, "45 deg"]
-[[chain.links]]
-length = 0.1
-mass = 0.2
-joint_min = "-90 deg"
-[[chain.links]]
-length = 0.1
-mass = 0.2
-joint_min = 0.0
-joint_max = 2.0
-[box]
-x_max = 1.0
-y_max = 0.5
-[contact]
-exponent = 2
-[contact.wall.y_max]
-restitution = 0.25
-[stops]
-stiffness = 500
-"""
+from tests.scene.finger import FINGER
 
 
 def finger(**changes):
     """Return the scene with the tables of the file changed."""
-    data = tomllib.loads(FILE)
+    data = tomllib.loads(FINGER)
     for table, keys in changes.items():
         data[table] = data.get(table, {}) | keys
     return scene_from_dict(data, "finger.toml")
 
 
 def test_keys_and_their_defaults():
-    scene = parse_scene(FILE, "finger.toml")
+    scene = parse_scene(FINGER, "finger.toml")
     assert [link.joint_min for link in scene.chain.links] == [-math.pi / 2, 0.0]
     assert [link.joint_max for link in scene.chain.links] == [None, 2.0]
     assert scene.chain.stops == ((1, "joint_min"), (2, "joint_min"), (2, "joint_max"))

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import SceneError, with_values
-from tests.simulation.test_inputs import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
+from tests.simulation.driven_arm import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
 
 DRAWN = iter(np.random.default_rng(1).uniform, None)
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)

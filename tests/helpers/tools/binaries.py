@@ -140,3 +140,6 @@ def _macho(data: bytes) -> Binary:
                         _text(data, texts + name).removeprefix("_")
                     )
     return found
+
+
+ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")  # Debian's libc6-arm64-cross

@@ -7,10 +7,7 @@ import pytest
 from chain_impact.kernel.chain.elimination import accelerations, arms
 from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.response import FREE, HELD, factorize, no_impedance, solve, take_factors
-from chain_impact.kernel.forces.inputs import apply_inputs
-from chain_impact.kernel.initialize import derive_chain, derive_resistance
 from chain_impact.scene.scene import scene_from_dict
-from tests.helpers.kernel.plain import record_of
 from tests.helpers.models.reference import (
     generalized_force,
     mass_matrix,
@@ -19,27 +16,8 @@ from tests.helpers.models.reference import (
     set_impedances,
     set_vectors,
 )
-from tests.kernel.chains import chain, random_links, random_state, relative_motion, stopped_chain
-
-
-def random_chain(rng, count, base, largest):
-    """Return an asymmetric chain with dampings over many orders of magnitude, some of them zero."""
-    links = random_links(rng, count)
-    for link in links:
-        link["joint_damping"] = largest * 10.0 ** -rng.uniform(0.0, 6.0) * (rng.random() < 0.8)
-    links[0]["joint_damping"] *= base == "pinned"
-    table = {"name": "Damped", "chain": {"base": base, "links": links}, "contact": {"points": []}}
-    return scene_from_dict(table | {"initial": {"angles": [0.0] * count}}, "damped")
-
-
-def prepared(scene, angles):
-    """Return the record of a chain, as plain Python takes it, with its link vectors."""
-    d = record_of(scene)
-    derive_chain(d)
-    apply_inputs(d)
-    derive_resistance(d)
-    link_vectors(d, np.array([0.0, 0.0, *angles]))
-    return d
+from tests.kernel.chain.damped import prepared, random_chain
+from tests.kernel.chains import chain, random_state, relative_motion, stopped_chain
 
 
 def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):

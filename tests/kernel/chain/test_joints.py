@@ -15,7 +15,7 @@ from chain_impact.kernel.chain.joints import (
 )
 from chain_impact.scene.scene import with_values
 from tests.helpers.models.reference import mass_matrix
-from tests.kernel.chain.test_elimination import prepared, random_chain
+from tests.kernel.chain.damped import prepared, random_chain
 from tests.kernel.chains import chain, random_state, relative_motion
 
 CASES = [(base, count) for base in ("free", "pinned") for count in (1, 2, 5)]

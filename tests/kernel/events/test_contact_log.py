@@ -20,7 +20,7 @@ from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.scenes.problems import GRAVITY, build
 from tests.kernel.chains import located, stopped_chain, stops_of
-from tests.kernel.events.test_sampled import DEEP, falling
+from tests.kernel.events.motions import DEEP, falling
 from tests.kernel.steps import held_tip, let_push, points_of
 
 STIFFNESS = 1e8

@@ -19,7 +19,7 @@ from chain_impact.kernel.events.search import (
 from chain_impact.kernel.ode.control import IMPLICIT, accepted, conclude
 from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
 from tests.kernel.chains import chain, located, touch
-from tests.kernel.events.test_crossing import moving
+from tests.kernel.events.motions import moving
 from tests.kernel.steps import gaps_of, points_of, set_step, translation, wall_at, walls_away
 
 

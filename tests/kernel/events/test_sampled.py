@@ -19,7 +19,7 @@ from chain_impact.kernel.events.marks import (
     RELATCH,
     RELEASE,
 )
-from chain_impact.kernel.forces.contact import begin_contact, kink_height, set_kink_sides
+from chain_impact.kernel.forces.contact import kink_height
 from chain_impact.kernel.forces.contact_force import elastic_force
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.control import accepted
@@ -27,31 +27,10 @@ from chain_impact.kernel.status import OK
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain
 from tests.helpers.scenes.problems import of_law, struck_ball
-from tests.kernel.chains import chain, touch
-from tests.kernel.forces.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
-from tests.kernel.steps import held_tip, set_step, translation, wall_at, walls_away
-
-FLOOR = 2  # the number of the wall y_min
-DEEP = 0.3  # m, at the start
-
-
-def falling(height, law="jankowski", size=1.0, touching=(1,)):
-    """Return contacts of a chain that moves to and from the floor without rotation: δ = DEEP − height(t)."""
-    _, d = chain(np.random.default_rng(0), 2, **of_law(law), stiffness=4.0, restitution=0.5)
-    motion = translation(d, [0.3, 0.1], height)
-    walls_away(d)
-    assert all(d.candidate.wall[c] == FLOOR for c in touching)
-    for c in touching:
-        wall_at(d, c, motion.at(0.0), -DEEP)
-    locate_points(d, motion.at(0.0))
-    touch(d, touching)
-    for c in touching:
-        begin_contact(d, c)
-    d.touch.kink_margin[:] = 0.0
-    set_kink_sides(d)
-    set_step(d, motion, size, start=2.0)
-    return d, motion
-
+from tests.kernel.chains import chain
+from tests.kernel.events.motions import DEEP, falling
+from tests.kernel.forces.free_impact import MASS, SPEED, STIFFNESS, scaled_impact
+from tests.kernel.steps import held_tip
 
 STEP = SimpleNamespace(step=SimpleNamespace(size=10.0))
 

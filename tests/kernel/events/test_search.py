@@ -27,8 +27,7 @@ from tests.helpers.scenes.problems import (
     swinging_rod,
 )
 from tests.kernel.chains import chain
-from tests.kernel.events.test_crossing import first_fall, moving
-from tests.kernel.events.test_sampled import falling
+from tests.kernel.events.motions import falling, first_fall, moving
 from tests.kernel.steps import held_tip, set_step, wall_at
 
 RESOLUTION = 1e-12  # s

@@ -12,14 +12,13 @@ from chain_impact.kernel.forces import contact_force as forces, contact_law, law
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
 from tests.helpers.kernel.plain import record_of
-from tests.helpers.models.reference import rebound
 from tests.helpers.scenes.problems import ball, of_law, struck_ball
+from tests.kernel.forces.free_impact import MASS, SPEED, STIFFNESS, scaled_impact
 
 FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
 LAWS = pytest.mark.parametrize("law", FORCES, ids=lambda law: law.id)
 FACTOR = functools.cache(laws.damping_factor)  # the factor of Kuwabara and Kono needs a numerical integration
 OTHERS = pytest.mark.parametrize("law", [law for law in FORCES if not law.in_family], ids=lambda law: law.id)
-MASS, SPEED, STIFFNESS = 2.0, 1.5, 1e7
 DEPTHS, RATES = np.geomspace(1e-18, 1.0, 10), np.array([-1e9, -30.0, -1.0, -1e-9, 0.0, 1e-9, 1.0, 30.0])
 
 
@@ -42,20 +41,6 @@ def slopes_of(d, depth, rate):
     """Return the slopes of the contact force on the side of the kink of this penetration and rate."""
     d.touch.beyond_kink[0] = forces.height_over_kink(d, 0, depth, rate) < 0.0
     return forces.law_slopes(d, 0, depth, rate)
-
-
-def scaled_impact(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS):
-    """Return restitution, depth [m] and force [N] of a law's impact, by integration without the kernel.
-
-    With the length L = (m v²/K)^{1/(n+1)} and the time L/v, m δ̈ = −K δⁿ − d δᵖ δ̇ is the equation of
-    ``rebound`` with f = d Lᵖ⁺¹/(m v).
-    """
-    length = (mass * speed**2 / stiffness) ** (1 / (law.exponent + 1))
-    factor, s = law.damping_factor(e), law.mass_power
-    damping = factor * stiffness ** (1 - s) * mass**s
-    scaled = damping * length ** (law.rate_exponent + 1) / (mass * speed)
-    unit = rebound(law.exponent, law.rate_exponent, scaled, law.approach_only)
-    return unit.restitution, unit.depth * length, unit.force * mass * speed**2 / length
 
 
 def impact_of(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS, **settings):

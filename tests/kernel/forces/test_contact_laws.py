@@ -13,12 +13,10 @@ from chain_impact.kernel.status import OK, RESTITUTION_NOT_ALLOWED
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.kernel_calls import initialize
-from tests.helpers.models.complex_laws import FAMILY as OF_FAMILY, WITH_MASS
 from tests.helpers.models.reference import exact_damping_factor, realised_restitution, rebound
 from tests.helpers.scenes.problems import ball
+from tests.kernel.forces.factors import FACTORS
 
-# f(e) as quoted in reviews (sources: the registry), in the order of the FMU's enumeration
-FACTORS = OF_FAMILY | {name: factor for name, (factor, *_) in WITH_MASS.items()}
 WITH_FORCE = [law for law in CONTACT_LAWS.values() if not law.impulsive]
 LAWS = pytest.mark.parametrize("law", WITH_FORCE, ids=[law.id for law in WITH_FORCE])
 FAMILY = [law for law in WITH_FORCE if law.in_family]

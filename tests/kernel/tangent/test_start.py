@@ -17,7 +17,7 @@ from tests.helpers.models.complex_laws import TINY
 from tests.helpers.scenes.derivative_scenes import Case
 from tests.helpers.scenes.problems import ball, of_law
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
-from tests.kernel.forces.test_contact_laws import FACTORS
+from tests.kernel.forces.factors import FACTORS
 from tests.kernel.tangent.dual import random_duals, started
 
 

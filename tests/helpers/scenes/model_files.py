@@ -1,0 +1,36 @@
+"""Tables in the folders of models: inputs and reference results."""
+
+import csv
+import functools
+
+import numpy as np
+
+from chain_impact.scene.models import models_folder
+
+CO_SIMULATED = {
+    "controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"},
+    "carried_arm": {"carriage.py", "co_simulation.py"},
+    "cart_pole": {"balancer.py", "co_simulation.py"},
+}
+
+
+@functools.cache
+def table(model, file):
+    """Return the columns and the time of a model's file."""
+    with (models_folder() / model / file).open(newline="") as lines:
+        names, *rows = csv.reader(lines)
+    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    return columns.pop("time"), columns
+
+
+def reference(model):
+    """Return the columns of the stored reference, and its time."""
+    return table(model, "reference.csv")
+
+
+def inputs_of(model):
+    """Return the inputs of a model, in the form that ``simulate`` takes."""
+    if "inputs.csv" not in CO_SIMULATED.get(model, ()):
+        return {}
+    time, columns = table(model, "inputs.csv")
+    return {name: (time, values) for name, values in columns.items()}

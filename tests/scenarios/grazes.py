@@ -1,0 +1,50 @@
+"""A rod whose tip comes near a wall above it, in motions in closed form."""
+
+import math
+
+import numpy as np
+
+from chain_impact.kernel.status import OK
+from chain_impact.simulation.instance import Instance
+from tests.helpers.scenes.problems import build, contact_table
+
+FAR = 100.0  # m, a wall out of reach
+
+
+def instance(law):
+    """Return a free rod whose tip may touch a wall above it."""
+    table = contact_table(points=[1], model=law)
+    start = {"position": [0.0, 0.0], "angles": [0.5]}
+    return Instance(build("Graze", [{"length": 1.0, "mass": 1.0}], start, {"y_max": FAR}, table))
+
+
+def set_motion(record, random, motion):
+    """Draw a motion for a rod; return the time [s] of its tip's maximal height, and this height [m]."""
+    length, speed = random.uniform(0.3, 2.0), random.uniform(1.0, 9.0)
+    gravity, spin = (random.uniform(1.0, 20.0), 0.0) if motion == "thrown" else (0.0, speed)
+    angle, drift = random.uniform(-1.4, 1.2), random.uniform(-3.0, 3.0)
+    middle = 0.5 * length * np.array([math.cos(angle), math.sin(angle)])
+    if motion == "thrown":
+        # without rotation the tip follows a parabola
+        velocity, top = [drift, speed], speed / gravity
+        height = length * math.sin(angle) + 0.5 * speed * top
+    else:
+        # the rod rotates about its middle, which moves along the wall
+        velocity, top = [drift + spin * middle[1], -spin * middle[0]], (0.5 * math.pi - angle) / spin
+        height = middle[1] + 0.5 * length
+    mass = random.uniform(0.1, 3.0)
+    record["model"]["gravity"] = 0.0, -gravity
+    record["model"]["length"], record["model"]["mass"] = length, mass
+    record["initial"]["velocity"], record["initial"]["angular_velocity"] = velocity, spin
+    record["initial"]["angle"] = angle
+    record["solver"]["tolerance"] = 10.0 ** random.uniform(-12.0, -3.0)
+    return top, height
+
+
+def run(rod, wall, time):
+    """Run to a time [s] with the wall at a height [m]; return how high the tip is [m], and its hits."""
+    rod.record["model"]["wall"][3] = wall
+    rod.initialize()
+    assert rod.advance(time) == OK
+    rod.observe()
+    return float(rod.record["output"]["point_position"][1, 1]), int(rod.record["impact"]["count"])
