@@ -1,6 +1,7 @@
 """The order of the tests, and fixtures of many tests: the command line in an empty folder, and an FMU."""
 
 import filecmp
+import gc
 import math
 import os
 import shutil
@@ -77,6 +78,17 @@ def check_sources(sources, installed):
             f"{sorted(changed + missing)[0]} is not the file that is installed in {installed}; "
             "repeat the installation, or install with pip's option -e"
         )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Collect without the collector of garbage, which later ignores the many objects made here."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.hookimpl(wrapper=True)
