@@ -165,6 +165,12 @@ def test_the_order_and_the_tiers_of_the_tests_name_files_that_exist():
     assert {*itertools.chain(*IMPORTING.values())} - names == set()
 
 
+def test_no_file_of_tests_imports_from_another():
+    files = [*(ROOT / "tests").rglob("test_*.py")]
+    found = {file.name: [m for m in imported(file) if re.search(r"\btest_\w+$", m)] for file in files}
+    assert {name: modules for name, modules in found.items() if modules} == {}
+
+
 HELPERS = ROOT / "tests" / "helpers"
 
 

@@ -2,6 +2,7 @@
 
 Chains:
 - ``textbook``: an assembled mass matrix, no recursion; ``driven_chain`` adds drives in the joints
+- ``lagrange``: Lagrange's equations by SymPy, for a few links
 - ``derivatives``: motions through impacts and their derivatives, by complex step, of the chain that
   ``chain_model``, ``chain_parts``, ``chain_friction`` and ``complex_laws`` describe
 - ``body_model``: the same with offsets of centres of mass, points of links, and sliders

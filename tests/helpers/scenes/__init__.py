@@ -6,5 +6,7 @@
 - ``derivative_scenes``, ``friction_derivative_scenes``: scenes whose derivatives are known
 - ``derived_scenes``: a scene with all values that can be derived
 - ``variable_scenes``: scenes with all kinds of FMU variables
+- ``signal_arm``: an arm with signals; ``law_texts``: files of contact laws
+- ``model_files``: tables in the folders of models
 - ``turned``: any scene, mirrored or rotated
 """

@@ -4,7 +4,7 @@
   task for the docs
 - ``shared``: files that all workers of a session share
 - ``binaries``: symbols and libraries of a shared library; ``registers``: floating-point registers
-- ``page_data``: the data inside a page; ``refusal``: the message of an error
+- ``page_data``: the data inside a page; ``refusal``: the message of an error; ``reprs``: the size of a repr
 - ``measurements``: results with noise, as measurements for fits
 - ``cpu_profile``: a plug-in for pytest that prints CPU seconds of each test
 """
