@@ -8,7 +8,7 @@ from collections.abc import Callable
 Progress = Callable[[float], None]
 """A callback that gets the finished fraction, from 0 to 1."""
 log = logging.getLogger("chain_impact")
-"""The logger: level INFO for work that takes seconds, DEBUG for the steps in between."""
+"""The logger: level INFO for work that takes seconds, DEBUG for the steps of this work."""
 log.addHandler(logging.NullHandler())
 
 

@@ -50,11 +50,14 @@ PLATFORMS = {
     "aarch64-linux": Platform("Linux", "aarch64", ".so", "aarch64-linux"),
     "aarch64-darwin": Platform("Darwin", "arm64", ".dylib", "aarch64-darwin"),
 }
-"""All platforms. FMI 2.0 names the first three, FMI 3.0 the others."""
+"""All platforms, by name: the first three names are from FMI 2.0, the others from FMI 3.0."""
 
 
 def _host(system: str, machine: str, word: int) -> str:
-    """Return the platform of a Python with addresses of ``word`` bytes; "" if no kernels exist for it."""
+    """Return the key in ``PLATFORMS`` of a system and a processor.
+
+    Returns "" if there is none, or if addresses, of ``word`` bytes, are not of 64 bits.
+    """
     names = (name for name, host in PLATFORMS.items() if (host.system, host.machine) == (system, machine))
     return next(names, "") if word == struct.calcsize("q") else ""
 
@@ -65,7 +68,7 @@ def _machine() -> str:
 
 
 HOST = _host(SYSTEM, _machine(), struct.calcsize("P"))
-"""The platform on which this Python runs; "" if no kernels exist for it."""
+"""The name of the platform on which this Python runs; "" if no kernels exist for it."""
 
 
 def nowhere() -> str:
@@ -127,13 +130,12 @@ def remove_lock(lock: Any) -> None:
 
 @contextmanager
 def removal() -> Iterator[None]:
-    """Turn an error of a removal into an explanation: Windows keeps each library that a program has loaded.
+    """Explain why files cannot be removed: Windows keeps a library that a program has loaded.
 
-    On other systems a loaded library stays valid until the program ends. A kernel file is never replaced by
-    another kernel, because the names of its folder and its file identify all of its contents.
+    On other systems such a file is removed, and the program still has the library until it ends.
 
     Raises:
-        PermissionError: with a remedy.
+        PermissionError: when a file cannot be removed; on Windows with a remedy.
     """
     try:
         yield
@@ -175,7 +177,10 @@ def quoted(word: str) -> str:
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Yield a path to write to; the written file appears at ``path`` when it is complete, or not at all."""
+    """Yield a path to write to; the written file appears at ``path`` when it is complete, or not at all.
+
+    If ``path`` is a link, a device or another thing that is no file, it is written to directly.
+    """
     try:
         if path.is_symlink() or (path.exists() and not path.is_file()):
             yield path  # /dev/stdout and similar files cannot be replaced, so write to them directly

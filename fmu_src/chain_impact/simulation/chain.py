@@ -29,8 +29,8 @@ from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
-# layout of a saved state's head: magic number, CRC-32 of the rest, digest of the scene, whether the chain has
-# started, numbers of contacts and of changes
+# layout of a saved state's head: magic number, CRC-32 of what follows, digest of the scene, whether the chain
+# has made a step, numbers of contacts and of changes between sticking and sliding
 STATE = struct.Struct("<8sQ16sqqq")
 CHECKED_FROM = 16
 MAGIC = b"chainsv2"
@@ -84,7 +84,7 @@ class Chain:
 
         Args:
             scene: a scene, or an argument of ``load_scene``. The chain has the inputs that the scene asks for
-                with the keys ``inputs.tip_force``, ``joint_torques``, ``joint_targets``.
+                in its table ``inputs``.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -191,6 +191,7 @@ class Chain:
         Raises:
             UnknownNameError: when no variable has one of the names.
             SceneError: when a name is an output, and the run cannot continue with the values that were set.
+            SimulationError: when the scene cannot start with the values that were set.
         """
         key = names if isinstance(names, str) else tuple(names)
         selection = self._selections.get(key) or self._select(key)
@@ -318,7 +319,7 @@ class Chain:
         return selection
 
     def _checked(self, name: str, value: Any) -> tuple[_Access, float]:
-        """Return where a variable is stored, and the checked value."""
+        """Return where a variable is stored, and the checked value as a number; refuse other values."""
         access = self._accesses.get(name)
         if access is None:
             raise UnknownNameError(self.scene.name, name, self._accesses, "no variable", self._hint(name))
@@ -338,7 +339,7 @@ class Chain:
         return access, number
 
     def _hint(self, name: str) -> str | None:
-        """Return a hint: the key of the scene that makes an input, or a parameter of friction, exist."""
+        """Return a hint: what in the scene would make an absent variable exist; else None."""
         key = input_key(name)
         if key is None or (key != "wall_motion" and getattr(self.scene.inputs, key)):
             return absent_hint(name) or fixed_hint(self.scene, name)

@@ -128,7 +128,7 @@ class DifferentiatedInstance(Instance):
         return tangents
 
     def collect(self) -> np.ndarray:
-        """Collect the finished contacts and their derivatives from the log."""
+        """Return the contacts that have ended since the last call, and keep their derivatives."""
         slots = self._ended % self._log_at.room
         rows = super().collect()
         if len(rows):
@@ -156,7 +156,8 @@ class DifferentiatedInstance(Instance):
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
         """Store the derivatives of the impacts in ``rows``, which are at some slots of the log.
 
-        The derivatives of an impact that is not ``valid`` are NaN.
+        Derivatives are NaN for an impact that is not ``valid``, for a value that is not finite, and for a
+        value that is known only after the time from which on derivatives cannot be trusted.
         """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
@@ -256,7 +257,7 @@ class DifferentiatedRun:
         self._instance = DifferentiatedInstance(self._prepared, varied)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
-        """Run with some values of the parameters.
+        """Run from the start with some values of the parameters; all results are NaN if this start fails.
 
         Args:
             values: the values of the parameters, shape (P,). The value for an input with a signal is not

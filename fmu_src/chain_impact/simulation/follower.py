@@ -34,7 +34,7 @@ FAR = 2
 # calls
 TOGETHER = 4
 PATIENCE = 32  # if fits of a length have failed, the length is tried again after at most this many pieces
-NOISE = 4  # after this many successive pieces with jumps, a function counts as smooth nowhere
+NOISE = 4  # if more successive parts than this are too short to fit, a function counts as smooth nowhere
 # calls for a piece shorter than this, relative to the length of the run, count against the limit CALLS
 FINE = 1 / 65536
 CALLS = 15_000  # the largest number of calls in a run for short pieces, jumps and kinks; more raise an error
@@ -244,7 +244,7 @@ class Follower:
         """Return the last time [s] with values of the left piece, and the first with values of the right.
 
         The search ends when the two times are closer than ``until``, or earlier if a value belongs to neither
-        piece.
+        piece. If a value belongs to both pieces, its time is returned twice.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
@@ -263,7 +263,7 @@ class Follower:
         return before, after
 
     def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
-        """Return the values of the functions at some times [s]; the number of additional calls is limited."""
+        """Return the values of the functions at some times [s]; ``costly`` calls count against ``CALLS``."""
         if costly:
             self._calls_left -= len(times)
             if self._calls_left < 0:

@@ -38,7 +38,8 @@ Given = Mapping[str, Signal] | Source
 Interpolation = Literal["follow", "hold", "linear"]
 """How an input acts between its samples, or between the calls of its function: see ``simulate``."""
 INTERPOLATIONS = ("follow", "hold", "linear")
-# the allowed error of an input that is followed, relative to its largest value and the solver's tolerance
+# the allowed error of an input that is followed, relative to its largest value, is FINER times the solver's
+# tolerance
 FINER = 1e-3
 # the largest distance between a sample and a communication point that count as one time, relative to the stop
 # time
@@ -220,7 +221,7 @@ def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
 
 
 def _hint(prepared: PreparedScene, name: Any) -> str:
-    """Return a hint: how to get an input with this name, or which inputs exist."""
+    """Return a hint for a name that is no input: what drives or makes it, or which inputs exist."""
     if name in prepared.driven:
         return f"signal.{prepared.driven[name]} drives it"
     other = not isinstance(name, str) or name.startswith(("joint", "tip"))
@@ -259,7 +260,10 @@ def _with_functions(
     held: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Return pieces of all signals: polynomials that follow the functions, and the samples in ``held``."""
+    """Return pieces of all signals: polynomials that follow the functions, and the samples in ``held``.
+
+    ``errors`` are the accuracy and the round-off of times for ``Follower``, each of shape (M,).
+    """
     names = list(functions)
 
     def called(times: np.ndarray) -> np.ndarray:

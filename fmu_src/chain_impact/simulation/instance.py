@@ -40,7 +40,7 @@ class SimulationError(RuntimeError):
         time: the time at which the solver stopped [s].
         place: the place of the reason in words, such as a point and a wall; "" if the reason has no single
             place.
-        result: the ``Result`` up to this time.
+        result: the ``Result`` up to this time; None if the scene cannot start, and for a ``Chain``.
     """
 
     def __init__(self, status: int, time: float, result: Result | None, place: str = "") -> None:
@@ -245,7 +245,7 @@ class Instance:
         return done, impacts
 
     def collect(self) -> np.ndarray:
-        """Collect the finished contacts from the log, and add the changes of dry friction to ``changes``."""
+        """Return the contacts that have ended since the last call; append new changes to ``changes``."""
         at, numbers = self._log_at, self._integers
         if numbers[at.changes]:
             self.changes.append(self._take_changes())
@@ -270,7 +270,7 @@ class Instance:
         return np.concatenate([np.zeros(0, CHANGE_DTYPE), *self.changes])
 
     def _take_changes(self) -> np.ndarray:
-        """Collect the changes between sticking and sliding from the log."""
+        """Return the changes between sticking and sliding in the log, and empty the log."""
         log = self.record["changes"]
         count, room = int(log["count"]), len(log["time"])
         # the log has limited room: the oldest changes are lost if they were not collected before it was full
@@ -296,7 +296,7 @@ class Instance:
         return np.arange(ended, ended + self._integers.item(self._log_at.active))
 
     def _impacts(self, numbers: np.ndarray) -> np.ndarray:
-        """Return the contacts with some numbers; impulses and forces in joints that are unknown are NaN."""
+        """Return the contacts with some numbers; impulses and joint forces that are not computed are NaN."""
         if not len(numbers):
             return NO_CONTACTS
         at, columns = self._log_at, len(LOG_DTYPE.names or ())

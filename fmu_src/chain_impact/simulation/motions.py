@@ -27,8 +27,8 @@ ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
 # relative to the largest value of a channel. The limits are large because the time of a kink, and so the
 # speed at the kink, is known only up to the square root of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
-# a given speed contradicts the position if it differs by more than this from the position's derivative,
-# relative to the largest speed
+# a given velocity, acceleration or start contradicts the motion if it differs from the motion's value by more
+# than this, relative to the larger one
 CONTRADICTS = 1e-3
 ROUND_OFF = 1e-12  # of a position at the start, relative to the largest position
 
@@ -50,7 +50,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Channel:
-    """One motion of the base or a wall, and the names of the inputs that give it.
+    """One motion of the base, a wall or a belt, and the names of the inputs that give it.
 
     Attributes:
         position: name of the input for the position; "" for a belt, which has no position.
@@ -80,6 +80,8 @@ def motion_of(
 ) -> Motion:
     """Return the motion of a channel: from its position if given, else from its velocity or acceleration.
 
+    If no input gives the motion, the channel stays at its start.
+
     Args:
         channel: the channel.
         signals: name of an input → number, function, or samples (times, values).
@@ -101,14 +103,17 @@ def motion_of(
 
 
 def _joined(*, lines: bool, belt: bool) -> str:
-    """Return the function that joins samples."""
+    """Return how samples are joined, for ``as_function``: "lines", "held" or "spline"."""
     return "lines" if lines else "held" if belt else "spline"
 
 
 def as_function(
     name: str, signal: Any, called: Callable[[str, float], float], *, joined: str
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
-    """Return a signal as a function of one or several times, and the times at which it may not be smooth."""
+    """Return a signal as a function of one or several times, and the times at which it may not be smooth.
+
+    ``joined`` says how samples are joined: by "lines", "held" until the next sample, or by a "spline".
+    """
     if callable(signal):
         return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)
     if isinstance(signal, float):

@@ -15,7 +15,10 @@ from chain_impact.simulation.simulate import simulate
 
 
 class RunError(RuntimeError):
-    """A simulation that cannot start or continue; ``recording`` holds the results up to the fault."""
+    """A run that cannot start or continue: in this process, in an FMU, on a cluster, or in a window.
+
+    ``recording`` holds the results up to the fault; None if there are none.
+    """
 
     def __init__(self, message: str, recording: Recording | None = None) -> None:
         """Store the recording with the message."""

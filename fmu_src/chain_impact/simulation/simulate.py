@@ -99,11 +99,13 @@ def simulate(
         progress: called with the finished fraction, 0 to 1, if given.
 
     Warns:
-        SceneWarning: when a point goes farther beyond a wall than the length of the shortest link.
+        SceneWarning: when a point goes farther beyond a wall than the length of the shortest link, or when
+            inputs give a motion that contradicts itself.
 
     Raises:
         SceneError: when one of the arguments is outside its range, or the result would be too large.
-        SimulationError: when the solver cannot go on; the error holds the result up to this time.
+        SimulationError: when the solver cannot go on; the error holds the result up to this time, or None if
+            the scene cannot start.
         BuildError: when the kernel cannot be compiled.
     """
     settings = {
