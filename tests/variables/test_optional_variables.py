@@ -36,7 +36,7 @@ def test_the_list_of_impacts_says_what_it_holds_of_a_stop():
     found = variables(SCENES["stops"])
     assert found["impact.last_wall"].description.endswith("4 y_max, 5 joint_min, 6 joint_max")
     assert found["impact[1].wall"].maximum == 6
-    assert found["impact[1].point"].description.endswith("; of a stop its joint")
+    assert found["impact[1].point"].description.endswith("; at a stop its joint")
     for key, unit in (("speed", "rad/s"), ("peak_force", "N·m"), ("impulse", "N·m·s")):
         assert found[f"impact[1].{key}"].description.endswith(f" in {unit}")
 

@@ -1,7 +1,7 @@
 """The parameters of a scene in a new record.
 
-The module keeps the record of the last scene. If the next scene differs only in numbers of some tables, as
-after ``with_values``, only these tables are written again.
+The module keeps the record of the last scene of each size. If the next scene differs only in numbers of some
+tables, as after ``with_values``, only these tables are written again.
 """
 
 from __future__ import annotations

@@ -17,14 +17,14 @@ from chain_impact.variables.variable import Variable
 
 WORD = 8  # [byte] size of every scalar in the record
 PEAKS: dict[str, DataPath] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
-"""The largest force [N] and penetration [m] of all contacts at walls: name in a sweep → path in the
-record."""
+"""The largest force [N] and penetration [m] of all contacts at walls and at stops of a slider: name in a
+sweep → path in the record."""
 STOP_PEAKS: dict[str, DataPath] = {
     "stop.peak_moment": ("peaks", "moment"),
     "stop.max_penetration": ("peaks", "rotation"),
 }
 """The largest moment [N·m] and angle beyond a stop [rad] of all contacts at stops of joints: name in a sweep
-→ path in the record. Only a scene with stops has these values."""
+→ path in the record. Only a scene with stops of joints has these values."""
 # layouts are kept, because computing a layout takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
@@ -65,7 +65,7 @@ class LogWords(NamedTuple):
         collected: number of ended contacts that a reader has already collected.
         active: number of contacts that last, which are listed after the ended ones.
         changes: number of changes between sticking and sliding that wait to be collected.
-        first: the first word of the columns.
+        first: the first word of the log's columns.
         room: number of rows of each column.
     """
 
@@ -80,7 +80,7 @@ class LogWords(NamedTuple):
 
 @cache
 def log_words(counts: Counts) -> LogWords:
-    """Return where the status and the log of contacts are in a record with some counts."""
+    """Return where the status and the log of contacts are in a record of some sizes."""
     layout, changes = layout_of(*counts), ("changes", "count")
     of_log = ("finished", "count"), ("finished", "collected"), ("touch", "active_count"), changes
     paths = ("statistics", "status"), *of_log, ("finished", "point", 0)

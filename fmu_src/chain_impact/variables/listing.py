@@ -66,7 +66,7 @@ def inputs_asked(shape: Shape) -> Iterator[Variable]:
 
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
-    """Return the outputs that the scene asks for, by their names, also the outputs of candidates."""
+    """Return the outputs that the scene asks for, by their names, without derivatives."""
     return outputs_of(shape_of(scene))
 
 
@@ -113,7 +113,7 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
 
 
 def value_at(scene: Any, path: DataPath) -> Any:
-    """Return the value at a path of a scene, or of a part of a scene; None if the value does not exist."""
+    """Return the value at a path of a scene, or of a part of a scene; None for a value that it leaves out."""
     for step in path:
         if isinstance(step, int):
             scene = scene[step]
@@ -132,7 +132,7 @@ def absent_hint(name: str) -> str | None:
 
 
 def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
-    """Yield each kind together with each of its owners, and with the scene's words."""
+    """Yield each kind with each owner that meets its conditions, and with the words of scene and owner."""
     scene = shape.known()
     for of, kinds in blocks:
         for owner in OWNERS[of](shape):

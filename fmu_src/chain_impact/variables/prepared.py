@@ -193,7 +193,7 @@ class PreparedScene:
 
     @cached_property
     def kernel_size(self) -> int:
-        """The number of links that ``kernel_library`` needs to find the kernel of the scene."""
+        """The size by which ``kernel_library`` finds the kernel of the scene, see ``kernel_size``."""
         return kernel_size(self.scene)
 
     @cached_property
@@ -337,7 +337,10 @@ class PreparedScene:
 
 
 def kernel_size(scene: Scene) -> int:
-    """Return the number of links that ``kernel_library`` needs to find the kernel of a scene."""
+    """Return the size by which ``kernel_library`` finds the kernel of a scene: its number of links.
+
+    The size is ``GENERAL`` if the base or a wall moves, signals drive inputs, or ``Chain.is_body`` is true.
+    """
     moves = scene.inputs.base_motion or scene.moving_walls
     return GENERAL if moves or scene.chain.is_body or scene.signals else len(scene.chain.links)
 

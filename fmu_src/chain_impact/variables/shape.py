@@ -146,11 +146,11 @@ class Shape:
 
 
 OF_STOPS = {
-    "its_joint": "; of a stop its joint",
-    "in_rad_s": "; of a stop in rad/s",
-    "in_n_m": "; of a stop the moment in N·m",
-    "in_rad": "; of a stop the angle in rad",
-    "in_n_m_s": "; of a stop in N·m·s",
+    "its_joint": "; at a stop its joint",
+    "in_rad_s": "; at a stop in rad/s",
+    "in_n_m": "; at a stop the moment in N·m",
+    "in_rad": "; at a stop the angle in rad",
+    "in_n_m_s": "; at a stop in N·m·s",
 }
 """Words that give the units of a stop's quantities in the list of impacts; "" in a scene without stops."""
 

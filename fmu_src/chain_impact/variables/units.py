@@ -42,7 +42,7 @@ UNITS = {
     "N.m/rad^exponent": Unit("StopStiffness", None),
     "J": Unit("Energy", {"kg": 1, "m": 2, "s": -2}),
 }
-"""Every unit of the FMU's variables."""
+"""Every unit of the FMU's variables, except the units of derivatives."""
 
 
 def quotient(unit: str, parameter: str) -> str:

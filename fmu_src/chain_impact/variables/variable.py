@@ -156,6 +156,8 @@ class Variable:
 def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
     """Return name, type, word, kind, lowest and highest value, allowed values as text, and set_word.
 
+    The type is real or integer; the kind is the variability of a parameter, else the causality.
+
     ``word`` is the index of the value in use, and ``set_word`` the index of the value that was set. An
     importer reads the first of them, and writes a new value to both.
     """
