@@ -34,7 +34,7 @@ def or_degrees(unit: str) -> str:
 def radians_hint(name: str, value: float, unit: str) -> str | None:
     """Return a hint that an angle of more than one turn may be in degrees by mistake.
 
-    None for a smaller angle.
+    None for a smaller angle, and for a value in another unit.
     """
     if unit != "rad" or not abs(value) > 2.0 * math.pi:
         return None

@@ -13,7 +13,7 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
 ROUND = 24  # number of corners of the polygon that is drawn for a circle
-# length of a stop's mark, and half the length of the carriage, relative to the size of the drawing
+# half the length of a stop's mark and of the carriage, relative to the size of the drawing
 TICK = 0.06
 # how far a line without a stop is drawn beyond the positions of the carriage, relative to the size of the
 # drawing
@@ -103,7 +103,7 @@ class Rail:
         return {name: plane for name, plane in stops if math.isfinite(plane.offset)}
 
     def lines(self, bases: np.ndarray, size: float) -> list[np.ndarray]:
-        """Return the visible part of the line, and the marks of the stops, each of shape (2, 2) [m].
+        """Return the part of the line that is drawn, and the marks of the stops, each of shape (2, 2) [m].
 
         Args:
             bases: the positions of the base, shape (T, 2) [m].

@@ -1,4 +1,4 @@
-"""The candidates of a scene: the pairs of a point and a wall that can touch, and the stops in joints."""
+"""The candidates of a scene: pairs of a point and a wall that can touch, and stops of joints and slider."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from chain_impact.scene.scene import Scene
 def candidates(scene: Scene) -> list[tuple[int, int]]:
     """Return the pairs (point, index in ``scene.wall_names``) that can touch.
 
-    The pairs of a listed point and an existing wall come first. The stops follow, as pairs (joint, index in
+    The pairs of a point and an existing wall come first. The stops follow, as pairs (joint, index in
     ``scene.wall_names``); a joint has the number of its link. The stops of a slider belong to point 0.
     """
     pairs, names = point_wall_pairs(scene), scene.wall_names

@@ -39,7 +39,10 @@ OUT_OF_REACH = "must be left out: no point can reach it: all points that may tou
 
 
 def check(scene: Contents) -> None:
-    """Check conditions on several keys together, and warn of angles that may be in degrees by mistake."""
+    """Refuse values of several keys that do not fit together.
+
+    The error also has sentences on angles that may be in degrees by mistake.
+    """
     try:
         check_together(scene)
         check_stops(scene)
@@ -339,7 +342,7 @@ def start_hint(axis: str, start: float, given: float) -> str:
 
 
 def base_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each wall that contains a pinned base.
+    """Return a sentence for each wall beyond which a pinned base is at the start.
 
     This is allowed, because the base cannot touch.
     """
@@ -356,9 +359,10 @@ def base_hints(scene: Contents) -> list[str]:
 
 
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
-    """Return a sentence if a single absolute angle is changed in a scene with joint angles.
+    """Return a sentence if a change sets the absolute angle of a link, but not of the next link.
 
-    The links beyond the changed link keep their absolute angles, which users may not expect.
+    Only for a scene that gives ``initial.joint_angles``: the links behind keep their absolute angles, which
+    users may not expect.
     """
     if not scene.has_joint_angles:
         return []

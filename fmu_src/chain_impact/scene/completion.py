@@ -1,4 +1,4 @@
-"""Completion of a scene that was read: shapes, radii, angles and materials that follow from other keys."""
+"""Completion of a scene that was read: values that follow from other keys, and contents of other files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def completed(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the full path of the user's law file, after a check that the file exists."""
+    """Return the scene with the full path of the user's law file; refuse a file that holds no law."""
     file = scene.contact.law_file
     if not file:
         return scene

@@ -99,14 +99,14 @@ class Contents:
 
     @property
     def touching_points(self) -> tuple[int, ...]:
-        """The numbers of the points that may touch walls: listed joints, and movable points of links."""
+        """The numbers of the points that may touch walls: ``contact.points``, and movable points of links."""
         first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
         sites = enumerate(self.chain.sites, first)
         moving = (k for k, (link, site) in sites if not (pinned and link == 0 and site.is_at_joint))
         return *self.contact.points, *moving
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
-        """Return whether a point slides parallel to a wall, so that it can never reach the wall."""
+        """Return whether a point at a sliding base moves parallel to a wall, so that it never reaches it."""
         slider, sites = self.chain.slider, self.chain.sites
         behind = point - len(self.chain.links) - 1
         at_base = point == 0 or (behind >= 0 and sites[behind][0] == 0 and sites[behind][1].is_at_joint)
@@ -149,14 +149,14 @@ class Contents:
 
     @property
     def is_driven(self) -> bool:
-        """Whether something may supply energy: an input, or a spring or motor with a limited torque."""
+        """Whether something may supply energy: an input, or a drive with a limited torque or force."""
         limits = [link.joint_torque_limit for link in self.chain.links]
         limits += [self.chain.slider.force_limit] if self.chain.slider else []
         return self.inputs.any or any(limit is not None for limit in limits)
 
     @property
     def has_friction(self) -> bool:
-        """Whether a contact or a joint may have dry friction."""
+        """Whether a contact, a joint or a slider may have dry friction."""
         slides = self.chain.slider is not None and self.chain.slider.friction > 0.0
         return self.has_contact_friction or bool(self.friction_joints) or slides
 

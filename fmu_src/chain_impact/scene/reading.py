@@ -16,7 +16,8 @@ from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, w
 from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names, proposed
 from chain_impact.scene.unit_text import number_hint
 
-# the least similarity, 0 to 1, of a name that a message proposes; with less, proposals are useless
+# the least similarity, 0 to 1, of a key that the message on an unknown key proposes; with less, proposals are
+# useless
 ALIKE = 0.7
 SHOWN = 60  # largest number of characters of a value that a message shows
 
@@ -64,7 +65,7 @@ class SceneWarning(UserWarning):
 
 
 class UnknownNameError(SceneError, KeyError):
-    """Raised for a name that does not exist; the message gives the most similar name."""
+    """Raised for a name that does not exist; the message gives a hint, or the most similar name."""
 
     __str__ = Exception.__str__  # the message as it is; KeyError would add quotes
 

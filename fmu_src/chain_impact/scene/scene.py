@@ -51,7 +51,10 @@ class Scene(Contents):
 
     @property
     def derived(self) -> dict[str, str]:
-        """The derived values: name of a value that is not given → its rule, such as "length / 2"."""
+        """The derived values: name of a value that is not given → its rule, such as "length / 2".
+
+        Defaults that are always the same number are left out.
+        """
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
         rules_of_paths = ((path, self._rule(path, rules)) for path in self.derived_paths)
         return {name_of(path, walls): rule.text for path, rule in rules_of_paths if not rule.constant}

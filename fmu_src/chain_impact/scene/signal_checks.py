@@ -93,7 +93,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 
 
 def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse a table whose interpolation makes the position or velocity of base or wall jump."""
+    """Refuse a table that makes the position or velocity of base or wall jump, or grow with each period."""
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
         raise SceneError(
@@ -115,7 +115,10 @@ def _quoted(text: str) -> str:
 
 
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
-    """Refuse a motion signal that makes the position or velocity of base or wall jump."""
+    """Refuse a signal that makes the position or velocity of base or wall jump.
+
+    Also refuse a sine of frequency 0 for an input that is integrated.
+    """
     order = family(driven).index(driven)
     if signal.form == "sine" and order > 0 and not signal.frequency and not signal.frequency_rate:
         raise SceneError(

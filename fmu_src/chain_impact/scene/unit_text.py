@@ -43,7 +43,10 @@ def unit_text(unit: str | None) -> str:
 
 
 def of_power(unit: str, exponent: float | None) -> str:
-    """Return the unit of a stiffness, a force divided by a power of a penetration: N/m^1.5, or N/m."""
+    """Return the unit of a stiffness, a force divided by a power of a penetration: N/m^1.5, or N/m.
+
+    Without an ``exponent`` return the general form, N/m^exponent.
+    """
     if exponent is None:
         return f"{unit}^exponent"
     return unit if exponent == 1.0 else f"{unit}^{exponent:g}"
