@@ -59,7 +59,7 @@ def _scene(done: Converted, path: Path) -> Scene:
 
 
 def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Converted:
-    """Write the scene of a robot (.toml), or the MJCF of a scene (.xml).
+    """Write the MJCF of a scene if the output ends in .xml, else the scene of a robot; return the conversion.
 
     A scene file has the remarks of the conversion as comments at its beginning. Errors are those of
     ``of_robot`` and ``load_scene``.

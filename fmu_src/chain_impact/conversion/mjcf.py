@@ -24,7 +24,7 @@ from chain_impact.scene.reading import UnknownNameError
 CARRIED = "chain_impact"
 """The name of a text element in files of this package; the text has, as JSON, the data that MJCF cannot
 hold."""
-UNLIMITED = 1e9  # [rad] stands for the missing limit of a joint with one limit, because MJCF needs both
+UNLIMITED = 1e9  # [rad] or [m]; stands for the missing limit of a joint with one limit: MJCF needs both
 NONE = "none"
 """The user gives this name in place of a keyframe if the robot shall start in the pose of the file."""
 
@@ -109,7 +109,7 @@ class _Reader:
         )
 
     def _off(self, *flags: str) -> bool:
-        """Return whether one of several flags is disabled."""
+        """Return whether the file disables one of several features."""
         bits = (getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{flag}") for flag in flags)
         return any(self.model.opt.disableflags & bit for bit in bits)
 
@@ -193,7 +193,7 @@ class _Reader:
             self.differences.append(of_joint(joint, text, Effect.CONTACT, differs=True))
 
     def _others(self) -> Iterator[Difference]:
-        """Yield the number of each kind of element that only measures or shows something."""
+        """Yield a difference that counts the elements that only measure or show, if there are any."""
         model = self.model
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})

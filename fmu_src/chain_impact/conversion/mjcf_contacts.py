@@ -16,7 +16,7 @@ BITS = 16  # MuJoCo writes an excluded pair of bodies as one number: (first << B
 class Contacts:
     """The shapes of a model and their possible contacts.
 
-    The class collects contacts that no scene can have.
+    ``differences`` tells which contacts no scene has, or only in another form.
     """
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str]) -> None:
@@ -47,7 +47,7 @@ class Contacts:
         """Return whether two shapes can touch, by MuJoCo's rules.
 
         They can touch if they are a listed pair, or if ``contype`` of one shape and ``conaffinity`` of the
-        other shape have a bit in common.
+        other shape have a bit in common, and their bodies are neither excluded nor fixed to each other.
         """
         model = self.model
         if not self.works:
@@ -64,7 +64,8 @@ class Contacts:
         """Return the coefficient of friction of two shapes, by MuJoCo's rules.
 
         A listed pair has its own coefficient. Otherwise the shape with the higher priority has the
-        coefficient of the pair; with equal priorities, the larger coefficient counts.
+        coefficient of the pair; with equal priorities, the larger coefficient counts. The model's override
+        replaces both; shapes without friction have 0.
         """
         model = self.model
         if frozenset((geom, other)) in self.pairs:
@@ -100,7 +101,7 @@ class Contacts:
             )
 
     def shapes(self, b: int) -> list[Shape]:
-        """Return the shapes of body ``b``."""
+        """Return the shapes of body ``b``, except planes that become walls."""
         model = self.model
         return [
             self._shape(g) for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g)

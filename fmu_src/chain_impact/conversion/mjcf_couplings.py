@@ -21,7 +21,7 @@ FORCES = {
     "tendon_limited": "LIMIT",
     "tendon_armature": None,
 }
-"""Field with which a tendon acts on a joint → flag that disables this action."""
+"""Field with which a tendon acts on a joint → flag that disables this action; None if no flag does."""
 
 
 def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:

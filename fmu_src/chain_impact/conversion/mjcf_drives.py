@@ -49,7 +49,7 @@ class Drive:
 
 
 class Drives:
-    """The actuators of a model; the class collects actuators that no scene can have."""
+    """The actuators of a model; ``differences`` collects what of them a scene has not, or in another form."""
 
     def __init__(
         self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray, ours: bool
@@ -171,7 +171,7 @@ class Drives:
         return Drive(self._name(a), torque, scale, float(stiffness), float(damping), low, high)
 
     def _control(self, joint: Joint, a: int) -> float:
-        """Return the control that acts at the start."""
+        """Return the control that acts at the start; report a delay and an activation, which no scene has."""
         model, kinds = self.model, self.mujoco.mjtDyn
         value = float(self.control[model.actuator_ctrladr[a]])
         if self._clamps(a):
@@ -270,7 +270,10 @@ class Drives:
             self._tell_joint(joint, text, Effect.MOTION if speed < FAST else Effect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
-        """Return the largest torque of all drives together; a scene has the same limit in both directions."""
+        """Return the largest torque of all drives together; None if there is no limit.
+
+        A scene has the same limit in both directions, so the larger one counts.
+        """
         low, high = (sum(drive.low for drive in drives), sum(drive.high for drive in drives))
         if self.model.jnt_actfrclimited[j]:
             low, high = np.clip((low, high), *self.model.jnt_actfrcrange[j])

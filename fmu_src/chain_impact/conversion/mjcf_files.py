@@ -19,7 +19,7 @@ class Compiled(NamedTuple):
     Attributes:
         spec: the elements of the file.
         model: MuJoCo's compiled model.
-        stand_ins: names of the meshes that replace missing meshes.
+        stand_ins: names of the meshes and other parts that are replaced because their files are missing.
         differences: the parts that could not be read.
     """
 

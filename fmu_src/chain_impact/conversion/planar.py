@@ -79,7 +79,7 @@ def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
 
 
 class _Conversion:
-    """One conversion; the class collects the parts that are left out."""
+    """One conversion; it collects notes, and differences: parts that the scene lacks or has otherwise."""
 
     def __init__(self, robot: Robot, choices: Choices, source: str) -> None:
         self.robot, self.choices, self.source = robot, choices, source
@@ -163,7 +163,10 @@ class _Conversion:
         return link_of, parts
 
     def _gravity(self) -> np.ndarray:
-        """Return gravity [m/s²], reduced by the part of the weight that the file compensates."""
+        """Return gravity [m/s²], reduced by the part of the weight that the file compensates in all bodies.
+
+        Report masses that have no effect in the scene, and compensation that differs between bodies.
+        """
         still = []
         for b, body in enumerate(self.robot.bodies):
             if self.link_of[b] >= 0 or body.mass == 0.0:
@@ -247,7 +250,7 @@ class _Conversion:
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
-        """Return mass, centre of mass from a joint, and inertia about it, of several bodies together."""
+        """Return mass, centre of mass from a joint, and inertia about this centre, of bodies together."""
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])
         centers = np.array([self._from(hinge, b, self.robot.bodies[b].center) for b in part])
@@ -294,7 +297,8 @@ class _Conversion:
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
         """Write a joint's values into the table of its link, and return the joint's angle at the start.
 
-        A free base has no joint 1.
+        Without ``grounded``, no joint holds the link: it is link 1 of a free base, and the values are
+        reported.
         """
         start, low, high = (offset + sign * value for value in (joint.start, joint.low, joint.high))
         low, high = (low, high) if sign > 0.0 else (high, low)
@@ -337,7 +341,7 @@ class _Conversion:
             )
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the table of a slider, if the base slides, and the position of the base at the start."""
+        """Return the key ``slider`` of [chain], if the base slides, and the base's keys of [initial]."""
         ways = [self.plan.flat(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":
             (way,), joint = ways, self.slides[0].joint

@@ -173,7 +173,7 @@ class Robot:
         numbers: the data of the scene from which this package wrote the file. If a converted number differs
             from its number here by round-off only, the number here is used.
         notes: sentences on how the file was read.
-        differences: the parts of the file that no scene can have.
+        differences: the parts of the file that no scene has, or only in another form.
     """
 
     name: str

@@ -175,7 +175,7 @@ def moving_parts(root: Element) -> bytes:
 
 
 def _shapes(link: Element) -> Iterator[Shape]:
-    """Yield the shapes of a link; points replace the outlines of shapes that can touch."""
+    """Yield the shapes of a link, with corners only for those that can touch."""
     for what in SHAPES:
         for part in link.iter(what):
             geometry = next(iter(part.findall("geometry/*")), None)

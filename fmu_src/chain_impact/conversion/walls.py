@@ -23,7 +23,10 @@ Points = list[dict[str, Any]]
 
 @dataclass
 class Walls:
-    """The conversion of walls; the class collects contacts that the scene has in another form.
+    """The conversion of walls.
+
+    ``differences`` collects what differs in the scene: planes that become no wall, points that are left out
+    or smaller, shapes that do not touch.
 
     Attributes:
         robot: the robot, with planes and shapes.
@@ -162,7 +165,10 @@ class Walls:
     def _fits(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
-        """Return whether a point starts outside of all walls, if necessary with a smaller radius."""
+        """Return whether a point starts outside of all walls, if necessary with a smaller radius.
+
+        Write the smaller radius to ``table``, and report it, or a point that is inside.
+        """
         at = joint + table["x"] * along + table["y"] * np.array([-along[1], along[0]])
         for name, point, normal in self.walls:
             free = float(normal @ (at - point))
