@@ -141,7 +141,7 @@ def folded(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> st
 
 
 def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
-    """Return the terminals: one for each joint and point, the base, the tip and each wall.
+    """Return the terminals: one for each joint and point, the base, the slider, the tip and each wall.
 
     A terminal has the inputs and outputs of its owner. The terminals of walls are inside a terminal
     ``wall``, so that the path is the first part of the variables' names. All members are signals; an importer

@@ -33,11 +33,11 @@ def driven_rows(
 ) -> tuple[Any, np.ndarray]:
     """Return a model description for fmpy, and the table of inputs in fmpy's form.
 
-    A table of a scene gives the same inputs: rows are interpolated in the same way, and derivatives and
-    integrals of an input follow from it. There is a row for each communication point and each row of the
-    user's table. fmpy joins rows by straight lines, so a jump takes two rows at the same time; there fmpy
-    makes a communication point. The description has no inputs that nothing drives, because fmpy prints a
-    warning for each.
+    The inputs are those of a scene with this table as a signal: rows are interpolated in the same way, and
+    derivatives and integrals of an input follow from it. There is a row for each communication point and each
+    row of the user's table. fmpy joins rows by straight lines, so a jump takes two rows at the same time;
+    there fmpy makes a communication point. The description has no inputs that nothing drives, because fmpy
+    prints a warning for each.
 
     Args:
         description: the model description of the FMU, in fmpy's form.

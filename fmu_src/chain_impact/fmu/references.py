@@ -150,7 +150,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
 def _run(
     scene: Scene, times: np.ndarray, inputs: dict[str, np.ndarray], names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the outputs up to the time at which work reaches MOST_WORK or a fault ends the run; the impacts.
+    """Return the outputs, and the impacts, until work reaches MOST_WORK or a fault ends the run.
 
     Raises:
         SimulationError: when the first step cannot be taken.

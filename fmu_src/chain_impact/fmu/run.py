@@ -54,7 +54,7 @@ def record_fmu(
 
     Raises:
         SceneError: when the file is not an FMU of a chain, a name is unknown or a value is not a number.
-        RunError: when the FMU reports a fault.
+        RunError: when the FMU has no binary for this machine, or reports a fault.
     """
     path, show = Path(path), progress or silent
     typed = {fmu_name(name): name for name in settings}

@@ -24,12 +24,14 @@ MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 VARIABLE = {
     **dict.fromkeys(("low", "high"), "d"),  # lowest and highest value that can be set, both included
-    **dict.fromkeys(("word", "set_word"), "q"),  # words of the record; a new value is written to both
+    # words of the record: of the value in use and of the set value; a new value is written to both
+    **dict.fromkeys(("word", "set_word"), "q"),
     "length": "q",  # number of words from `word` on; more than one for an array
     **dict.fromkeys(("type", "kind"), "i"),  # indices in TYPES and KINDS
     **dict.fromkeys(("name", "allowed"), "i"),  # places of texts
 }
-"""Field of the structure ``Variable`` of the C interface → format. Words are indices, in doubles."""
+"""Field of the structure ``Variable`` of the C interface → format. A word is an index in the record, counted
+in doubles."""
 HEAD = {
     "magic": "8s",
     **dict.fromkeys(("size", "checksum"), "Q"),  # of the whole file; of the file after `checksum`

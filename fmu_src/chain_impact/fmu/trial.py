@@ -53,6 +53,8 @@ class Trial:
     def run(self, reasons: Callable[[], list[str]]) -> None:
         """Load the FMU, instantiate, read the start values, take a step, save and restore the state, free.
 
+        For model exchange, all values are read in place of the step and the states.
+
         Raises:
             CallError: when a call fails, with a sentence.
         """
@@ -145,7 +147,7 @@ class Trial:
                     )
 
     def steps(self, start: float, step: float) -> None:
-        """Take a step, and a second one that is repeated if the FMU can restore its state."""
+        """Take a step and check limits; if the FMU can restore its state, take another step and repeat it."""
         self.step(start, step)
         values = self.values()
         for variable in self.variables:
