@@ -63,7 +63,7 @@ class Run:
 
 @contextmanager
 def worktree(revision: str) -> Iterator[Path]:
-    """Return the files of a commit, in a temporary folder."""
+    """Yield a temporary folder with the files of a commit."""
     with TemporaryDirectory() as scratch:
         folder = Path(scratch, "tree")
         git("worktree", "add", "--quiet", "--detach", str(folder), revision)

@@ -8,7 +8,7 @@ import numpy as np
 from flint import ctx
 
 ctx.prec = 90
-# round-off of floats: relative for one operation with a margin, for a few operations, and absolute
+# round-off of floats: relative, for one operation, with a margin; as a factor, for many operations; absolute
 ROUND_OFF, SLACK, TINY = 4e-16, 1 + 1e-9, 1e-300
 Row = list[Any]
 

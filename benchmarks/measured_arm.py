@@ -2,9 +2,9 @@
 
 FOLDER is ``data/experiment_records/design_C.1/sys_id/20230629`` of dfki-ric-underactuated-lab/double_pendulum
 (BSD-3-Clause, commit 1e8544e): a double pendulum with motors in both joints, whose angles and torques were
-measured. Both torques act on the model as they were measured. Centres of mass, inertias, viscous damping and
-dry friction are fitted to one run by derivatives, with intervals, and judged by a run that the fit has not
-seen, by SciPy's ``least_squares`` with equal weights for all errors.
+measured. Both torques act on the model as they were measured. SciPy's ``least_squares``, with derivatives and
+equal weights for all errors, fits centres of mass, inertias, viscous damping and dry friction to one run,
+with intervals. A run that the fit has not seen judges the result.
 
 A motion is predicted over short spans, each from the angles and rates measured at its start: where the arm is
 upright, errors grow fast.
@@ -86,7 +86,7 @@ def read(file: Path, first: float = 0.5) -> list[Span]:
 def off(
     x: np.ndarray, span: Span, names: list[str], derivatives: bool = False
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """Return the errors of both joint angles [rad], and their derivatives by the parameters."""
+    """Return the errors of both joint angles [rad], and their derivatives by the parameters if asked for."""
     angles, rates = np.cumsum(span.angles[:, 0]) - math.pi / 2, np.cumsum(span.rates)
     start = {f"initial.angle[{i + 1}]": float(math.remainder(a, math.tau)) for i, a in enumerate(angles)}
     start |= {f"initial.angular_velocity[{i + 1}]": float(rate) for i, rate in enumerate(rates)}

@@ -166,7 +166,8 @@ def errors(trials: Trials, after: np.ndarray) -> np.ndarray:
 def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str, Any]:
     """Return the median error, the error that 90 % of trials stay below [m/s], and shares of the trials.
 
-    In these trials the point moves along the wall afterwards in the measured direction, or backward.
+    The shares are of the trials in which the point moves along the wall afterwards in the measured direction,
+    and of those in which it moves back: against its direction before the impact.
     """
     off = np.quantile(errors(trials, after), (0.5, 0.9))
     found = trials.at_contact(after)[:, 0]

@@ -148,7 +148,7 @@ def run_scipy(scene: Scene, method: str) -> dict:
 
 
 def run_ours(scene: Scene) -> dict:
-    """Return a cell of ours, checked as often as a user would see it."""
+    """Return a cell of ours, checked at intervals of SAMPLE."""
     try:
         instance = Instance(scene)
     except SimulationError as problem:
@@ -196,7 +196,7 @@ def left(peer: OnKernel) -> float:
 
 
 def cell(task: tuple[str, float, float]) -> dict:
-    """Return one run."""
+    """Return the cell for one run: method, stiffness, restitution, outcome and cost."""
     method, stiffness, restitution = task
     begin = time.process_time()
     if method in FIXED:

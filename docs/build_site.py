@@ -20,7 +20,7 @@ SITE = DOCS.parent / "site"
 SHIM = "https://unpkg.com/iframe-worker/shim"
 GITHUB = "https://github.com/"
 GLOSSARY, WORDS = DOCS / "glossary.md", DOCS / "words.txt"
-# words of every page, explained once per reader
+# words that nearly every page has, so that an explanation at each place would disturb
 COMMON = {"base", "chain", "contact", "end", "event", "FMU", "impact", "input", "kernel", "link", "model"}
 COMMON |= {"parameter", "point", "scene", "stop", "tip", "tolerance"}
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
@@ -37,7 +37,7 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
 
 
 def write_words() -> None:
-    """Write the meanings of the words of the glossary, for the extension that explains words."""
+    """Write the meanings of the glossary's words, except COMMON, for the extension that explains words."""
     explained = re.findall(r"^- \*\*(.+?)\*\*: (.+)$", GLOSSARY.read_text(encoding="utf-8"), re.M)
     lines = []
     for words, meaning in explained:

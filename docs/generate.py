@@ -32,7 +32,6 @@ DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
 RADIUS = 0.02  # m, radius of the spheres in the table of stiffness
-# typical Young's modulus [Pa] and Poisson's ratio of each material
 METALS = {
     "mild steel": (207e9, 0.3, 7850.0, 300e6),
     "copper, annealed": (120e9, 0.34, 8960.0, 70e6),
@@ -40,6 +39,7 @@ METALS = {
 }
 """Metal → Young's modulus [Pa], Poisson's ratio, density [kg/m³] and yield stress [Pa], typical values."""
 SPEEDS = (1.0, 5.0)  # [m/s] impact speeds of the restitutions
+# typical Young's modulus [Pa] and Poisson's ratio of each material
 MATERIALS = {
     "steel": (207e9, 0.3),
     "aluminium": (70e9, 0.33),
@@ -120,7 +120,7 @@ def restitutions() -> str:
     for name, (young, poisson, density, stress) in METALS.items():
         combined = young / (2.0 * (1.0 - poisson**2))
         # the kinetic energy of the sphere, relative to yield stress Y times R³: its mass m is (4/3) π ρ R³,
-        # so ½ m v² / (Y R³) = (2/3) π ρ v² / Y
+        # so ½ m v² / (Y R³) = (2/3) π ρ v² / Y; the restitution is from Johnson 1985, chapter 11
         found = (
             3.8 * math.sqrt(stress / combined) * (2.0 / 3.0 * math.pi * density * speed**2 / stress) ** -0.125
             for speed in SPEEDS
@@ -226,7 +226,7 @@ def schema_text() -> str:
 
 
 def write() -> None:
-    """Write every page, and the schema."""
+    """Write every page, the schema, and the header."""
     for page in sorted(DOCS.rglob("*.md")):
         text = page.read_text(encoding="utf-8")
         page.write_text(filled(text), encoding="utf-8")

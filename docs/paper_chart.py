@@ -17,12 +17,12 @@ from chain_impact.pictures.style import DPI, PALETTE, STYLE
 
 PICTURE = Path(__file__).parent / "images" / "paper.png"
 SCENE, LAWS = "four_link_box", ("hertz", "hunt_crossley", "lankarani_nikravesh", "flores", "zhang_sharf")
-POINTS = 201  # number of points of a curve in an impact
+POINTS = 201  # number of times from onset to end; curves leave out both ends
 WALL = "y_min"
 
 
 def curves(law: str) -> dict[str, np.ndarray]:
-    """Return the panels of the first impact with a law: title with unit → values over its POINTS."""
+    """Return the panels of the first impact with a law: title with unit → values, shape (POINTS − 2,)."""
     scene = load_scene(SCENE).with_values({"contact.model": law})
     first = simulate(scene, stop_time=0.52, output_step=0.52).impacts[0]
     contact, point = f"contact[{first['point']}].{WALL}", f"point[{first['point']}]"

@@ -40,7 +40,7 @@ def scene_reference() -> str:
     return "\n\n".join(blocks)
 
 
-SHORT = 5  # words of a meaning
+SHORT = 5  # largest number of words of a meaning that counts as short
 AS_IN_CONTACT = "as in [contact]"  # default of keys that also exist in [contact]
 
 

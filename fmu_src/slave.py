@@ -59,7 +59,7 @@ class SlaveError(Exception):
 _functions = (_log, ctypes.pythonapi.PyMem_RawCalloc, ctypes.pythonapi.PyMem_RawFree)
 _callbacks = (c_void_p * 5)(*(ctypes.cast(function, c_void_p).value for function in _functions))
 _given = (b"first", 1, GUID.encode(), RESOURCES.as_uri().encode(), _callbacks, 0, 1)
-# the first instance; all other instances use the function table of this instance
+# the first instance; all other instances share its table of the scene
 FIRST = c_void_p(KERNEL.fmi2Instantiate(*_given))
 if not FIRST:
     raise SlaveError
@@ -84,7 +84,7 @@ class State(c_void_p):
 def _access(function: str, code: str = "") -> Any:
     """Return a method that gets or sets values of a type.
 
-    ``code`` is the type's code in the module ``array``.
+    ``code`` is the type's code in the module ``array``; "" for a type that no variable has.
     """
     getattr(KERNEL, function).argtypes = (c_void_p, c_void_p, c_size_t, c_void_p)
     zero = array(code or "i", [0])

@@ -47,7 +47,7 @@ def target() -> str:
     """Return the platform of the wheel: this machine's, or the value of CHAIN_IMPACT_PLATFORM.
 
     Raises:
-        RuntimeError: when this machine is none of them, or there is no such platform.
+        RuntimeError: when no kernels exist for this machine or for that platform.
     """
     kernels()
     system = import_module("chain_impact.system")

@@ -45,7 +45,7 @@ def built(target: str, folder: Path, platform: str = "") -> Path:
 
 
 def check_wheel(wheel: Path, platform: str) -> None:
-    """Check that a wheel has the right tag, and kernels of its own platform only.
+    """Check that a wheel has the right tag, and kernels of its own platform only, also with derivatives.
 
     Raises:
         ReleaseError: when it has not.

@@ -85,24 +85,24 @@ def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL
 
 
 def find(name: str) -> Path | None:
-    """Return the path of a ready file, if the file is made from the present sources."""
+    """Return the path of a ready file; None if there is none that is made from the present sources."""
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
 def best(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """Return the ready kernel of a kind for these sizes, else the ready kernel for any number of links."""
+    """Return the ready kernel of a kind for these sizes, else that for any number of links, else None."""
     sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
 
 def module() -> str | None:
-    """Return the lowered kernel of the wheel, if it is made from the present sources."""
+    """Return the lowered kernel of the wheel; None if it is not made from the present sources."""
     packed = find(MODULE)
     return lzma.decompress(packed.read_bytes()).decode() if packed else None
 
 
 def libraries() -> list[Path]:
-    """Return all ready kernels, if they are made from the present sources."""
+    """Return all ready kernels; none if they are not made from the present sources."""
     return sorted(FOLDER.glob("*-*")) if _usable() else []
 
 
