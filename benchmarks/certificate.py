@@ -208,7 +208,7 @@ class Certificate:
         return float(far[-1] if c == step.regularized else gap) * SLACK, float(rate) * SLACK
 
     def _decide(self, c: int) -> str:
-        """Return whether candidate c's event function falls through zero in the step.
+        """Return the verdict on candidate c: whether its event function falls through zero in the step.
 
         If the event at an end of the step is marked, a fall just beyond this end counts as well.
         """

@@ -68,7 +68,7 @@ def missing(d: Any) -> str:
 
 
 def steps(scene: Scene) -> Iterator[Any]:
-    """Yield the record after each step of a run, up to a fault."""
+    """Yield the record after each step of a run, up to a fault, the stop time or the step LATEST."""
     run = Instance(scene)
     step = run.record["step"]
     for _ in range(LATEST):
@@ -108,7 +108,7 @@ def least(step: Step, candidates: list[int]) -> list[float]:
 
 
 def look(d: Any, count: Counter) -> None:
-    """Count the proofs for the last step of a record."""
+    """Count the verdicts, proofs and faults for the last step of a record."""
     count["steps"] += 1
     if reason := missing(d):
         count[f"without {reason}"] += 1

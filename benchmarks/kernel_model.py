@@ -132,7 +132,7 @@ def rate(_t, y, out, d):
 
 @compiled
 def least_event(d, y):
-    """Return the smallest of all event functions, and its rate where it is a clearance."""
+    """Return the smallest of all event functions plus CLEAR, and its rate if it is a clearance, else 0."""
     lowest, slope = np.inf, 0.0
     locate_points(d, y)
     for c in range(d.candidates):

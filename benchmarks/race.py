@@ -18,7 +18,10 @@ Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]
 
 
 def judge(found: Outcome, problem: Problem, expected: dict, stop: float) -> dict[str, Any]:
-    """Return errors of the tip [mm] and of the onsets [µs]; none of onsets where other impacts were found."""
+    """Return errors of the tip [mm] and of the onsets [µs]; none of onsets where other impacts were found.
+
+    A run that failed has ``failed`` in place of the errors.
+    """
     row: dict[str, Any] = {"steps": found.steps, "rhs": found.rhs, "onsets": len(found.onsets)}
     true = [(one["candidate"], one["onset"]) for one in expected["impacts"] if one["onset"] < stop]
     row["right"] = [c for c, _ in found.onsets] == [c for c, _ in true]

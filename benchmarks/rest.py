@@ -76,7 +76,10 @@ def outcome(run: Any) -> dict:
 
 
 def at_rest(rows: np.ndarray) -> float | None:
-    """Return evaluations a second, over the seconds with no event in them nor in the one before."""
+    """Return evaluations a second, over the seconds with no event in them nor in the one before.
+
+    Returns None if there are no such seconds, or the run failed.
+    """
     rhs = np.diff(rows["rhs"])
     events = np.diff(rows["restarts"])
     quiet = [s for s in range(1, len(rhs)) if events[s] == 0 and events[s - 1] == 0]
@@ -84,7 +87,7 @@ def at_rest(rows: np.ndarray) -> float | None:
 
 
 def compare(scene: Scene) -> dict:
-    """Return ours and CVODE on one scene."""
+    """Return results, times and their ratios of our kernel and of CVODE on one scene."""
     fine = Instance(with_values(scene, {("solver", "tolerance"): FINE}))
     assert fine._kernel.advance(fine._address, float(STOP)) == 0
     seconds = np.arange(1.0, STOP + 1.0)

@@ -138,7 +138,7 @@ def works() -> str:
 
 
 def slope() -> str:
-    """Return the drift of a rod at rest on a slope with each setting, and its cost."""
+    """Return the drift of a rod at rest on a slope, of ours and of MuJoCo's Euler settings, and the cost."""
     results = common.load("friction")["results"]["slope"]
     rows = []
     for name in dict.fromkeys(

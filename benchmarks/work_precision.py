@@ -41,7 +41,7 @@ SIZE = (13.0, 7.6)  # inches, of the chart
 
 
 def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, str]]:
-    """Return the rows of a problem, all contenders and tolerances timed in turn; and who is missing."""
+    """Return a problem's rows, all contenders and tolerances timed in turn; and missing family → reason."""
     problem, expected = PROBLEMS[name], common.load("reference")["results"][name]
     stop, missing, entries = problem.times[-1], {}, {}
     for tolerance in TOLERANCES:

@@ -58,7 +58,7 @@ def rows(problem: Problem) -> list[list[str]]:
 
 
 def published(figure: Figure) -> str:
-    """Return the published or measured value, in bold if it is inaccurate."""
+    """Return the published or measured value, in bold if inaccurate; a word or a dash if there is none."""
     if figure.published is None:
         return "equation" if figure.equation else "–"
     text = f"{float(figure.published):.9g}"

@@ -62,8 +62,8 @@ def target() -> str:
 def say(sentence: str) -> None:
     """Write a line at once to the terminal, or to standard error where there is none.
 
-    pip shows a build's standard error with -v only. A background job writes nothing, because the terminal
-    could stop a background writer.
+    pip shows a build's standard error with -v only. A background job writes to standard error, because the
+    terminal could stop it.
     """
     line = f"chain-impact: {sentence}\n"
     with suppress(OSError, AttributeError), Path("/dev/tty").open("w", encoding="utf-8") as terminal:

@@ -193,7 +193,10 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """Return the folders of the cache: folders for some sources and compilers, and folders of linkers."""
+    """Return the folders of the cache: folders for some sources and compilers, and folders of linkers.
+
+    Returns none if other users can write in the cache.
+    """
     base = base_folder()
     folders = sorted(base.iterdir()) if trusted(base) else []
     return [_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]

@@ -79,7 +79,7 @@ def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> 
 
 @contextmanager
 def collected_warnings(package: str) -> Iterator[list[Difference]]:
-    """Collect the warnings of a package, as differences."""
+    """Collect the warnings in the ``with`` block as differences; the list is filled at its end."""
     differences: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -89,7 +89,10 @@ def collected_warnings(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
-    """Return the differences with a title as one sentence each, with the largest effect first."""
+    """Return sentences on the differences with a title, with the largest effect first.
+
+    Differences that have only different names share a sentence.
+    """
     ordered = sorted(differences, key=lambda difference: (difference.effect, -difference.size))
     names: dict[tuple[str, str], list[str]] = {}
     for difference in ordered:

@@ -133,7 +133,10 @@ class Contacts:
         )
 
     def differences(self) -> Iterator[Difference]:
-        """Yield contacts of the file that are not with a wall, and differences in contact properties."""
+        """Yield a difference for each still shape that moving bodies touch and that becomes no wall.
+
+        A further difference says that contacts with walls are soft in MuJoCo.
+        """
         model = self.model
         walls = False
         for g in self.still:

@@ -168,7 +168,7 @@ FIELD_REMARKS = (
 
 
 def unsupported_fields(model: Any) -> Iterator[Difference]:
-    """Yield the values of a compiled model that a scene cannot have."""
+    """Yield a difference for each value of a compiled model that a scene cannot have or that is unknown."""
     values = dict(fields(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
     for row in FIELD_REMARKS:

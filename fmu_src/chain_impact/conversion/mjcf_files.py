@@ -20,7 +20,7 @@ class Compiled(NamedTuple):
         spec: the elements of the file.
         model: MuJoCo's compiled model.
         stand_ins: names of the meshes and other parts that are replaced because their files are missing.
-        differences: the parts that could not be read.
+        differences: the parts that could not be read, and MuJoCo's warnings.
     """
 
     spec: Any

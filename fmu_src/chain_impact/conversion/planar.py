@@ -163,10 +163,7 @@ class _Conversion:
         return link_of, parts
 
     def _gravity(self) -> np.ndarray:
-        """Return gravity [m/s²], reduced by the part of the weight that the file compensates in all bodies.
-
-        Report masses that have no effect in the scene, and compensation that differs between bodies.
-        """
+        """Return gravity [m/s²] without the part that the file compensates in all bodies; report the rest."""
         still = []
         for b, body in enumerate(self.robot.bodies):
             if self.link_of[b] >= 0 or body.mass == 0.0:
@@ -208,7 +205,7 @@ class _Conversion:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, differs=differs))
 
     def _tip(self) -> np.ndarray:
-        """Return the last link's end, relative to its joint [m]: a frame, else 2 · centre of mass."""
+        """Return the last link's end from its joint [m]: chosen or farthest frame, else 2 · mass centre."""
         part, hinge = self.parts[-1], self.hinges[-1]
         ends: dict[str, np.ndarray] = {}
         for b in part:
@@ -297,8 +294,7 @@ class _Conversion:
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
         """Write a joint's values into the table of its link, and return the joint's angle at the start.
 
-        Without ``grounded``, no joint holds the link: it is link 1 of a free base, and the values are
-        reported.
+        Without ``grounded`` there is no joint, only link 1 of a free base.
         """
         start, low, high = (offset + sign * value for value in (joint.start, joint.low, joint.high))
         low, high = (low, high) if sign > 0.0 else (high, low)

@@ -14,7 +14,7 @@ from chain_impact.conversion.differences import Difference
 
 
 def identifier(name: str, prefix: str) -> str:
-    """Return a name of letters, digits and _; the prefix is added if the name would begin with a digit."""
+    """Return a name of letters, digits and _; the prefix is added before a digit, or to an empty name."""
     plain = re.sub(r"\W+", "_", name, flags=re.ASCII)
     return plain if re.match(r"[A-Za-z_]", plain) else f"{prefix}_{plain}"
 

@@ -22,7 +22,7 @@ def platforms_of(path: str | Path) -> list[str]:
 
 
 def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple[str, Finding | None]:
-    """Return the file that an importer loads on this machine, and a finding if the file is missing.
+    """Return the file that an importer loads on this machine, and None; if it is missing, "" and a finding.
 
     Args:
         identifier: the attribute ``modelIdentifier``.

@@ -108,7 +108,7 @@ class Trial:
             self.tell(finding=asdict(Finding(text, self.binary)))
 
     def values(self) -> dict[str, list[Value]]:
-        """Return the values of all variables that can be read, by their names."""
+        """Return the values of variables by their names; report a variable that cannot be read."""
         by_name: dict[str, list[Value]] = {}
         for variable in self.variables:
             size = variable.size
@@ -129,7 +129,7 @@ class Trial:
         return by_name
 
     def compare_starts(self) -> None:
-        """Compare the start values of the FMU with the start values in its description."""
+        """Report the variables whose start values differ between the FMU and its description."""
         values = self.values()
         for variable in self.variables:
             if variable.exact and variable.start and variable.name in values:

@@ -86,7 +86,7 @@ class Contents:
 
     @property
     def may_touch(self) -> bool:
-        """Whether any point may touch any wall."""
+        """Whether any point may touch a wall; without walls, whether any point would."""
         if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
         planes = self.half_planes.values()

@@ -192,7 +192,7 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
-    """Return a hint if a name that is no parameter belongs to a signal that the scene does not have."""
+    """Return a hint if a name that is no parameter belongs to a signal that the scene lacks; else None."""
     table, _, key = name.partition(".")
     signal = key.partition(".")[0]
     if table not in ("signal", "signals") or not signal or signal in signals:

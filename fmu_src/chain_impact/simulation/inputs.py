@@ -77,7 +77,7 @@ class InputCourse:
     slips: np.ndarray
 
     def at(self, times: np.ndarray) -> InputCourse:
-        """Return the same inputs with other communication points, increasing, shape (S,) [s]."""
+        """Return the same inputs with other communication points: ``times`` [s], and the starts of pieces."""
         begins = self.times[np.maximum(self.first - 1, 0)]
         merged = np.union1d(times, begins[begins <= times[-1]])
         first = np.searchsorted(merged, begins, side="right")

@@ -70,7 +70,7 @@ class Rows(Protocol):
     def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
         """Advance an instance to each of the times [s] and fill rows from ``start`` on.
 
-        Returns the number of filled rows.
+        Returns the number of filled rows, which is smaller in the cases of ``Instance.trajectory``.
         """
 
 
@@ -212,6 +212,8 @@ class Instance:
     ) -> int:
         """Advance to each of the times [s] and fill a row at each; return the number of filled rows.
 
+        Fewer rows are filled after a fault, if the log of contacts is full, and after a second of computing.
+
         Args:
             times: shape (T,).
             rows: result, T rows of W numbers.
@@ -323,10 +325,7 @@ class Instance:
 
     @property
     def contradictions(self) -> list[str]:
-        """The sentence on a motion whose given positions contradict its given velocity, in a list.
-
-        The list is empty if there is no contradiction.
-        """
+        """A sentence, in a list, if given positions of a motion contradict its given velocity; else []."""
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
         names = {variable.record_path: variable.name for variable in self.prepared.inputs}

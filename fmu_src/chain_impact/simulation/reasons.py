@@ -38,7 +38,7 @@ REASONS_OF_FRICTION = {
     NO_LESS: "its coefficient is 0, and cannot be less",
     FROM_REST: "it begins to slide from rest, and a small speed against its direction would first be stopped",
 }
-"""Why derivatives end because of dry friction."""
+"""Code → reason why derivatives end because of dry friction."""
 
 LEFT_OPEN = (
     "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "

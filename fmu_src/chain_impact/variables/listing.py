@@ -32,7 +32,7 @@ _METHODS = tuple(
 
 
 def parameters(scene: Scene) -> Iterator[Variable]:
-    """Yield the parameters of the scene's FMU: the parameters for which the scene has a value."""
+    """Yield the parameters of the scene's FMU: those for which the scene has a value that is not trivial."""
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, tables in _each(PARAMETERS, shape_of(scene)):
         path = filled(kind.path or (), owner)

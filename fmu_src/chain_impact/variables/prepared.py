@@ -53,7 +53,8 @@ class PreparedScene:
 
     Attributes:
         scene: the scene.
-        candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
+        candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch. A
+            stop of a slider belongs to point 0.
         sizes: the numbers that determine the layout of the record.
         layout: the layout of an instance without derivatives.
         row: the layout of the outputs, one row of ``Result.outputs``.

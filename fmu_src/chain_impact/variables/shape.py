@@ -152,7 +152,7 @@ OF_STOPS = {
     "in_rad": "; at a stop the angle in rad",
     "in_n_m_s": "; at a stop in N·m·s",
 }
-"""Words that give the units of a stop's quantities in the list of impacts; "" in a scene without stops."""
+"""Words on the quantities of an impact at a stop of a joint; "" in a scene without such stops."""
 
 
 def shape_of(scene: Scene) -> Shape:
