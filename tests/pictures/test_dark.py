@@ -1,14 +1,16 @@
 """Pictures in a dark style: the ground is dark everywhere, and all that is drawn can be seen on it."""
 
+import itertools
+
 import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.dark import luminance
-from chain_impact.pictures.style import suit_figure
+from chain_impact.pictures.dark import lighter, luminance
+from chain_impact.pictures.style import PALETTE, suit_figure
 from tests.pictures.pictures import recorded
 
 
@@ -40,7 +42,7 @@ def test_lines_texts_and_colours_of_time_can_be_seen(page):
         assert all(luminance(text.get_color()) > 0.4 for text in texts)
     motion, time = (next(one for one in page.axes if one.get_label() == name) for name in ("motion", "time"))
     path = next(one for one in motion.collections if one.get_label() == "tip")
-    assert min(map(luminance, path.get_edgecolor())) > 0.29
+    assert min(map(luminance, path.get_edgecolor())) > 0.19
     bar = time.images[0].get_cmap()
     assert to_hex(bar(0.0)) == to_hex(path.get_edgecolor()[0])
     lines = next(axes for axes in page.axes if axes.get_label() == "energy").collections[0]
@@ -62,8 +64,8 @@ def test_axes_of_a_dark_style_keep_what_was_there():
     assert {to_hex(text.get_color()) for text in texts} == {"#ffffff"}
     total = next(line for line in axes.lines if line.get_label() == "total")
     assert to_hex(total.get_color()) == "#ffffff"
-    assert all(luminance(line.get_color()) > 0.29 for line in axes.lines)
-    assert all(luminance(handle.get_color()) > 0.29 for handle in axes.get_legend().legend_handles)
+    assert all(luminance(line.get_color()) > 0.19 for line in axes.lines)
+    assert all(luminance(handle.get_color()) > 0.19 for handle in axes.get_legend().legend_handles)
     (rest,) = axes.patches
     assert max(rest.get_facecolor()[:3]) < 0.2  # shaded, not white
 
@@ -80,3 +82,17 @@ def test_a_map_keeps_its_colours_and_cells_without_value_get_dark():
         suit_figure(page)
     assert luminance(mesh.get_cmap().get_bad()) < 0.1
     assert mesh.get_cmap()(0.3) == before
+
+
+def lab(colour):
+    """Return lightness L*, a* and b* of a colour (CIE 15:2004, white point D65)."""
+    linear = np.array(to_rgb(colour)) ** 2.2
+    matrix = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    x, y, z = np.cbrt(np.array(matrix) @ linear / [0.9505, 1.0, 1.089])
+    return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
+
+
+def test_the_colours_of_curves_differ_on_a_dark_ground():
+    """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
+    for one, other in itertools.combinations(PALETTE, 2):
+        assert np.linalg.norm(lab(lighter(one)) - lab(lighter(other))) > 15.0

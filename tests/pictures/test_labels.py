@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from chain_impact.pictures.labels import Ink, Label, listed, place_labels
+from chain_impact.pictures.labels import Ink, Label, folded, listed, place_labels
 
 
 @pytest.fixture
@@ -116,3 +116,52 @@ def test_a_line_to_a_label_goes_around_a_strong_line_if_it_can():
     page.draw_without_rendering()
     box = label.get_window_extent().transformed(axes.transData.inverted())
     assert box.x1 < wall
+
+
+def rays(count, colour, width):
+    """Return a page with lines that cover all of it except one point, and its axes."""
+    page = Figure((4.0, 4.0), dpi=100)
+    axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
+    axes.axis("off")
+    for y in np.linspace(0.0, 4.0, count):
+        axes.plot([0.0, 4.0], [y, y], color=colour, linewidth=width)
+    return page, axes
+
+
+def test_a_number_without_free_room_stands_on_pale_lines_and_has_an_outline():
+    page, axes = rays(200, "0.85", 0.6)
+    label = Label("1, 3", (2.0, 2.0))
+    assert place_labels(axes, [label], Ink(page)) == [label]
+    assert place_labels(axes, [label], Ink(page), lines=True) == []
+    (text,) = axes.texts
+    assert text.get_path_effects()
+    page, axes = rays(200, "0.3", 0.6)
+    assert place_labels(axes, [label], Ink(page), lines=True) == [label]
+
+
+def test_a_label_on_pale_lines_is_better_than_a_line_across_a_link():
+    page, axes = rays(200, "0.85", 0.6)
+    axes.fill([2.3, 4.0, 4.0, 2.3], [0.0, 0.0, 4.0, 4.0], color="white", zorder=3)
+    link = 2.25
+    axes.plot([link, link], [0.0, 4.0], color="black", linewidth=3.0, zorder=4)
+    assert not place_labels(axes, [Label("1", (2.1, 2.0), (1.0, 0.0))], Ink(page), lines=True, fontsize=7)
+    page.draw_without_rendering()
+    (text,) = axes.texts
+    assert Text.get_window_extent(text).transformed(axes.transData.inverted()).x1 < link
+
+
+def test_a_label_in_a_narrow_area_has_two_lines():
+    page = Figure((4.0, 4.0), dpi=100)
+    axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
+    axes.axis("off")
+    axes.fill([0.7, 4.0, 4.0, 0.7], [0.0, 0.0, 4.0, 4.0], color="black")
+    assert not place_labels(axes, [Label("3, 5 + 13 more", (0.35, 2.0))], Ink(page), lines=True)
+    (text,) = axes.texts
+    assert text.get_text() == "3, 5\n+ 13 more"
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"), [("3", "3"), ("1, 3, 5", "1, 3,\n5"), ("2, 6 + 13 more", "2, 6\n+ 13 more")]
+)
+def test_a_text_with_several_parts_is_folded(words, expected):
+    assert folded(words) == expected

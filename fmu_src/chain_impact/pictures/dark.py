@@ -20,7 +20,9 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation, Text
 
 DARK = 0.18  # a ground with less luminance is dark: white text has more contrast on it than black text
-LEAST = 0.3  # the least luminance of a colour on a dark ground; on black this gives the contrast ratio 7
+# the least luminance of a colour on a dark ground; on black this gives the contrast ratio 5. A larger number
+# would make blue and light blue alike
+LEAST = 0.2
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 COLOURED = 0.15  # a colour with less saturation counts as a grey
 # on a dark ground, the exponent for the distance of a grey from the ground, from 0 to 1: it makes the

@@ -40,7 +40,7 @@ NEARLY = 1.0  # [pixels] how far texts may reach beyond the figure, or overlap
 ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
 # if a figure is too low, heights that are larger by a multiple of STEP [inch] are tried, at most HIGHER steps
 STEP, HIGHER = 0.25, 40
-APART = 0.35  # the least space between two numbers of an axis, relative to their height
+APART = 0.6  # the least space between two numbers of an axis, relative to their height
 # a label is broken into two lines if its length, relative to the length of its axis, exceeds this
 LONGER = 1.1
 Fill = Callable[[Figure], None]
@@ -229,6 +229,7 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
             engine.execute(figure)
         if scaled is not None:
             scaled.set_aspect("equal")
+            scaled.apply_aspect()
         is_changed = break_labels(figure)
         if not (fit_legends(figure) or is_changed):
             return

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Sequence
-from itertools import product
+from itertools import chain, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
@@ -27,9 +28,11 @@ FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 PARTS = 16
 TURNS = (0, *(sign * part for part in range(1, PARTS // 2) for sign in (1, -1)), PARTS // 2)
 COVERED = 0.6  # the largest part of a line between place and label that may cover other drawn things
+# STRONG: a pixel is strong if its red, green or blue is below this
 # CROSSED: [points] how much of a line may be on strong pixels, tried in this order, except within OWN
-# [points] of its place, which is a mark; a pixel is strong if its red, green or blue is below STRONG
+# [points] of its place, which is a mark
 CROSSED, OWN, STRONG = (0.0, 4.0, math.inf), 6.0, 128
+OUTLINE = 2.0  # [points] the width of the white outline of a label that stands on pale lines
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
 ABOVE = 6.0  # matplotlib's zorder of labels and their lines: above links and points
@@ -66,22 +69,21 @@ class Ink:
         parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
         colours = parts.view(np.uint32)[..., 0]
         self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
+        self._strong_counts = counted(self._strong)
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
             self._drawn &= colours != ground
         self._labels = np.zeros_like(self._drawn)
-        # the number of drawn pixels below and to the left of each corner; four of them count a whole box
-        self._counts = np.zeros(np.add(colours.shape, 1), np.int32)
-        self._drawn.cumsum(axis=0, dtype=np.int32, out=self._counts[1:, 1:])
-        self._counts.cumsum(axis=1, out=self._counts)
+        self._counts = counted(self._drawn)
 
-    def were_free(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    def were_free(self, low: np.ndarray, high: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
         """Return which boxes were free before any label was written, shape (B,).
 
         ``low`` and ``high`` are the lower left and upper right corners of the boxes in pixels, shape (B, 2).
+        With ``on_pale`` boxes without strong pixels are free, too.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int).T, np.ceil(high).astype(int).T
-        counts = self._counts
+        counts = self._strong_counts if on_pale else self._counts
         return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
 
     def take(
@@ -91,27 +93,40 @@ class Ink:
         place: np.ndarray | None = None,
         own: float = 0.0,
         crossed: float = math.inf,
+        *,
+        on_pale: bool = False,
     ) -> bool:
         """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free.
+
+        With ``on_pale`` a box without strong pixels and labels is free, too.
 
         A straight line from ``place`` to the box must pass no other label and little else; it is marked, too.
         At most ``crossed`` pixels of the line may be strong; its first ``own`` pixels do not count.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
-        box = self._drawn[y0:y1, x0:x1]
-        if box.any():
+        box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
+        met = self._strong if on_pale else self._drawn
+        if labels.any() or met[y0:y1, x0:x1].any():
             return False
         if place is not None:
             middle = 0.5 * (low + high)
             count = 2 + int(np.abs(middle - place).max())
             line = tuple(np.linspace(place, middle, count).astype(int).T[::-1])
-            if self._labels[line].any() or self._drawn[line].sum() > COVERED * count:
+            if self._labels[line].any() or met[line].sum() > COVERED * count:
                 return False
             if self._strong[tuple(along[int(own) :] for along in line)].sum() > crossed:
                 return False
             self._drawn[line] = self._strong[line] = True
-        box[:] = self._labels[y0:y1, x0:x1] = True
+        box[:] = labels[:] = True
         return True
+
+
+def counted(pixels: np.ndarray) -> np.ndarray:
+    """Return the number of true pixels below and to the left of each corner; four of them count a box."""
+    counts = np.zeros(np.add(pixels.shape, 1), np.int32)
+    pixels.cumsum(axis=0, dtype=np.int32, out=counts[1:, 1:])
+    counts.cumsum(axis=1, out=counts)
+    return counts
 
 
 def place_labels(
@@ -137,7 +152,8 @@ def place_labels(
 
     left, homes = [], np.array([_home(axes, label, half_size(label.short or label.text)) for label in labels])
     for k, label in enumerate(labels):
-        sizes = {words: half_size(words) for words in (label.text, label.short) if words}
+        texts = chain.from_iterable((words, folded(words)) for words in (label.text, label.short) if words)
+        sizes = {words: half_size(words) for words in texts}
         if not _place(axes, label, homes[k + 1 :], sizes, ink=ink, steps=steps, **look):
             left.append(label)
     probe.remove()
@@ -164,8 +180,8 @@ def _place(
 ) -> bool:
     """Write the first text that has a free position; return whether there is one.
 
-    For each text, and each limit in CROSSED on what its line may cross, positions that spare the best
-    positions of other labels are tried first.
+    For each limit in CROSSED on what a line may cross, the texts are tried on free ground, then, if lines are
+    allowed, on pale lines, with an outline. Positions that spare the best ones of other labels come first.
 
     Args:
         axes: the axes inside which the text stays.
@@ -184,27 +200,40 @@ def _place(
         "textcoords": "offset points",
         "ha": "center",
         "va": "center",
+        "ma": "center",
         "in_layout": False,
     }
-    for (words, half), crossed, spared in product(sizes.items(), CROSSED, (homes, homes[:0])):
+    grounds = (False, True) if FAR[-1] in steps else (False,)
+    outline: Any = {True: {"path_effects": [withStroke(linewidth=OUTLINE, foreground="white")]}, False: {}}
+    tries = product(CROSSED, grounds, sizes, (homes, homes[:0]))
+    for crossed, on_pale, words, spared in tries:
+        half = sizes[words]
         ways = directions(label.away) * (steps[:, None, None] * CLOSE * point + half)
         low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
         is_inside = ((low >= inside.min) & (high <= inside.max)).all(axis=-1)
         for home in spared:
             is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
-        free = ink.were_free(low[is_inside], high[is_inside])
+        free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
         if crossed:  # positions without a line were tried with the first of CROSSED
             free &= np.isin(steps[tried[:, 0]], FAR)
         for step, turn in tried[free].tolist():
-            led: dict[str, Any] = {}
-            if steps[step] in FAR:
-                led = {"arrowprops": LEADER, "zorder": ABOVE}
-            if ink.take(low[step, turn], high[step, turn], at if led else None, OWN * point, crossed * point):
+            led: dict[str, Any] = {"arrowprops": LEADER, "zorder": ABOVE} if steps[step] in FAR else {}
+            box, start = (low[step, turn], high[step, turn]), at if led else None
+            if ink.take(*box, start, OWN * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
-                axes.annotate(words, label.place, offset, **led, **style, **look)
+                axes.annotate(words, label.place, offset, **led, **outline[on_pale], **style, **look)
                 return True
     return False
+
+
+def folded(words: str) -> str:
+    """Return a text in two lines if it has several parts: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
+    if " + " in words:
+        return words.replace(" + ", "\n+ ")
+    parts = words.split(", ")
+    first = len(parts) - len(parts) // 2
+    return ",\n".join(", ".join(part) for part in (parts[:first], parts[first:]) if part)
 
 
 def directions(away: tuple[float, float]) -> np.ndarray:

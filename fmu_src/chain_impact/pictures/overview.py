@@ -228,7 +228,9 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
     parts = [part for part, is_shown in (("motion", "motion" in shown), ("time", timed)) if is_shown]
     share, narrow = motion_share(ratio), is_narrow(figure)
     across = len(parts) > 1 and not narrow and ratio <= BESIDE
-    above = ABOVE_TIME * min(1.0, BROADEST / ratio) if narrow else ((FULL - ROUND) / ratio + LABELS) / PANEL
+    above = ((figure.get_figwidth() - ROUND) / ratio + LABELS) / PANEL
+    if narrow:
+        above = ABOVE_TIME * min(1.0, BROADEST / ratio)
     sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": above, "time": sum(heights)}
     if across:
         grid = figure.add_gridspec(1, len(parts), width_ratios=[sizes[part] for part in parts])

@@ -284,3 +284,14 @@ def test_too_many_runs_are_refused(tmp_path, monkeypatch):
     found = sweep(SCENE, {"contact.restitution": [0.3, 0.4, 0.5, 0.6]})
     with pytest.raises(SceneError, match="4 runs must be <= 3 for a picture: draw parts of the table"):
         found.plot(tmp_path / "sweep.png")
+
+
+def test_all_forces_have_one_unit():
+    scene = load_scene("carried_arm").with_values({"simulation.stop_time": 0.6})
+    found = sweep(scene, {"contact.restitution": "0.1,0.9"}, outputs=["joint[1].force.y", "point[2].y"])
+    units = {quantity.column: quantity.unit for quantity in results_of(found).every}
+    forces = {unit for name, unit in units.items() if "force" in name}
+    assert forces <= {"N", "kN"}
+    assert len(forces) == 1
+    assert units["point[2].y"] == "m"
+    assert {"peak_force", "joint_force", "joint[1].force.y"} <= units.keys()

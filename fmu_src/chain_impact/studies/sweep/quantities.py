@@ -69,6 +69,8 @@ QUANTITIES = (
     Quantity(COUNT, "impacts"),
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
+SHARED = ("N", "N·m", "J")
+"""The units in which an output at the end of each run has the same prefix as the main results."""
 LOADS = ("peak_force", "stop.peak_moment", "joint_force")
 """The columns for which a spread of the results is usually wanted."""
 
@@ -106,13 +108,13 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     if panels:
         fields = list(runs.rows.dtype.names or ())
         chosen = columns_named(prepared, panels, fields)
-        every = [_in_unit(runs, main.get(name) or _at_end(name, prepared)) for name in chosen]
+        every = _in_units(runs, [main.get(name) or _at_end(name, prepared) for name in chosen])
         return Results(every, every)
     scene = runs.scene
     absent = set() if point_wall_pairs(scene) or scene.slider_stops else {*PEAKS}
     shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
     additional = [_at_end(name, prepared) for name in runs.outputs if name not in main]
-    every = [_in_unit(runs, quantity) for quantity in shown] + additional[:MOST_ASKED]
+    every = _in_units(runs, shown + additional[:MOST_ASKED])
     drawn = [each for each in every if _differs(each.of(runs))] or every
     loads = [each for each in drawn if each.column in LOADS]
     if runs.design.samples is not None and loads:
@@ -162,13 +164,19 @@ def _at_end(name: str, prepared: PreparedScene) -> Quantity:
     return Quantity(name, f"{name} at the end", unit_text(unit))
 
 
-def _in_unit(runs: Runs, quantity: Quantity) -> Quantity:
-    """Return a quantity with the prefix of its unit that suits its largest value."""
-    if not quantity.unit or quantity not in QUANTITIES:
-        return quantity
-    values = np.abs(quantity.of(runs))
-    factor, unit = prefixed(float(np.max(values[np.isfinite(values)], initial=0.0)), quantity.unit)
-    return replace(quantity, unit=unit, factor=factor)
+def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
+    """Return quantities with prefixes that suit the largest values; all forces have the same, and so on."""
+    families = [each.unit if each in QUANTITIES or each.unit in SHARED else "" for each in quantities]
+    scales = {"": (1.0, "")}
+    for unit in {*families} - {""}:
+        members = [each for each, family in zip(quantities, families, strict=True) if family == unit]
+        values = np.abs([each.of(runs) for each in members])
+        scales[unit] = prefixed(float(np.max(values[np.isfinite(values)], initial=0.0)), unit)
+    scaled = []
+    for quantity, family in zip(quantities, families, strict=True):
+        factor, unit = scales[family]
+        scaled.append(replace(quantity, unit=unit or quantity.unit, factor=factor))
+    return scaled
 
 
 def _differs(values: np.ndarray) -> bool:
