@@ -87,6 +87,7 @@ export class ComparedMotions {
     cell.append(make("span", { className: `dot ${colour ? `pin-${colour}` : "present"}` }));
     cell.append(make("span", { className: "pin-text", textContent: text }));
     if (colour) {
+      cell.prepend(make("span", { className: `dashes pin-${colour}`, title: "In the charts" }));
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
       button.addEventListener("click", () => this.unpin(motion));
       cell.append(button);

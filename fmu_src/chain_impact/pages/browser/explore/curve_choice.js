@@ -4,6 +4,8 @@ import { find, make } from "../base/dom.js";
 import { breakable, readable, unitText } from "../base/format.js";
 import { MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 
+const ALIKE = 0.6; // least similarity of a name that is proposed
+
 /** Return the names that match a text in which `*` stands for any text. */
 function like(text, columns) {
   const parts = text.split("*").map((part) => part.replaceAll(/[.+?^${}()|[\]\\]/g, "\\$&"));
@@ -11,11 +13,20 @@ function like(text, columns) {
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
+/** Return a sentence on a name that no output has, with the most similar name if one is similar enough. */
+function noOutput(name, columns) {
+  const pairsOf = (text) => [...text].slice(1).map((letter, k) => text[k] + letter);
+  // Dice's coefficient of the pairs of letters, from 0 to 1
+  const likeness = (other) => 2 * pairsOf(other).filter((pair) => pairsOf(name).includes(pair)).length / (name.length + other.length - 2);
+  const nearest = columns.map((column) => column.name).reduce((best, other) => (likeness(other) > likeness(best) ? other : best));
+  return `${name} is no output${likeness(nearest) < ALIKE ? "" : `; the nearest is ${nearest}`}`;
+}
+
 /** Return the names in a text with commas, as for `simulate --curves`; an error says which name is not possible. */
 function namesIn(text, columns) {
   const all = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
     const names = like(part, columns);
-    if (!names.length) throw new RangeError(part.includes("*") ? `no output is like ${part}` : `${part} is no output`);
+    if (!names.length) throw new RangeError(part.includes("*") ? `no output is like ${part}` : noOutput(part, columns));
     return names;
   });
   const names = [...new Set(all)];

@@ -40,9 +40,9 @@ export class Clock {
     return this.recording.time.length - 1;
   }
 
-  /** Return the simulated seconds per second on the screen. */
+  /** Return the simulated seconds per second on the screen; at the end, where playing stops, the chosen speed. */
   get rate() {
-    return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
+    return this.speed * (this.slow && this.frame < this.last ? this.recording.rateAt(this.frame) : 1);
   }
 
   /** Change some of: frame, playing, slow, loop, speed. Without a recording, change nothing. */

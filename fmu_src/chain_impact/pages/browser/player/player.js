@@ -96,9 +96,8 @@ export class Player {
     this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
     [this.drawing, this.impacts, ...this.layers].forEach((part) => part.draw(frame, contact));
     find("time").textContent = `${time.toFixed(5)} s`;
-    const slow = clock.slow && recording.rateAt(frame) < SHARED.pacing.SLOW;
     find("rate").textContent = rateText(clock.rate);
-    document.body.classList.toggle("slow-motion", slow);
+    document.body.classList.toggle("slow-motion", clock.rate < SHARED.pacing.SLOW * clock.speed);
     document.body.classList.toggle("playing", clock.playing);
     const caption = impactText(recording, contact, time);
     if (find("caption").textContent !== caption) find("caption").textContent = caption;
