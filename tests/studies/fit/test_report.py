@@ -27,6 +27,7 @@ def test_a_fit_is_printed_whole(lines):
         [FREE[0], "5e7"], [FREE[1], "0.6"], [FREE[2], "1.5"]
     ]  # fmt: skip
     assert " … " in lines[3]
+    assert "N/m^1.5" in lines[3]
     assert "rad/s" in lines[5]
     by_name = {line.split()[0]: line for line in lines if line}
     assert "0.001 given" in by_name[TIP[0]]

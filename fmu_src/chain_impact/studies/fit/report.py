@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.pictures.style import number
 from chain_impact.recording.text import Table, plural
-from chain_impact.scene.unit_text import with_unit
+from chain_impact.scene.unit_text import of_scene, with_unit
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
@@ -56,13 +56,12 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = []
     for parameter in fit.parameters:
         value, error = fit.values[parameter.label], fit.standard_errors[parameter.label]
-        unit = "" if parameter.unit.startswith("N/m^") else with_unit("", parameter.unit)
         relative_error = error / value if parameter.logarithmic else error
         rows.append(
             (
                 parameter.label,
                 number(parameter.start, 6),
-                f"{rounded(value, error)}{unit}",
+                with_unit(rounded(value, error), of_scene(parameter.unit, fit.scene)),
                 size_of(parameter, value, relative_error),
                 _interval(parameter, value, error, fit.intervals[parameter.label]),
             )
