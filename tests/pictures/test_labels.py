@@ -154,8 +154,8 @@ def test_a_label_in_a_narrow_area_has_two_lines():
     page = Figure((4.0, 4.0), dpi=100)
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
     axes.axis("off")
-    axes.fill([0.7, 4.0, 4.0, 0.7], [0.0, 0.0, 4.0, 4.0], color="black")
-    assert not place_labels(axes, [Label("3, 5 + 13 more", (0.35, 2.0))], Ink(page), lines=True)
+    axes.fill([1.0, 4.0, 4.0, 1.0], [0.0, 0.0, 4.0, 4.0], color="black")
+    assert not place_labels(axes, [Label("3, 5 + 13 more", (0.5, 2.0))], Ink(page), lines=True)
     (text,) = axes.texts
     assert text.get_text() == "3, 5\n+ 13 more"
 

@@ -352,3 +352,27 @@ def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
     page = recorded("stick_slip_belt").plot(size=(4.7, 9.0))
     page.draw_without_rendering()
     assert np.ptp([axes.bbox.x0 for axes in page.axes]) < 1.0
+
+
+def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
+    page = recorded("rod_drop").plot(size=(WIDTHS[0], None))
+    motion, speeds = (
+        next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
+    )
+    assert sum("more" in text.get_text() for text in motion.texts) == 2  # one for each end of the rod
+    foot = next(text.get_text() for text in page.texts if "without room" in text.get_text())
+    listed = foot.partition(":")[2].replace("\n", " ").removesuffix(" in the speeds").split(",")
+    ranges = [[int(end) for end in part.split("–")] for part in listed]
+    told = {number for ends in ranges for number in range(ends[0], ends[-1] + 1)}
+    told |= {int(text.get_text()) for text in speeds.texts}
+    assert told == {*range(1, len(recorded("rod_drop").impacts) + 1)}
+
+
+@pytest.mark.parametrize("model", ["hopping_leg", "kneed_leg"])
+def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model):
+    page = recorded(model).plot(size=(WIDTHS[1], None))
+    page.draw_without_rendering()
+    low, high = page.axes[0].get_xlim()
+    ticks = [tick for tick in page.axes[0].get_xticklabels() if low <= tick.get_position()[0] <= high]
+    numbers = [tick.get_window_extent() for tick in ticks]
+    assert all(one.x1 + 0.3 * one.height < other.x0 for one, other in itertools.pairwise(numbers))

@@ -64,6 +64,8 @@ NUMBERS = {"motion": number_rings, "impacts": number_impacts}
 
 The functions return the numbers without room, as text.
 """
+# MOST_LISTED: the largest height of texts at the foot that name impacts, relative to the figure's height
+MOST_LISTED = 0.25
 FEET = 3  # the text at the foot takes room, so the panels are arranged again, at most this number of times
 PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 """Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
@@ -126,7 +128,7 @@ def number_and_list(figure: Figure, panel_axes: dict[str, Axes], recording: Reco
                 text.remove()
         if foot is not None:
             foot.remove()
-        foot, written = write_foot(figure, missing), broken(figure, missing)
+        foot, written = write_foot(figure, missing, MOST_LISTED), broken(figure, missing)
         settle(figure, panel_axes.get("motion"))
         figure.set_layout_engine("none")
         missing = number_all(figure, panel_axes, recording)

@@ -84,7 +84,7 @@ FULL, WIDE = 10.0, 6.0  # [inch] FULL: the usual width of a figure; WIDE: the le
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 GAP = 0.09  # [inch] space below the headline, and below the conditions
 MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the figure
-MOST_FOOT = 0.25  # the largest height of the texts at the foot, relative to the height of the figure
+MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the height of the figure
 # font sizes, relative to the usual one, that are tried for a headline until it fits into one line, else into
 # two lines
 SMALLER = (1.0, 0.92, 0.84, 0.76)
@@ -212,15 +212,18 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
     return str(probe.get_text())
 
 
-def write_foot(figure: Figure, text: str) -> Text | None:
-    """Write a text at the foot of a figure, above other texts there; return None if the figure is too low."""
+def write_foot(figure: Figure, text: str, most: float = MOST_FOOT) -> Text | None:
+    """Write a text at the foot of a figure, above other texts there.
+
+    The texts at the foot take at most the part ``most`` of the figure's height; otherwise return None.
+    """
     (width, height), low = figure.get_size_inches(), _foot(figure)
     text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
     foot = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **text_style)
     for more in (1, 0):
         foot.set_text(broken(figure, text, more))
         room = (foot.get_window_extent().height / figure.dpi + GAP) / height
-        if low + room <= MOST_FOOT:
+        if low + room <= most:
             _reserve(figure, 0.0, low + room)
             return foot
     foot.remove()
