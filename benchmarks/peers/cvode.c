@@ -115,7 +115,7 @@ long cvode_solve(void *instance, const Settings *settings, const double *times, 
     CVodeSetUserData(cvode, &problem);
     CVodeSetErrHandlerFn(cvode, silent, NULL);
     CVodeWFtolerances(cvode, weights);
-    CVodeSetMaxNumSteps(cvode, 10000); /* in one call, with a check of the budget after each step */
+    CVodeSetMaxNumSteps(cvode, 10000); /* in one call; after each call the budget is checked */
     CVodeRootInit(cvode, (int)(2 * settings->candidates), roots);
     CVodeSetNoInactiveRootWarn(cvode);
     SUNMatrix matrix = NULL;

@@ -43,7 +43,7 @@ class Taylor(OnKernel):
         return self.integrators[key]
 
     def compiled(self, active: tuple[int, ...]) -> Any:
-        """Return equations of motion and events; the latched speeds are its parameters."""
+        """Return the integrator for some active contacts; its parameters are the latched speeds."""
         count = range(len(self.given["length"]) + 2)
         q = hy.make_vars(*(f"q{i}" for i in count))
         v = hy.make_vars(*(f"v{i}" for i in count))

@@ -42,7 +42,10 @@ class Dop853(OnKernel):
     """The function ``numbalsoda.solve_ivp`` as a contender."""
 
     def run(self, *, keep_steps: bool = False) -> int:
-        """Run once; to count the steps, they are kept, at some cost."""
+        """Run once; return the number of steps, −1 on failure.
+
+        The number is right only with ``keep_steps``, which costs time.
+        """
         self.start()
         grid = np.array([] if keep_steps else [self.stop], np.float64)
         return run_dop853(

@@ -33,7 +33,7 @@ class OnInstance:
         self.kernel, self.address = self.instance._kernel, self.instance._address
 
     def observed(self) -> tuple[np.ndarray, Onsets]:
-        """Return state, and onsets by candidate."""
+        """Return the state, and candidate and time of each onset, in order of time."""
         self.kernel.observe(self.address)
         record = self.instance.record
         out, candidate = record["output"], record["candidate"]

@@ -18,7 +18,7 @@ BEYOND = 1e-9  # m, depth without a contact at which an onset was missed
 
 @njit
 def call(function, t, y, address, count):
-    """Return a C function of time and state, which fills so many numbers."""
+    """Return the ``count`` numbers that a C function fills for a time and a state."""
     out, whole = np.empty(count), np.ascontiguousarray(y)  # columns of a matrix are not contiguous
     function(t, whole.ctypes.data, out.ctypes.data, address)
     return out
@@ -31,7 +31,7 @@ class Scipy(OnKernel):
         time: up to where it has come, in whole segments between events [s].
         steps: steps.
         watch: whether to look at energy, depth and missed onsets after each step.
-        seen: highest energy [J], and largest penetration [m].
+        seen: highest energy [J], largest penetration [m], and largest depth without a contact [m].
         missed: whether a point was found beyond a wall without a contact.
         message: of an integrator that gave up.
         tick: is called at each right-hand side, to stop a run that takes too long.

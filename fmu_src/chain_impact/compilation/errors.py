@@ -2,7 +2,7 @@
 
 
 class BuildError(RuntimeError):
-    """Raised when the kernel cannot be compiled, or the FMU is not valid.
+    """Raised when a kernel or an FMU cannot be made, or an FMU is not valid.
 
-    The message contains the compiler's message.
+    If a compiler fails, the message contains its message.
     """

@@ -27,7 +27,7 @@ def kernel_library(
     *,
     derivatives: bool = False,
 ) -> Path:
-    """Return the shared library for chains of N ``links``.
+    """Return the shared library for chains of N ``links``: ready, cached, or compiled now.
 
     Args:
         links: number of links N, GENERAL for a scene with rare features, or all sizes of a scene.

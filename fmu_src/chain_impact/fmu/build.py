@@ -56,7 +56,8 @@ def build_fmu(
 
     Raises:
         SceneError: when the source is not a valid scene.
-        BuildError: when the kernel cannot be compiled or the FMU is not valid.
+        BuildError: when there is no such target, version or platform, the kernel cannot be compiled, or the
+            FMU is not valid.
         OSError: when the FMU cannot be written; no part of the FMU is left then.
     """
     scene = scene_of(source)

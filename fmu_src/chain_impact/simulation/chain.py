@@ -211,7 +211,7 @@ class Chain:
 
         If one value is refused, no value is set.
 
-        A contact law or a solver method can be given by its name, or by its number.
+        A contact law or a solver method can be given by its name or its number, an angle also as "90 deg".
 
         Raises:
             UnknownNameError: when no variable has the name.

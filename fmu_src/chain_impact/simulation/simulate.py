@@ -87,9 +87,10 @@ def simulate(
             take at most ``MOST_BYTES``. The result always has all impacts.
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] → a
             number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
-            increasing. An input that is not named is zero. A table of samples is allowed as well: a CSV or
-            Parquet file, a table of pandas or polars, or columns, with the column ``time`` and one for each
-            input.
+            increasing. An input that is not named is zero; a target is then the spring's rest angle or
+            position, and a base stays at its initial position. A table of samples is allowed as well: a CSV
+            or Parquet file, a table of pandas or polars, or columns, with the column ``time`` and one for
+            each input.
         interpolation: how inputs act: ``follow``, ``hold`` or ``linear``.
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for

@@ -70,8 +70,8 @@ def _decisive(table: type, path: DataPath) -> list[str]:
 _OF_CONTACT = _decisive(Contact, ("contact",))
 _OF_LINK = _decisive(Link, ("chain", "links", AT))
 _OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
-"""The decisive keys of these tables. A slider's angle is decisive, because it decides which walls the points
-can reach."""
+"""The decisive keys of [contact], of a link and of a slider. A slider's angle is decisive, because it decides
+which walls the points can reach."""
 
 
 def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Counts) -> np.ndarray:
