@@ -9,7 +9,7 @@ import functools
 import operator
 import os
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import Field, dataclass, is_dataclass, replace
 from html import escape
 from numbers import Integral
@@ -250,7 +250,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[DataPat
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
     with as_typed(changes):
-        changed = _with_any(scene, [_path_and_value(scene, *change) for change in changes.items()])
+        names = functools.cache(lambda: _paths_by_name(scene))  # takes longer than most changes
+        changed = _with_any(scene, [_path_and_value(scene, names, *change) for change in changes.items()])
     hints_before = checks.hints(scene)
     warn(scene.name, [hint for hint in checks.hints(changed) if hint not in hints_before])
     return changed
@@ -280,12 +281,17 @@ JOINT_ANGLES = ("initial", "joint_angles")
 """The key for joint angles, which can replace the key for absolute angles."""
 
 
-def _path_and_value(scene: Scene, change: str | DataPath, given: Any) -> tuple[DataPath, Any]:
-    """Return the path and the value of a change; the change may be a name or a path."""
+def _path_and_value(
+    scene: Scene, every: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
+) -> tuple[DataPath, Any]:
+    """Return the path and the value of a change; the change may be a name or a path.
+
+    ``every`` returns name → path of the scene.
+    """
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
         return change, given
-    names = _keys() if change in _keys() else _paths_by_name(scene)
+    names = _keys() if change in _keys() else every()
     written = (change, *other_names(change))
     typed, change = change, next((name for name in written if name in names), fmu_name(change))
     if change not in names:
@@ -309,7 +315,8 @@ def _keys() -> dict[str, DataPath]:
 
 def _names(scene: Scene) -> dict[str, DataPath]:
     """Return the path of every single value, by the value's name."""
-    return {name: path for name, (path, _) in zip(scene.values, _leaves(scene), strict=True)}
+    walls = [wall.name for wall in scene.walls]
+    return {name_of(path, walls): path for path, _ in _leaves(scene)}
 
 
 def _leaves(
