@@ -33,7 +33,7 @@ MANY, LOOSER = (
 
 
 def cholesky_solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve a symmetric positive definite system in the precision of its numbers.
+    """Return the solution of a symmetric positive definite system in the precision of its numbers.
 
     NumPy has no such function.
     """

@@ -62,7 +62,7 @@ def row(model: str) -> str:
 
 
 def lead_to_simulations(gallery: str) -> str:
-    """Link the pictures on the page of all models to the simulating pages.
+    """Return the page of all models with links from its pictures to the simulating pages.
 
     RuntimeError if a link is missing.
     """

@@ -56,7 +56,7 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
-    """Return the state at the start, and a note that says where this state comes from."""
+    """Return the state at the start, and a note on its keyframe, if any; refuse an unknown keyframe."""
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
     wanted = (names[0] if names else NONE) if keyframe is None else keyframe
     if wanted != NONE and wanted not in names:

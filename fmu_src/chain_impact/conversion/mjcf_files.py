@@ -30,7 +30,7 @@ class Compiled(NamedTuple):
 
 
 def compiled(mujoco: Any, path: Path) -> Compiled:
-    """Compile a file; the warnings of MuJoCo are part of the differences.
+    """Return a file, compiled; the warnings of MuJoCo are part of the differences.
 
     Raises:
         SceneError: when MuJoCo cannot read the file, or a body has its mass only from a missing mesh.

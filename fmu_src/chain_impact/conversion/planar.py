@@ -260,7 +260,7 @@ class _Conversion:
         return mass, center, about
 
     def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
-        """Return the mass, centre of mass and inertia of a link."""
+        """Return the mass, centre of mass and inertia of a link as its keys; refuse a link without mass."""
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
         if mass <= 0.0:

@@ -38,7 +38,7 @@ class Joint:
         torque_limit: [N·m]; None without a limit.
         start: angle [rad] or position [m] at the start.
         speed: rate of the angle or position at the start.
-        turn: rotation at the start of a joint that is neither a hinge nor a slide, shape (3, 3).
+        turn: rotation at the start of a ball joint, shape (3, 3); None for other joints.
         inputs: keys of ``[inputs]`` that the joint's drives need.
         drives: names of the drives.
     """
@@ -88,7 +88,7 @@ class Shape:
 
 
 def outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray | None]:
-    """Return corners, radius and disc of a shape about its centre.
+    """Return corners, radius and disc, see ``Shape``, of a shape about its centre.
 
     Args:
         kind: sphere, capsule or cylinder; any other kind is replaced by a box.

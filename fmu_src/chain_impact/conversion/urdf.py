@@ -75,7 +75,7 @@ def read_urdf(path: Path) -> Robot:
 
 
 def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
-    """Return the links and joints, read by yourdfpy."""
+    """Return the links and joints, read by yourdfpy; if it fails, the error names the faulty part."""
     options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
     try:
         return yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot

@@ -122,7 +122,10 @@ def _variable(node: Element, types: Mapping[str, Variable], size: int | None) ->
 
 
 def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
-    """Return the number of a variable's values; a dimension is a number or the start value of a parameter."""
+    """Return the number of a variable's values; None if it cannot be determined.
+
+    A dimension is a number, or the start value of another variable.
+    """
     texts = [
         dimension.get("start") or starts.get(dimension.get("valueReference"), "")
         for dimension in node.iter("Dimension")

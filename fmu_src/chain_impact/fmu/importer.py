@@ -115,7 +115,7 @@ def _log(*call: Any) -> None:
 def _heard(record: logging.LogRecord) -> bool:
     """Collect a log message of a slave in Python as an error, if this thread runs an FMU.
 
-    Otherwise let the message be logged.
+    Returns whether the message shall be logged: only if this thread runs no FMU.
     """
     said = getattr(_here, "said", None)
     if said is not None:

@@ -88,7 +88,7 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 
 
 def reference(prepared: PreparedScene) -> Reference:
-    """Simulate a scene at a tolerance of 1e-12 and at its own tolerance, until the two runs differ.
+    """Return the outputs of a scene at a tolerance of 1e-12, until a run at its own tolerance differs.
 
     If the runs agree only over a small part of the scene's time, this part is simulated with shorter steps.
 

@@ -171,7 +171,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _start_value(variable: Any, value: Any, source: str) -> float | int:
-    """Return a variable's value in fmpy's form; a choice of an enumeration may be given by name."""
+    """Return a variable's value in fmpy's form; refuse other values. A choice may be given by name."""
     if variable.type == "Enumeration":
         numbers = {item.name: int(item.value) for item in variable.declaredType.items}
         number = numbers.get(value) if isinstance(value, str) else value

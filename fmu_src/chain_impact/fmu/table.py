@@ -52,7 +52,7 @@ Rows = Sequence[tuple[list[Any], int]]
 def described(
     files: Mapping[str, bytes], prepared: PreparedScene, description: Element, fmi: int, further: Rows = ()
 ) -> dict[str, bytes]:
-    """Add the model description and the table to the files of an FMU.
+    """Return the files of an FMU with the model description and the table added.
 
     Args:
         files: the other files of the FMU on which its results depend.

@@ -78,7 +78,7 @@ class Trial:
         self.call("FreeInstance", "", self.fmu.freeInstance)
 
     def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
-        """Call the FMU.
+        """Call the FMU, after a line in the report; return the result.
 
         If the call fails, the error says "<name> gives <without>": "fmi2Instantiate gives no instance".
         """

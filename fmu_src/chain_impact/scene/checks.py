@@ -373,7 +373,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
 
 
 def law_hints(scene: Contents) -> list[str]:
-    """Return a sentence on a user's own law that the scene names but does not use."""
+    """Return a sentence, in a list, on a user's own law that the scene names but does not use."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model

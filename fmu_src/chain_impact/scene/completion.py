@@ -39,7 +39,10 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with an angle for each wall that is given by a normal; the normal becomes None."""
+    """Return the scene with an angle for each wall that is given by a normal; the normal becomes None.
+
+    Refuse a wall with both or neither of them, and a normal of length 0.
+    """
     walls = []
     for wall in scene.walls:
         if (wall.angle is None) == (wall.normal is None):
@@ -70,7 +73,7 @@ def with_radii(scene: AnyScene) -> AnyScene:
 
 
 def with_absolute_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with absolute initial angles, also if the file gives joint angles."""
+    """Return the scene with absolute initial angles, also if the file gives joint angles; refuse both."""
     initial, paths = scene.initial, scene.derived_paths
     if initial.joint_angles is None:
         return scene
@@ -82,7 +85,10 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_materials(scene: AnyScene) -> AnyScene:
-    """Return the scene with a material for each existing wall; values that are not given are None."""
+    """Return the scene with a material for each existing wall; values that are not given are None.
+
+    Refuse a material of a wall that does not exist.
+    """
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}
     if given:

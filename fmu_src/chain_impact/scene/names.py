@@ -232,7 +232,7 @@ def longer(name: str, names: Iterable[str]) -> str | None:
 
 
 def proposed(name: str, names: Iterable[str]) -> str | None:
-    """Return the name that a message proposes in place of ``name``: the nearest, or else a longer one."""
+    """Return the name that a message proposes for ``name``: the nearest, else a longer one, else None."""
     names = list(names)
     return nearest(name, names) or longer(name, names)
 

@@ -160,7 +160,7 @@ class Reader:
         return self._table(self.root, data, (), {})
 
     def _table(self, table: Any, data: Any, path: DataPath, tables: Mapping[str, Any]) -> Any:
-        """Return `data` as a dataclass `table`; `tables` are the values that were read before."""
+        """Return `data` as a dataclass `table`; refuse other data. `tables` are the values read before."""
         if not isinstance(data, Mapping):
             raise self._refusal(path, data, "a table")
         entries = {entry.name: entry for entry in keys(table)}
@@ -236,7 +236,7 @@ class Reader:
         return tuple(self._value(item, rule, entry, (*path, i), tables) for i, entry in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the tables of one kind as a dict, by name."""
+        """Return the tables of one kind as a dict, by name; refuse other values."""
         if not isinstance(value, Mapping):
             raise self._refusal(path, value, "a table of tables")
         return {

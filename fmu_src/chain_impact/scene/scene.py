@@ -284,7 +284,7 @@ JOINT_ANGLES = ("initial", "joint_angles")
 def _path_and_value(
     scene: Scene, every: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
 ) -> tuple[DataPath, Any]:
-    """Return the path and the value of a change; the change may be a name or a path.
+    """Return the path and the value of a change; the change may be a path, or a name that exists.
 
     ``every`` returns name → path of the scene.
     """

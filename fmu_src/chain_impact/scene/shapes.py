@@ -21,7 +21,10 @@ _APART = object()
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
-    """Return the scene with the corners of each link that is a box, before the link's other points."""
+    """Return the scene with the corners of each link that is a box, before the link's other points.
+
+    Refuse a shape without a height, and a height without a shape.
+    """
     links = []
     for i, link in enumerate(scene.chain.links):
         if (link.shape is None) != (link.height is None):

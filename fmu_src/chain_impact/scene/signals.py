@@ -151,7 +151,10 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
 
 
 def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signal:
-    """Return the signal with the contents of its file, and with the full path of the file."""
+    """Return the signal with the contents of its file, and with the full path of the file.
+
+    Refuse a file that cannot be read, or lacks a column for an input.
+    """
     path, where = (folder / (signal.file or "")).absolute(), f"signal.{name}.file = {signal.file!r}"
     try:
         status = path.stat()

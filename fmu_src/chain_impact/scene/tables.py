@@ -140,7 +140,7 @@ class Chain:
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
-        """Replace a link that has a `count` by this number of equal links."""
+        """Replace a link that has a `count` by this number of equal links; refuse too many links."""
         if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
             raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
         links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))

@@ -383,7 +383,7 @@ def sizes_of(block: np.ndarray) -> tuple[int, ...]:
 
 
 def load_kernel(library: Path) -> ctypes.CDLL:
-    """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
+    """Return a compiled kernel, loaded, with the types of its C functions (compilation/entry_points.py)."""
     kernel = ctypes.CDLL(str(library))
     pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
     kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]

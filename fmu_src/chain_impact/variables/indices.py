@@ -33,7 +33,10 @@ number of tangent instances."""
 
 
 def word_index(dtype: np.dtype, path: DataPath) -> int:
-    """Return the index of a scalar in a record, counted in words of 8 bytes from the record's start."""
+    """Return the index of a scalar in a record, counted in words of 8 bytes from the record's start.
+
+    Raises IndexError or KeyError for a path to no scalar.
+    """
     offset = 0
     for step in path:
         if isinstance(step, str):

@@ -57,15 +57,15 @@ class Kind:
         causality: ``parameter``, ``input`` or ``output``.
         record_path: path in the instance record, a template.
         when: conditions, all of which a scene or an owner must meet to have the variable.
-        minimum: value >= minimum; a name stands for a number of the scene.
-        above: value > above.
-        maximum: value <= maximum; a name stands for a number of the scene.
-        path: path of a parameter in the scene file, a template.
-        given: path in the record of the given value of a parameter that may be derived, a template.
+        minimum: value >= minimum, if any; a name stands for a number of the scene.
+        above: value > above, if any.
+        maximum: value <= maximum, if any; a name stands for a number of the scene.
+        path: path of a parameter in the scene file, a template; None for inputs and outputs.
+        given: path in the record of the given value of a parameter that may be derived, a template, or None.
         given_if: condition under which the path ``given`` exists; without a condition it always exists.
-        derived: the rule by which the scene may derive the value.
+        derived: the rule by which the scene may derive the value, if any.
         tunable: condition under which a parameter can be set at any time.
-        trivial: a scene in which the value is equal to this number does not have the parameter.
+        trivial: a scene in which the value is equal to this number, if any, does not have the parameter.
         if_missing: number in the record if the scene does not have the value.
         choices: name of an enumeration's list of choices.
         smooth: whether there are derivatives with respect to the variable.
