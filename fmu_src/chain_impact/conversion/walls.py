@@ -129,7 +129,10 @@ class Walls:
         return {"points": sorted(ends - ({0} if self.chosen.base == "pinned" else set()))}
 
     def _is_point(self, shape: Shape) -> bool:
-        """Return whether points replace a shape: it can touch a wall or, without walls, anything."""
+        """Return whether points replace a shape.
+
+        Its kind is in ``OUTLINED``, and it can touch a wall or, without walls, anything.
+        """
         has_corners = shape.kind in OUTLINED and len(shape.corners) > 0
         return has_corners and (shape.walls if self.robot.planes else shape.touches)
 

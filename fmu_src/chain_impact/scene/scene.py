@@ -228,7 +228,7 @@ def _without_no_points(link: Any) -> Any:
 
 
 def _holds(table: Any) -> bool:
-    """Return whether a table contains any value; a value that is not a table counts as one."""
+    """Return whether a table has a value other than None; true for anything that is no table."""
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
 

@@ -173,7 +173,7 @@ def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any =
 
 
 def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the value of each polynomial at its own argument in ``x``."""
+    """Return the value of each polynomial, a row of ``powers``, at its own argument in ``x``."""
     total = np.zeros(len(x))
     for column in powers.T[::-1]:
         total = total * x + column

@@ -300,7 +300,7 @@ def _words_of(
 
 
 def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Write which channels move the base and the walls."""
+    """Write whether the base moves, which channels are belts, and the channel of each candidate's wall."""
     d["model"]["base_moves"], d["motion"]["follows"] = scene.inputs.base_motion, 1
     first = 2 if scene.inputs.base_motion else 0
     moving = {scene.wall_names.index(name): first + 2 * w for w, name in enumerate(scene.moving_walls)}
