@@ -42,6 +42,13 @@ def test_only_what_is_alike_is_near():
     assert nearest("mass", names, at_least=0.0) in names
 
 
+def test_a_name_of_one_part_is_nearest_to_a_name_with_such_a_last_part():
+    names = ["link[1].mass", "link[1].length", "link[2].length"]
+    assert nearest("lenght", names) == "link[1].length"
+    assert nearest("mass", names) == "link[1].mass"
+    assert nearest("force", names) is None
+
+
 def test_a_name_without_its_number_is_nearest_to_the_first_entry():
     names = ["chain.slider.angle", "initial.angle[1]", "initial.angle[2]", "link[1].mass", "link[1].inertia"]
     assert nearest("initial.angle", names) == "initial.angle[1]"

@@ -115,11 +115,12 @@ def test_on_the_command_line(capsys):
 
 
 @pytest.mark.parametrize(("mark", "name"), [(";", "semicolons"), ("\t", "tabs")])
+@pytest.mark.parametrize("point", [".", ","])
 @pytest.mark.parametrize("reader", ["recording", "measurements"])
-def test_a_table_with_other_separators_is_refused(reader, mark, name, tmp_path):
+def test_a_table_with_other_separators_is_refused(reader, mark, name, point, tmp_path):
     read, _, form = READERS[reader]
     path = tmp_path / "table.csv"
-    path.write_text(TABLE.replace(",", mark).replace("0.1", "0,1"))
+    path.write_text(TABLE.replace(",", mark).replace(".", point))
     needed = "must be separated by commas, with decimal points in the numbers"
     reason = f"the columns are separated by {name}; {needed}"
     assert refusal(read, path) == f"{path}: {form.format(reason)}"

@@ -204,8 +204,10 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
     """Return the name that is most similar to ``name``, or None.
 
     Names that differ by their numbers only have priority, ``link[1].mass`` for ``link.mass``; then names with
-    the same last part, ``contact[1].y_min.force`` for ``joint[1].force``. A similarity is a number from 0 to
-    1. A name needs at least the similarity ``at_least``, or SAME_LAST if the last part is the same.
+    the same last part, ``contact[1].y_min.force`` for ``joint[1].force``. If ``name`` has one part and no
+    name is similar, the shortest name with a similar last part is returned, ``link[1].length`` for
+    ``lenght``. A similarity is a number from 0 to 1. A name needs at least the similarity ``at_least``, or
+    SAME_LAST if the last part is the same.
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
     bare = NUMBER.sub("", name)
@@ -222,6 +224,9 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
     found = get_close_matches(name, every, n=1, cutoff=at_least)
     if not found or found[0] not in same:
         found = get_close_matches(name, same, n=1, cutoff=SAME_LAST) or found
+    if not found and not owner:
+        by_last = {one.rpartition(".")[2]: one for one in sorted(reversed(every), key=len, reverse=True)}
+        found = [by_last[last] for last in get_close_matches(name, by_last, n=1, cutoff=LIKE_LAST)]
     return next(iter(found), None)
 
 
@@ -245,6 +250,8 @@ def _numbers(name: str) -> list[int]:
 NUMBER = re.compile(r"\[\d*\]")
 SAME_LAST = 0.45
 """The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
+LIKE_LAST = 0.8
+"""The least similarity of the last part, 0 to 1, at which ``nearest`` returns a name for a name of one part."""
 
 
 def _dotted(path: DataPath) -> str:

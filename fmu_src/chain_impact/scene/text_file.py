@@ -64,6 +64,6 @@ def check_separator(head: str) -> None:
         ValueError: when another character separates the columns.
     """
     for mark, name in SEPARATORS.items():
-        if mark in head and "," not in head:
+        if mark in head and head.count(mark) >= head.count(","):
             needed = "must be separated by commas, with decimal points in the numbers"
             raise ValueError(f"the columns are separated by {name}; {needed}")
