@@ -251,7 +251,7 @@ NUMBER = re.compile(r"\[\d*\]")
 SAME_LAST = 0.45
 """The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
 LIKE_LAST = 0.8
-"""The least similarity of the last part, 0 to 1, at which ``nearest`` returns a name for a name of one part."""
+"""The least similarity, 0 to 1, at which ``nearest`` returns a name with a similar last part."""
 
 
 def _dotted(path: DataPath) -> str:

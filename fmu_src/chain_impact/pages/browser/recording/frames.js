@@ -67,7 +67,8 @@ function ofStops({ n, columns: { moment } }) {
  * Return the parts of a `Recording`.
  *
  * @param rows name, links, pointCount, the times of the rows (time), x and y (row after row, a value for each point in each
- *   row), the quantities of `drawn.py` (drawn: group → entries { n, name, and columns: name → a value for each row }), contacts, walls, the displacements of moving walls along their normals by name (moved, if any move), stops, radius,
+ *   row), the quantities of `drawn.py` (drawn: group → entries { n, name, and columns: name → a value for each row }),
+ *   contacts, walls, the displacements of moving walls along their normals by name (moved, if any move), stops, radius,
  *   touching [point, its radius], pointNames [point, its name], bodies [link, corners in the link's axes], rail { lines,
  *   carriage, stops } of a slider or null, pinned.
  * @param frames the times of the frames, and the number of frames per second on the screen; the frames are the rows if the
