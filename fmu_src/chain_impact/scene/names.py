@@ -225,7 +225,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
     if not found or found[0] not in same:
         found = get_close_matches(name, same, n=1, cutoff=SAME_LAST) or found
     if not found and not owner:
-        by_last = {one.rpartition(".")[2]: one for one in sorted(reversed(every), key=len, reverse=True)}
+        by_last = {one.rpartition(".")[2]: one for one in sorted(every, key=len)[::-1]}
         found = [by_last[last] for last in get_close_matches(name, by_last, n=1, cutoff=LIKE_LAST)]
     return next(iter(found), None)
 
