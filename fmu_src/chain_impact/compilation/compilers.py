@@ -282,7 +282,7 @@ def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
 
 
 def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
-    """Write the other functions that a kernel needs: a user's law, and substitutes for missing functions."""
+    """Write substitutes for functions that a kernel lacks; return the files to link: a law and these."""
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
     text = "".join(map(STUB.format, PYTHON_SYMBOLS))
     for name, (result, arguments, nothing) in missing.items():

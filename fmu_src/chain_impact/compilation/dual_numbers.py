@@ -37,11 +37,11 @@ class Dual(types.Type):
         super().__init__(name=f"dual{DIRECTIONS}")
 
     def can_convert_from(self, _context: Any, other: types.Type) -> Conversion | None:
-        """Return how numba converts another number: it becomes a dual number without derivatives."""
+        """Return how numba converts another number, to a dual number without derivatives; else None."""
         return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
 
     def unify(self, _context: Any, other: types.Type) -> types.Type | None:
-        """Return this type for a variable that may be a dual number or an ordinary number."""
+        """Return this type for a variable that may be a dual number or an ordinary number; else None."""
         return self if isinstance(other, types.Number | types.Boolean) else None
 
 
@@ -151,7 +151,7 @@ _ONE = ir.Constant(ir.DoubleType(), 1.0)
 
 
 def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
-    """Lower a sum, difference or product for each pair of types in ``_KINDS``.
+    """Return the code of a sum, difference or product for each pair of types in ``_KINDS``.
 
     ``slopes(a, b)`` returns the derivatives of the result with respect to a and b.
     """

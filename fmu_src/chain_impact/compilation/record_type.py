@@ -144,7 +144,7 @@ class _Fields(AttributeTemplate):
     key = Record
 
     def generic_resolve(self, record: Record, name: str) -> types.Type | None:
-        """Return the type of a field."""
+        """Return the type of a field; None if the record has no such field."""
         try:
             field = record.field(name)
         except KeyError:

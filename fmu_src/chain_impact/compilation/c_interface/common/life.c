@@ -177,7 +177,7 @@ static void warn(Instance *instance) {
         name, rounded(words[1].real).text, rounded(words[2].real).text, rounded(words[3].real).text);
 }
 
-/* Make a step. The limits on the solver's work, by solver.work_limit, end every step. */
+/* Make a step. It ends in any case, because solver.work_limit limits the solver's work. */
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due) {
     if (!allowed(instance, call, IN(STEPPING))) return ERROR;
     uint64_t registers = usual_registers();

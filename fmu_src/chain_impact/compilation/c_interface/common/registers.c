@@ -4,7 +4,7 @@
 
 #if defined(__x86_64__)
 
-static const uint32_t USUAL = 0x1f80; /* no exceptions, rounding to nearest, denormal numbers, no flags */
+static const uint32_t USUAL = 0x1f80; /* exceptions masked, rounding to nearest, denormal numbers kept, no flags */
 
 uint64_t usual_registers(void) {
     uint32_t before;

@@ -103,7 +103,7 @@ static Word word_at(ArrayType array, const void *values, size_t i) {
     return (Word){.integer = array == INT64S ? ((const int64_t *)values)[i] : ((const int32_t *)values)[i]};
 }
 
-/* Return whether a value can be set; a variable that can be set is never an array. */
+/* Return OK if a value can be set, else ERROR after a message; a variable that can be set is never an array. */
 static int check(const Instance *instance, const char *call, ArrayType array, uint32_t vr, Word new) {
     const Variable *at = variable(instance, vr, array);
     if (!at)
