@@ -12,7 +12,7 @@ def in_clean(*models: str, kinds: str, module: str) -> Callable[[Callable[..., N
     Its first arguments are the FMUs of models of some kinds; the other arguments are pytest's.
 
     Without models, the argument is the FMU of pytest's parameter ``model``. ``kinds`` is a fixture with FMUs,
-    or one of KINDS of conftest.py. The function may use only its own imports and the names of the module.
+    or one of KINDS of scenes.py. The function may use only its own imports and the names of the module.
     """
     of_all = kinds in ("pythonfmu", "native", "fmi3")
 

@@ -6,8 +6,8 @@ import pytest
 from chain_impact import simulate
 from chain_impact.fmu.run import record_fmu
 from tests.fmu.clean import importing
-from tests.fmu.conftest import scene_of
 from tests.fmu.importer import Instance
+from tests.fmu.scenes import scene_of
 
 STEP = 2.0**-7  # s; sums of this step are exact
 STOP = 0.75  # s

@@ -24,10 +24,10 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
-from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
 from tests.fmu.interface import description
 from tests.fmu.planted_faults import XML, edited, spoiled
+from tests.fmu.scenes import KINDS
 from tests.helpers.tools.binaries import binary
 
 every_model = pytest.mark.parametrize("model", model_names())

@@ -6,8 +6,8 @@ import numpy as np
 
 from chain_impact import Chain
 from tests.fmu.clean import importing
-from tests.fmu.conftest import scene_of
 from tests.fmu.importer import Instance
+from tests.fmu.scenes import scene_of
 
 # The functions without assertions run in the clean process, so they contain all their imports.
 

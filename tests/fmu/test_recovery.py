@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import impacts_of, load_scene, simulate
 from chain_impact.fmu.build import build_fmu
-from tests.fmu.conftest import KINDS
+from tests.fmu.scenes import KINDS
 from tests.helpers.campaigns.random_scenes import scene as random_scene
 
 of_each = pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import SceneError
 from tests.fmu.clean import importing
-from tests.fmu.conftest import KINDS, scene_of
 from tests.fmu.importer import Instance
+from tests.fmu.scenes import KINDS, scene_of
 
 pytestmark = pytest.mark.full("takes long")
 

@@ -7,8 +7,8 @@ from fmpy import read_model_description
 from chain_impact import CONTACT_LAWS, Chain, load_scene, simulate
 from chain_impact.fmu.run import record_fmu
 from tests.fmu.clean import importing
-from tests.fmu.conftest import scene_of
 from tests.fmu.importer import Instance
+from tests.fmu.scenes import scene_of
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 
 STEP = 2.0**-7  # s; sums of this step are exact, so that all clocks are bit-equal

@@ -8,7 +8,7 @@ from chain_impact.scene.scene import parse_scene, scene_to_dict
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
-from tests.pages.conftest import page_contents
+from tests.pages.in_pages import page_contents
 
 
 def test_a_value_is_not_set_back_where_it_does_not_go_with_another(script):

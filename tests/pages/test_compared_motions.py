@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from tests.pages.conftest import PHONE, PIXELS, impacts_of, until, until_told
+from tests.pages.in_pages import PHONE, PIXELS, impacts_of, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.conftest import ROWS, packed_module, page_contents, until, until_told
+from tests.pages.in_pages import ROWS, packed_module, page_contents, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

@@ -11,7 +11,7 @@ from chain_impact.results.animate import animate
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import SLOPE, pendulum, sled
 from tests.helpers.scenes.stops import knee
-from tests.pages.conftest import DESK, LIGHT_CHAIN, ON_ITS_SIDE, PHONE, count_of, go_to, pixels, press
+from tests.pages.in_pages import DESK, LIGHT_CHAIN, ON_ITS_SIDE, PHONE, count_of, go_to, pixels, press
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

@@ -14,7 +14,7 @@ from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.campaigns import random_scenes
-from tests.pages.conftest import page_contents
+from tests.pages.in_pages import page_contents
 from tests.pages.scene_texts import BODIES, WRITTEN
 
 RECORD = """([kit, text, contents]) => {

@@ -9,7 +9,7 @@ import tomlkit
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import scene_to_dict
-from tests.pages.conftest import until, until_told
+from tests.pages.in_pages import until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
-from tests.pages.conftest import DESK, PHONE, until, until_told
+from tests.pages.in_pages import DESK, PHONE, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

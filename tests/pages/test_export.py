@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from chain_impact import cli, load_scene, simulate
-from tests.pages.conftest import enter, impacts_of, saved, until, until_told
+from tests.pages.in_pages import enter, impacts_of, saved, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

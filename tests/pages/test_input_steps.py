@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, load_scene, simulate
-from tests.pages.conftest import packed_module, page_contents, saved, until, until_told
+from tests.pages.in_pages import packed_module, page_contents, saved, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

@@ -13,7 +13,7 @@ from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.helpers.scenes.law_texts import SINH
 from tests.helpers.scenes.stops import knee
-from tests.pages.conftest import bits, packed_module, page_contents
+from tests.pages.in_pages import bits, packed_module, page_contents
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.pages.conftest import ON_ITS_SIDE, PHONE, until
+from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

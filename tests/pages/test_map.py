@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from chain_impact import load_scene, simulate, sweep
-from tests.pages.conftest import saved, until, until_told
+from tests.pages.in_pages import saved, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

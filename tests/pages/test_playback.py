@@ -10,7 +10,7 @@ from chain_impact.pages.recorded import program
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes
-from tests.pages.conftest import (
+from tests.pages.in_pages import (
     DARK_CHAIN,
     LIGHT_CHAIN,
     ON_ITS_SIDE,

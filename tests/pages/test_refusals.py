@@ -14,7 +14,7 @@ from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.prepared import PreparedScene
-from tests.pages.conftest import page_contents
+from tests.pages.in_pages import page_contents
 from tests.pages.scene_texts import BODIES, WRITTEN
 
 PAGE = """([kit, contents]) => {

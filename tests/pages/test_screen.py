@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.conftest import ON_ITS_SIDE, PHONE, until, until_told
+from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

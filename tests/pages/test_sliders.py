@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.variables.prepared import PreparedScene
-from tests.pages.conftest import PIXELS, SUBTITLE, enter, impacts_of, until, until_told
+from tests.pages.in_pages import PIXELS, SUBTITLE, enter, impacts_of, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser

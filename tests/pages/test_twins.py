@@ -29,7 +29,7 @@ from chain_impact.scene.unit_text import of_power, unit_text
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled
 from tests.helpers.scenes.stops import knee
-from tests.pages.conftest import page_contents
+from tests.pages.in_pages import page_contents
 
 FRAMES = """([start, stop, spans, impactTime, most, rate]) => {
   const { times, frameRate } = frameTimes(start, stop, spans, impactTime, most, rate);

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import SLOWEST, WITH
+from tests.scheduling import SLOWEST, WITH
 from tests.tiers import IMPORTING
 
 ROOT = Path(__file__).parents[2]
@@ -165,9 +165,11 @@ def test_the_order_and_the_tiers_of_the_tests_name_files_that_exist():
     assert {*itertools.chain(*IMPORTING.values())} - names == set()
 
 
-def test_no_file_of_tests_imports_from_another():
-    files = [*(ROOT / "tests").rglob("test_*.py")]
-    found = {file.name: [m for m in imported(file) if re.search(r"\btest_\w+$", m)] for file in files}
+def test_no_file_imports_from_a_file_of_tests_or_fixtures():
+    files = [*(ROOT / "tests").rglob("*.py")]
+    found = {
+        file.name: [m for m in imported(file) if re.search(r"\b(test_\w+|conftest)$", m)] for file in files
+    }
     assert {name: modules for name, modules in found.items() if modules} == {}
 
 

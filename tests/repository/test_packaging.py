@@ -14,7 +14,7 @@ import pytest
 
 import chain_impact
 from chain_impact.cli import parser
-from tests.conftest import check_sources
+from tests.helpers.tools.sources import check_sources
 
 PACKAGING = Path(__file__).parents[2] / "packaging"
 

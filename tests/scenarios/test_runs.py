@@ -22,7 +22,7 @@ from chain_impact.scene.scene import model_names
 from chain_impact.simulation import instance
 from chain_impact.simulation.record_scene import RunError, record_scene
 from chain_impact.variables.prepared import PreparedScene
-from tests.fmu.conftest import OnDemand
+from tests.fmu.scenes import OnDemand
 from tests.helpers.tools.shared import shared_folder
 
 # work units: enough for the first flight, too few for the impacts

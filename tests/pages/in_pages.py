@@ -1,0 +1,110 @@
+"""What tests do in pages, and pages' data."""
+
+import base64
+import io
+import json
+from functools import cache
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from PIL import Image
+
+from chain_impact import load_scene, simulate
+from chain_impact.compilation.library import browser_module
+from chain_impact.pages.explore import contents, packed
+
+DESK, PHONE, ON_ITS_SIDE = (
+    {"width": width, "height": height} for width, height in ((1366, 768), (390, 844), (844, 390))
+)
+ROWS = """async ([chart, colour]) => {
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  const style = getComputedStyle(document.documentElement).getPropertyValue(`--${colour}`);
+  const wanted = style.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+  const canvas = document.querySelector(`#${chart} canvas`);
+  const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  const rows = [];
+  for (let k = 0; k < data.length; k += 4) {
+    const isFound = data[k + 3] > 200 && wanted.every((part, c) => Math.abs(part - data[k + c]) < 30);
+    if (isFound) rows.push(Math.floor(k / 4 / canvas.width));
+  }
+  return rows; }"""
+"""The rows of the pixels of a chart with a colour of the style sheet."""
+PIXELS = f"async (asked) => (await ({ROWS})(asked)).length"
+"""Number of pixels of a chart with a colour of the style sheet."""
+SUBTITLE = "document.getElementById('subtitle').textContent"
+TIME_TEXT = "document.getElementById('time').textContent"
+LIGHT_CHAIN, DARK_CHAIN = "#2b4a9f", "#9db4ff"
+
+
+def until(page, condition):
+    """Wait for a condition that the page evaluates."""
+    page.wait_for_function(condition)
+
+
+def until_told(page, text, where="subtitle"):
+    """Wait for a text in an element of the page."""
+    until(page, f"document.getElementById({where!r}).textContent.includes({json.dumps(text)})")
+
+
+def page_contents(scene):
+    """Return a page's data of a scene: the contents of its file, and the data for all scenes."""
+    return json.loads(json.dumps(contents(scene, [])))
+
+
+@cache
+def packed_module(law_file=""):
+    """Return the module for a browser, as the page holds the module."""
+    return packed(browser_module(law_file=law_file).read_bytes())
+
+
+def bits(text):
+    """Return the bits of the numbers of a typed array, as whole numbers."""
+    return np.frombuffer(base64.b64decode(text), np.int64)
+
+
+def impacts_of(changes):
+    return f"{len(simulate(load_scene('four_link_box').with_values(changes)).impacts)} impacts"
+
+
+def enter(page, name, text):
+    field = page.get_by_role("textbox", name=name).first
+    field.fill(text)
+    field.press("Enter")
+    return field
+
+
+def saved(page, button):
+    """Return the file that a button gives."""
+    with page.expect_download() as download:
+        page.get_by_role("button", name=button).click()
+    return Path(download.value.path())
+
+
+def time_of(page):
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return float(page.evaluate(TIME_TEXT).removesuffix(" s"))
+
+
+def press(page, key):
+    """Return the simulated time that is shown after a key."""
+    page.keyboard.press(key)
+    return time_of(page)
+
+
+def go_to(page, time):
+    """Return the simulated time that is shown after a move of the slider."""
+    page.locator("#scrub").evaluate(
+        "(e, t) => { e.value = t; e.dispatchEvent(new Event('input', { bubbles: true })); }", time
+    )
+    return time_of(page)
+
+
+def pixels(page):
+    return np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(float)
+
+
+def count_of(picture, colour):
+    return int((abs(picture - 255 * np.array(mpl.colors.to_rgb(colour))).max(axis=-1) < 6).sum())

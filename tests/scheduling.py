@@ -1,0 +1,82 @@
+"""The order in which tests are collected and run, and the processes that run them."""
+
+import gc
+import os
+
+import pytest
+from xdist.scheduler import LoadFileScheduling
+
+from tests import tiers
+
+# The slowest files come first, so that all processes end together. Of the first two files, one links plain
+# kernels while the other links the kernel with derivatives.
+SLOWEST = (
+    "tests/scenarios/test_random_scenes.py",
+    "tests/simulation/test_derivatives.py",
+    "tests/repository/test_docs.py",
+    "tests/scenarios/test_derivatives.py",
+    "tests/fmu/test_platforms.py",
+    "tests/studies/sweep/test_cluster.py",
+    "tests/compilation/test_browser.py",
+    "tests/pages/test_edit_dialog.py",
+    "tests/scenarios/test_law_file.py",
+    "tests/fmu/test_fuzzer.py",
+    "tests/cli/test_commands.py",
+    "tests/fmu/test_build.py",
+    "tests/scenarios/test_models.py",
+    "tests/pages/test_sliders.py",
+    "tests/kernel/test_soundness.py",
+)
+# file → other file with which the file shares a process, because both use the same results
+WITH = {
+    f"tests/pictures/test_{name}.py": "tests/pictures/test_overview.py"
+    for name in ("committed_pictures", "motion", "over_time", "room")
+}
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Collect without the collector of garbage, which later ignores the many objects made here."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector):
+    """Let every second process collect from the end, so that each finds half of the files' bytecode."""
+    report = yield
+    number = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
+    if isinstance(collector, pytest.Directory) and int(number) % 2:
+        report.result.reverse()
+    return report
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    """Put the slowest files first, and all other files in the same order in all processes."""
+    tiers.leave_out(config, items)
+    place = {file: k for k, file in enumerate(SLOWEST)}
+
+    def key(item):
+        file = item.nodeid.split("::")[0]
+        return place.get(file, len(place)), file
+
+    items.sort(key=key)
+
+
+class ByFile(LoadFileScheduling):
+    """A scheduler that gives each process one file after the other, in this order."""
+
+    def _split_scope(self, nodeid):
+        file = super()._split_scope(nodeid)
+        return WITH.get(file, file)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Return the scheduler of ``--dist loadfile``, the default (tests/tiers.py)."""
+    return ByFile(config, log) if config.getvalue("dist") == "loadfile" else None
