@@ -95,7 +95,7 @@ STRANGE_SIGNALS = [
     (SHAKE | {"input": ["joint[1].torque"]}, "is no input of the scene; it has base.x, "),
     (SHAKE | {"input": ["base.vy"]}, "must be driven by one signal only: signals.shake drives base.y"),
     (STEPS | {"input": ["base.ax", "base.x"]}, "inputs of one unit: base.ax is in m/s², base.x in m"),
-    (STEPS | {"input": ["base.ax", "base.ax"]}, "signals.own drives base.x"),
+    (STEPS | {"input": ["base.ax", "base.ax"]}, "it is listed twice"),
     (STEPS | {"times": [0.0, 0.1]}, "must be of one length > 0, not 2 and 1"),
     (STEPS | {"times": [0.1, 0.1], "values": [1.0, 2.0]}, "signals.own.times[2] = 0.1 must be > 0.1"),
 ]
@@ -141,30 +141,30 @@ REFUSED = [
     (("chain", "links", 0, "lenght"), 1.0, "chain.links[1].lenght is unknown"),
     (("contact", "toString"), 1.0, "contact.toString is unknown"),
     (("chain", "links", 1, "mass"), -1.0, "chain.links[2].mass = -1 must be a finite number > 0 [kg]"),
-    (("chain", "links", 0, "count"), 1000, "chain.links are 1001, must be at most 1000"),
+    (("chain", "links", 0, "count"), 1000, "chain.links has 1001 links, must have at most 1000"),
     (("chain", "links"), [], "chain.links has 0 entries, must have 1 to 1000"),
     (("chain", "links"), None, "chain.links is missing (links from base to tip)"),
-    (("chain", "base"), "free", "inputs.base_motion = true must be false for a free base"),
+    (("chain", "base"), "free", "inputs.base_motion must be false: "),
     (
         ("chain", "links", 0, "points"),
         [{"x": 0.1, "name": "toe"}, {"x": 0.2, "name": "toe"}],
-        'chain.links[1].points two points have the name "toe"',
+        "chain.links[1].points has two points with the name 'toe'",
     ),
-    (("contact", "model"), "hert", 'contact.model = "hert" must be one of'),
-    (("contact", "points"), [3, 4], "contact.points holds 4, must hold 1 to 3, each once"),
-    (("contact", "wall", "slope"), {"friction": 0.1}, 'contact.wall.slope = "slope" is no wall of the scene'),
+    (("contact", "model"), "hert", "contact.model = 'hert' must be one of"),
+    (("contact", "points"), [3, 4], "contact.points holds 4, must hold 1 to 3 with a pinned base, each once"),
+    (("contact", "wall", "slope"), {"friction": 0.1}, "contact.wall.slope is no wall of the scene"),
     (("contact", "law_file"), "mine.py", "this page has no compiler"),
-    (("inputs", "wall_motion"), ["slope"], 'inputs.wall_motion = "slope" is no wall of the scene'),
-    (("inputs", "tip_force"), "yes", 'inputs.tip_force = "yes" must be true or false'),
-    (("initial", "joint_angles"), [0.0], "initial.joint_angles has 1 values, must have 3"),
+    (("inputs", "wall_motion"), ["slope"], "inputs.wall_motion[1] = 'slope' is no wall of the scene"),
+    (("inputs", "tip_force"), "yes", "inputs.tip_force = 'yes' must be true or false"),
+    (("initial", "joint_angles"), [0.0], "initial.joint_angles has 1 value, must have 3"),
     (("initial", "angles"), [0.0] * 3, "initial has both angles and joint_angles"),
     (("initial", "joint_angles"), None, "initial.angles is missing"),
-    (("initial", "velocity"), [1.0, 0.0], "initial.velocity must be zero for a pinned base"),
-    (("walls", 1, "name"), "ramp", 'walls[2].name = "ramp" must be none of'),
-    (("walls", 0, "angle"), 0.0, "wall.ramp must have one of angle and normal"),
-    (("walls", 0, "point"), [0.0], "walls[1].point has 1 values, must have 2"),
-    (("gravity",), "9.81", 'gravity = "9.81" must be a list'),
-    (("name",), "two words", 'name = "two words" must be letters, digits and _'),
+    (("initial", "velocity"), [1.0, 0.0], "initial.velocity = [1, 0] must be zero for a pinned base"),
+    (("walls", 1, "name"), "ramp", "walls[2].name = 'ramp' must be none of"),
+    (("walls", 0, "angle"), 0.0, "walls[1] has both angle and normal"),
+    (("walls", 0, "point"), [0.0], "walls[1].point has 1 value, must have 2"),
+    (("gravity",), "9.81", "gravity = '9.81' must be a list"),
+    (("name",), "two words", "name = 'two words' must be letters, digits and _"),
 ]
 
 
@@ -194,7 +194,7 @@ def test_contents_that_cannot_be_are_refused_with_the_key_and_what_is_allowed(sc
 
 
 ON_RAIL = [
-    (("contact", "points"), [0], """walls[2].name = 'floor' must be left out: no point can reach it"""),
+    (("contact", "points"), [0], "walls[2] must be left out: no point can reach it"),
     (("initial", "velocity"), [1.0, 0.0], "must be left out for a base on a slider; initial.slider_velocity"),
 ]
 
@@ -204,7 +204,7 @@ def test_what_no_chain_on_a_slider_can_have_is_refused_as_by_python(script, path
     contents = changed(path, value, BODIES["rail"])
     with pytest.raises(SceneError, match=re.escape(told)):
         scene_from_dict(contents, "rail.toml")
-    assert told.replace("'", '"') in refusal_of(script, contents)
+    assert told in refusal_of(script, contents)
 
 
 def test_no_wall_is_written_beyond_its_room_in_the_record(script):

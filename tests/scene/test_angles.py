@@ -16,6 +16,7 @@ from chain_impact import (
     record_fmu,
 )
 from chain_impact.scene.angles import in_radians, radians_hint
+from chain_impact.scene.reading import shown
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.scene_file import updated
@@ -137,7 +138,7 @@ def test_in_no_signal_that_drives_another_quantity(wrong, unit):
     text = SCENE + SIGNALS.replace("joint[1].target_angle", wrong)
     with pytest.raises(SceneError) as caught:
         parse_scene(text, "arm.toml")
-    assert all(part in str(caught.value) for part in ("signal.nod.amplitude", "'30 deg'", unit))
+    assert all(part in str(caught.value) for part in ("signals.nod.amplitude", "'30 deg'", unit))
 
 
 def test_of_a_chain_that_is_stepped(arm):
@@ -191,7 +192,7 @@ def test_a_fitted_scene_file_keeps_degrees_that_do_not_change(arm):
 def test_what_is_no_angle_is_refused_with_the_form(arm):
     needed = 'must be a finite number [rad], or text in degrees as "90 deg"'
     for wrong in ("90 grad", "90 deg/s", "1e999 deg", True):
-        assert refusal(arm.with_values, {ANGLE: wrong}) == f"Arm: {ANGLE} = {wrong!r} {needed}"
+        assert refusal(arm.with_values, {ANGLE: wrong}) == f"Arm: {ANGLE} = {shown(wrong)} {needed}"
     needed = 'must be a finite number [rad/s], or text in degrees as "90 deg/s"'
     assert refusal(Chain(arm).set, {RATE: "90 deg"}) == f"Arm: {RATE} = '90 deg' {needed}"
     assert refusal(variations_of, arm, {RATE: ["90 deg"]}) == f"Arm: {RATE} = 90 deg {needed}"

@@ -96,13 +96,17 @@ def test_what_is_no_toml_is_told_what_to_write(before, after, hint):
 def test_an_error_about_a_point_of_a_box_has_the_number_and_the_line_of_the_point():
     box = TEXT.replace("length = 0.2", 'length = 0.2\nshape = "box"\nheight = 0.1')
     text = box.replace("x = 0.2", "x = 0.2\ny = 0.0\nradius = -1.0")
-    with pytest.raises(SceneError, match=r"^ball\.toml: link\[2\]\.point\[6\]\.radius .* \(at line 21\)$"):
+    with pytest.raises(
+        SceneError, match=r"^ball\.toml: chain\.links\[2\]\.points\[2\]\.radius .* \(at line 21\)$"
+    ):
         parse_scene(text, "ball.toml")
 
 
 def test_two_points_of_a_link_have_different_names():
     text = TEXT.replace("x = 0.1", 'x = 0.1\nname = "heel"').replace("x = 0.2", 'x = 0.2\nname = "heel"')
-    with pytest.raises(SceneError, match=r"^ball\.toml: link\[2\]\.points: .* name 'heel' \(at line \d+\)$"):
+    with pytest.raises(
+        SceneError, match=r"^ball\.toml: chain\.links\[2\]\.points .* name 'heel' \(at line \d+\)$"
+    ):
         parse_scene(text, "ball.toml")
     parse_scene(text.replace('"heel"', '"toe"', 1), "ball.toml")
 
@@ -143,7 +147,7 @@ def test_a_key_of_a_number_is_no_key_that_is_given_twice():
         (
             "length = 0.2",
             "length = 0.2\ninertia = 0.0\ncenter_of_mass = 0.0",
-            "link[2].inertia = 0.0 must be > 0",
+            "chain.links[2].inertia = 0.0 must be > 0",
         ),
     ],
 )
@@ -151,6 +155,6 @@ def test_values_that_are_wrong_together_have_the_line_of_the_first(before, after
     text = TEXT.replace(before, after)
     with pytest.raises(SceneError, match=rf"{re.escape(told)}.*\(at line \d+\)$") as refused:
         parse_scene(text, "file.toml")
-    key = {"contact.points": "points", "link[2].inertia": "inertia"}[told.partition(" ")[0]]
+    key = {"contact.points": "points", "chain.links[2].inertia": "inertia"}[told.partition(" ")[0]]
     line = text.splitlines()[int(re.search(r"at line (\d+)", str(refused.value))[1]) - 1]
     assert line.strip().startswith(key)

@@ -124,7 +124,7 @@ def test_an_error_names_the_entry_of_the_file_where_entries_are_not_links():
         "[{length = 2.0, mass = 3.0}]", "[{length = 2.0, mass = 3.0, count = 3}, {mass = 1.0}]"
     )
     message = refusal(parse_scene, text, "f")
-    assert message == "f: length in entry 2 of [[chain.links]] is missing (at line 2)"
+    assert message == "f: chain.links[2].length is missing (at line 2)"
 
 
 def test_a_chain_has_at_most_a_thousand_links():
@@ -136,7 +136,7 @@ def test_a_chain_has_at_most_a_thousand_links():
     assert len(chain(MAX_LINKS).chain.links) == MAX_LINKS
     assert refusal(chain, MAX_LINKS + 1) == "RodDrop: chain.links has 1001 entries, must have 1 to 1000"
     message = refusal(of_equal_links, 400, 600, 1)
-    assert message == "RodDrop: chain.links[].count makes 1001 links in all, must make at most 1000"
+    assert message == "RodDrop: chain.links has 1001 links, must have at most 1000"
 
 
 def test_with_values_changes_only_what_it_is_told():
@@ -179,7 +179,7 @@ def test_a_law_and_a_method_have_a_name_and_a_number():
     assert scene.with_values({"contact.model": number, "solver.method": np.int64(3)}) == by_name
     for value in (0, -1, len(CONTACT_LAWS) + 1, True, 1.0):
         message = refusal(scene.with_values, {"contact.model": value})
-        assert message.startswith(f"RodDrop: contact.model = {value} must be one of ")
+        assert message.startswith(f"RodDrop: contact.model = {str(value).lower()} must be one of ")
 
 
 def test_every_value_has_a_name_by_which_it_can_be_set():
@@ -222,22 +222,16 @@ def test_an_unknown_name_is_a_key_that_is_missing():
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("chain.links = [{length = 2.0, mass = -3.0}]", "link[1].mass (mass in [[chain.links]]) = -3.0 must"),
-        (
-            "chain.links = [{length = 2.0, massa = 3.0}]",
-            "link[1].massa (massa in [[chain.links]]) is unknown",
-        ),
-        ("gravity = [0.0, inf]", "gravity.y (entry 2 of gravity) = inf must be a finite number [m/s²]"),
-        (
-            "walls = [{name = 'a', point = [0, '1']}]",
-            "wall.a.y (entry 2 of point in [[walls]]) = '1' must be",
-        ),
-        ("walls = [{point = [0, 1]}]", "walls[1].name (name in [[walls]]) is missing"),
-        ("walls = [{name = 'a\"', x = 1}]", "walls[1].x (x in [[walls]]) is unknown"),
+        ("chain.links = [{length = 2.0, mass = -3.0}]", "chain.links[1].mass = -3.0 must"),
+        ("chain.links = [{length = 2.0, massa = 3.0}]", "chain.links[1].massa is unknown"),
+        ("gravity = [0.0, inf]", "gravity[2] = inf must be a finite number [m/s²]"),
+        ("walls = [{name = 'a', point = [0, '1']}]", "walls[1].point[2] = '1' must be"),
+        ("walls = [{point = [0, 1]}]", "walls[1].name is missing"),
+        ("walls = [{name = 'a\"', x = 1}]", "walls[1].x is unknown"),
         ("contact.restitution = 2", "contact.restitution = 2 must be a finite number"),
     ],
 )
-def test_an_error_in_a_file_also_says_what_stands_there(line, message):
+def test_an_error_in_a_file_names_the_path_of_the_key(line, message):
     key = line.partition(" = ")[0]
     text = "\n".join([line, *(one for one in MINIMAL.splitlines() if not one.startswith(f"{key} = "))])
     assert refusal(parse_scene, text, SOURCE).startswith(f"{SOURCE}: {message}")

@@ -29,32 +29,40 @@ def refused(*signals, scene=ARM):
         (
             "joint[3].torque",
             SINE,
-            "signal.a.input = 'joint[3].torque' is no input of the scene; the nearest is",
+            "signals.a.input = 'joint[3].torque' is no input of the scene; the nearest is",
         ),
         (
             "joint[2].target_angl",
             SINE.replace("0.01", '"5 deg"'),
-            "signal.a.input = 'joint[2].target_angl' is no input of the scene; ",
+            "signals.a.input = 'joint[2].target_angl' is no input of the scene; ",
         ),
         (
             "slider.force",
             SINE,
-            "signal.a.input = 'slider.force' is no input of the scene; inputs.slider_force = true",
+            "signals.a.input = 'slider.force' is no input of the scene; inputs.slider_force = true",
         ),
-        ("base.y", STEPS, 'signal.a.form = "steps": base.y would jump'),
-        ("wall.table.velocity", STEPS, 'signal.a.form = "steps": wall.table.velocity would jump'),
-        ("base.y", RAMP + 'shape = "linear"', 'signal.a.shape = "linear": the velocity of base.y would jump'),
-        ("base.y", SINE + "start = 0.1", "signal.a.start = 0.1: the velocity of base.y would jump"),
-        ("base.vy", SINE.replace("5.0", "0.0"), "signal.a.frequency = 0 must be > 0 where base.vy is driven"),
-        ("tip.force.x", SINE + "value = 1.0", "signal.a.value must be left out"),
-        ("tip.force.x", 'form = "sine"\nfrequency = 5.0', "signal.a.amplitude is missing"),
-        ("tip.force.x", STEPS.replace("0.3]", "0.0]", 1), "signal.a.time[2] = 0 must be > 0 [s]"),
+        ("base.y", STEPS, 'signals.a.form = "steps": base.y would jump'),
+        ("wall.table.velocity", STEPS, 'signals.a.form = "steps": wall.table.velocity would jump'),
+        (
+            "base.y",
+            RAMP + 'shape = "linear"',
+            'signals.a.shape = "linear": the velocity of base.y would jump',
+        ),
+        ("base.y", SINE + "start = 0.1", "signals.a.start = 0.1: the velocity of base.y would jump"),
+        (
+            "base.vy",
+            SINE.replace("5.0", "0.0"),
+            "signals.a.frequency = 0 must be > 0 where base.vy is driven",
+        ),
+        ("tip.force.x", SINE + "value = 1.0", "signals.a.value must be left out"),
+        ("tip.force.x", 'form = "sine"\nfrequency = 5.0', "signals.a.amplitude is missing"),
+        ("tip.force.x", STEPS.replace("0.3]", "0.0]", 1), "signals.a.times[2] = 0 must be > 0 [s]"),
         (
             "tip.force.x",
             STEPS.replace("[0.0, 1.0]", "[0.0]"),
-            "signal.a.times and .values must be of one length",
+            "signals.a.times and values must be of one length",
         ),
-        ("tip.force.x", 'form = "wave"', "signal.a.form (signals.a.form) = 'wave' must be one of"),
+        ("tip.force.x", 'form = "wave"', "signals.a.form = 'wave' must be one of"),
     ],
 )
 def test_a_signal_that_cannot_be_is_refused(driven, numbers, message):
@@ -73,13 +81,13 @@ def test_a_table_beside_a_signal_for_the_same_motion_is_refused_with_both_names(
     path.write_text(f"time,{column}\n0,0\n1,0.001\n", encoding="utf-8")
     with pytest.raises(SceneError) as caught:
         with_inputs(load_scene("shaken_pendulum"), path)
-    assert all(name in str(caught.value) for name in ("table.csv", column, "signal.shake"))
+    assert all(name in str(caught.value) for name in ("table.csv", column, "signals.shake"))
 
 
 def test_an_input_is_driven_by_one_signal():
     told = refused(("a", "base.y", SINE), ("b", "base.vy", SINE))
-    assert "signal.b.input = 'base.vy' must be driven by one signal only: signal.a drives base.y" in told
-    assert "signal.a drives tip.force.x" in refused(("a", "tip.force.x", SINE), ("b", "tip.force.x", STEPS))
+    assert "signals.b.input = 'base.vy' must be driven by one signal only: signals.a drives base.y" in told
+    assert "signals.a drives tip.force.x" in refused(("a", "tip.force.x", SINE), ("b", "tip.force.x", STEPS))
 
 
 FILES = {
@@ -100,7 +108,7 @@ def test_a_table_that_cannot_be_is_refused(tmp_path, name):
     (tmp_path / "arm.toml").write_text(text)
     assert message in refusal(load_scene, tmp_path / "arm.toml")
     (tmp_path / "push.csv").unlink()
-    assert "signal.a.file = 'push.csv' cannot be read" in refusal(load_scene, tmp_path / "arm.toml")
+    assert "signals.a.file = 'push.csv' cannot be read" in refusal(load_scene, tmp_path / "arm.toml")
 
 
 def test_what_is_driven_is_an_output_of_the_same_name():
@@ -114,13 +122,13 @@ def test_what_is_driven_is_an_output_of_the_same_name():
     numbers = {one.name: one.unit for one in prepared.parameters if one.name.startswith("signal.")}
     units = {"signal.a.amplitude": "m", "signal.b.final": "rad", "signal.a.frequency": "Hz"}
     assert units.items() <= numbers.items()
-    assert "signal.b.amplitude" not in numbers
+    assert "signals.b.amplitude" not in numbers
 
 
 def test_a_scene_with_signals_is_written_and_read_again():
     scene = parse_scene(f'{ARM}[signals.a]\ninput = "tip.force.x"\n{STEPS}', "arm.toml")
     assert scene_from_dict(scene_to_dict(scene), "again") == scene
-    changed = scene.with_values({"signal.a.value[2]": 2.5, "signal.a.time[2]": 0.4})
+    changed = scene.with_values({"signals.a.value[2]": 2.5, "signals.a.times[2]": 0.4})
     assert (changed.signals["a"].times, changed.signals["a"].values) == ((0.0, 0.4), (0.0, 2.5))
 
 

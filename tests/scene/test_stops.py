@@ -81,27 +81,27 @@ def test_equal_links_have_equal_stops():
         (
             "stops",
             {"stifness": 1.0},
-            "stop.stifness (stops.stifness) is unknown; the nearest key is stops.stiffness",
+            "stops.stifness is unknown; the nearest key is stops.stiffness",
         ),
         (
             "stops",
             {"stiffness": "stiff"},
-            "stop.stiffness (stops.stiffness) = 'stiff' must be a finite number > 0",
+            "stops.stiffness = 'stiff' must be a finite number > 0",
         ),
         (
             "contact",
             {"wall": {"y_min": {}}},
-            "contact.wall = 'y_min' is no wall of the scene; must be one of x_m",
+            "contact.wall.y_min is no wall of the scene; must be one of x_m",
         ),
         (
             "contact",
             {"wall": {"x_max": {"restitution": 2}}},
-            "wall.x_max.restitution (contact.wall.x_max.restitution) = 2 must be a finite number >= 0 a",
+            "contact.wall.x_max.restitution = 2 must be a finite number >= 0 a",
         ),
         (
             "contact",
             {"wall": {"x_max": {"mass": 2}}},
-            "wall.x_max.mass (contact.wall.x_max.mass) is unknown; the nearest key is chain.sl",
+            "contact.wall.x_max.mass is unknown; the nearest key is chain.sl",
         ),
     ],
 )
@@ -111,10 +111,7 @@ def test_a_file_names_its_keys(table, keys, message):
 
 def test_materials_of_a_scene_without_walls():
     message = refusal(partial(finger, box={"x_max": None, "y_max": None}))
-    assert (
-        message == "finger.toml: contact.wall = 'y_max' is no wall of the scene; must be empty: "
-        "the scene has no walls"
-    )
+    assert message == "finger.toml: contact.wall.y_max must be left out: the scene has no walls"
 
 
 def test_a_start_on_a_stop_is_none_beyond_it():

@@ -28,6 +28,7 @@ from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.limits import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
+from chain_impact.scene.rules import FROM_JOINTS
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_alone, family
 from chain_impact.variables.driving import acting
@@ -108,7 +109,8 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         return {
             "kind": kinds.get(get_origin(kind), "table"),
             "keys": _keys(inner),
-            **({"entries": rule["entries"], "needed": rule["description"]} if rule.get("entries") else {}),
+            **({"entries": rule["entries"], "isNeeded": True} if rule.get("entries") else {}),
+            "meaning": rule.get("description", ""),
         }
     item, *others = get_args(kind) or (kind,)
     value = _value(item, rule)
@@ -116,18 +118,22 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         length = "links" if rule["per_link"] else None if ... in others else 1 + len(others)
         value = {
             "kind": "list",
+            "meaning": rule["description"],
             "length": length,
             "each": value,
             "orTrue": rule["or_true"],
             "orOne": rule["or_one"],
         }
     default = rule["default"]
+    if default is FROM_JOINTS:
+        return value | {"orKey": "joint_angles"}
     if isinstance(default, Derived):
         # a derived default is either a constant that exists only with stops, or 0 for each link; the page
         # needs only the constant
         given = default.value({"chain": WITH_STOPS}) if default.constant else None
         return value | ({"ofStops": given} if isinstance(given, float) else {})
-    return value | ({"needed": rule["description"]} if default is MISSING else {"default": default})
+    meaning = {"isNeeded": True, "meaning": rule["description"]}
+    return value | (meaning if default is MISSING else {"default": default})
 
 
 def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:

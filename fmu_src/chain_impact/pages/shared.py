@@ -25,8 +25,8 @@ from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.scene import angles, bodies, names, reading, tables, unit_text
-from chain_impact.scene.checks import OUT_OF_REACH, WITHOUT_VELOCITY
 from chain_impact.scene.contents import PARALLEL
+from chain_impact.scene.refusals import SENTENCES
 from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
 from chain_impact.scene.signal_values import KNOTS, NUMBERS
@@ -49,9 +49,12 @@ def shared() -> dict[str, Any]:
             "SLIDER_STOPS": {stop: stop.removeprefix("slider_") for stop in names.SLIDER_STOPS},
             "NORMALS": dict(zip(WALLS, NORMALS, strict=True)),
         },
-        "degrees": {unit: [word, angles.degrees_pattern(unit)] for unit, word in angles.DEGREES.items()},
+        "degrees": {
+            unit: [word, angles.degrees_pattern(unit), angles.or_degrees(unit)]
+            for unit, word in angles.DEGREES.items()
+        },
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
-        "refusals": {"OUT_OF_REACH": OUT_OF_REACH, "WITHOUT_VELOCITY": WITHOUT_VELOCITY},
+        "refusals": SENTENCES,
         "file": {"CORNERS": tables.CORNERS, "SHOWN": reading.SHOWN},
         "signals": {
             "AT_REST": AT_REST,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,8 +18,8 @@ from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint, turns_hint
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
-from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS
-from chain_impact.scene.reading import SceneError, shown
+from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
+from chain_impact.scene.reading import SceneError, no_wall, refusal, shown
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Chain, Contact, Material, Stops
@@ -29,13 +29,6 @@ _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 # rope is so light.
 LONG, LIGHT = 20.0, 0.2
 IN_MM = (9e3, 1.05e4)  # [m/s²] a gravity in this range is probably the earth's gravity in mm/s²
-WITHOUT_VELOCITY = {
-    "pinned": "must be zero for a pinned base",
-    "slider": "must be left out for a base on a slider; "
-    "initial.slider_velocity is its velocity along the line",
-}
-"""Base → words for the refusal of ``initial.velocity``."""
-OUT_OF_REACH = "must be left out: no point can reach it: all points that may touch slide parallel to it"
 
 
 def check(scene: Contents) -> None:
@@ -70,10 +63,12 @@ def check_masses(chain: Chain) -> None:
             f"its centre of mass is {link.center_of_mass:g} m of {link.length:g} m from the proximal joint"
         )
         reason = f"the link could turn about its centre of mass without moving any mass ({where})"
-        raise SceneError(f"link[{first + 1}].inertia = {link.inertia} must be > 0: {reason}")
-    names = f"link[{first + 1}].inertia to link[{last + 1}].inertia"
+        path = ("chain", "links", first, "inertia")
+        raise SceneError(f"{path_text(path)} = {link.inertia} must be > 0: {reason}", path)
+    path, end = (("chain", "links", i, "inertia") for i in (first, last))
+    names = f"{path_text(path)} to {path_text(end)}"
     reason = "on one line, these links could turn about their centres of mass without moving any mass"
-    raise SceneError(f"{names} = 0.0; one of them must be > 0: {reason}")
+    raise SceneError(f"{names} = 0.0; one of them must be > 0: {reason}", path)
 
 
 def check_together(scene: Contents) -> None:
@@ -82,57 +77,52 @@ def check_together(scene: Contents) -> None:
     contact, box, movable = scene.contact, scene.box, scene.chain.movable_points
     for point in contact.points:
         if point not in movable or contact.points.count(point) > 1:
-            span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base, each once"
-            raise SceneError(f"contact.points holds {shown(point)}, must hold {span}")
-    check_law(contact.model, "contact", contact)
+            words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
+            raise refusal(("contact", "points"), "points", point=shown(point), **words)
+    check_law(contact.model, ("contact",), contact)
     for name, material in contact.wall.items():
-        check_law(contact.model, f"wall.{name}", material)
-    if (words := WITHOUT_VELOCITY.get(scene.chain.base)) and any(velocity := scene.initial.velocity):
-        raise SceneError(f"initial.velocity = {list(velocity)} {words}", ("initial", "velocity"))
+        check_law(contact.model, ("contact", "wall", name), material)
+    if scene.chain.base != "free" and any(velocity := scene.initial.velocity):
+        raise refusal(("initial", "velocity"), f"velocity_{scene.chain.base}", value=shown(list(velocity)))
     check_slider(scene)
     check_motion(scene)
     check_reach(scene)
+    stops = (*STOPS * bool(scene.chain.stops), *SLIDER_STOPS * (scene.chain.slider is not None))
     for i, wall in enumerate(scene.walls):
-        others = *WALLS, *(other.name for other in scene.walls[:i])
+        others = (*WALLS, *stops, *(other.name for other in scene.walls[:i]))
         if wall.name in others:
-            text = f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}"
-            raise SceneError(text, ("walls", i, "name"))
+            words = {"value": shown(wall.name), "others": ", ".join(others)}
+            raise refusal(("walls", i, "name"), "wall_name", **words)
     for i, link in enumerate(scene.chain.links):
         names = [point.name for point in link.points if point.name]
         if twice := [name for name in names if names.count(name) > 1]:
-            text = f"link[{i + 1}].points: two points have the name {twice[0]!r}"
-            raise SceneError(text, ("chain", "links", i, "points"))
+            raise refusal(("chain", "links", i, "points"), "point_names", name=shown(twice[0]))
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius:.15g} [m], which is {axis}_min + 2 contact.radius"
-            raise SceneError(f"box.{axis}_max = {high} must be > {least}")
+            path = ("box", f"{axis}_max")
+            raise SceneError(f"{path_text(path)} = {high} must be > {least}", path)
 
 
 def check_slider(scene: Contents) -> None:
     """Refuse values that a sliding base cannot have, and values that only a sliding base can have."""
-    slider, start, path = scene.chain.slider, scene.initial, ("initial", "slider_velocity")
+    slider, start = scene.chain.slider, scene.initial
     if scene.chain.base != "slider" or slider is None:
-        needed = 'only a base on a slider has it: chain.base = "slider"'
         if slider is not None:
-            raise SceneError(f"chain.slider must be left out; {needed}", ("chain", "slider"))
+            raise refusal(("chain", "slider"), "no_slider")
         if start.slider_velocity != 0.0:
-            raise SceneError(f"initial.slider_velocity = {start.slider_velocity} must be 0; {needed}", path)
+            path = ("initial", "slider_velocity")
+            raise refusal(path, "no_slider_velocity", value=start.slider_velocity)
         if scene.inputs.slider_force:
-            path = ("inputs", "slider_force")
-            raise SceneError(f"inputs.slider_force = true must be false; {needed}", path)
+            raise refusal(("inputs", "slider_force"), "no_slider_force")
         return
-    _check_names(scene, SLIDER_STOPS, "as a slider may have stops")
     low, high = slider.min, slider.max
     if low is not None and high is not None and not low < high:
-        raise SceneError(f"slider.max = {high} must be > {low} [m], which is slider.min")
-    for name, limit, beyond in (
-        ("min", low, low is not None and low > 0.0),
-        ("max", high, high is not None and high < 0.0),
-    ):
-        if beyond:
-            raise SceneError(
-                f"slider.{name} = {limit} [m] has the slider beyond it: its position is 0 at the start"
-            )
+        raise refusal(("chain", "slider", "max"), "slider_stops", value=high, least=low)
+    if low is not None and low > 0.0:
+        raise refusal(("chain", "slider", "min"), "slider_min", value=low)
+    if high is not None and high < 0.0:
+        raise refusal(("chain", "slider", "max"), "slider_max", value=high)
 
 
 def check_reach(scene: Contents) -> None:
@@ -149,34 +139,31 @@ def check_reach(scene: Contents) -> None:
     pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
     if out_of_reach and len(scene.walls) > pairs:
         i = [wall.name for wall in scene.walls].index(out_of_reach[0])
-        raise SceneError(f"walls[{i + 1}].name = {out_of_reach[0]!r} {OUT_OF_REACH}", ("walls", i, "name"))
+        raise refusal(("walls", i), "out_of_reach")
 
 
 def check_motion(scene: Contents) -> None:
     """Refuse a motion of a base that is not pinned, and a motion of a wall that does not exist."""
     if scene.inputs.base_motion and scene.chain.base != "pinned":
-        reason = 'inputs can move a base only with chain.base = "pinned"'
-        what = "free base" if scene.chain.base == "free" else "base on a slider"
-        raise SceneError(f"inputs.base_motion = true must be false for a {what}: {reason}")
+        raise refusal(("inputs", "base_motion"), "base_motion")
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
-            needed = f"one of {', '.join(walls)}" if walls else "missing: the scene has no walls"
-            path = ("inputs", "wall_motion", i)
-            raise SceneError(
-                f"inputs.wall_motion[{i + 1}] = {name!r} is no wall of the scene; must be {needed}", path
-            )
+            raise no_wall(("inputs", "wall_motion", i), walls, f"= {shown(name)} ")
 
 
-def check_law(model: str, table: str, values: Contact | Material | Stops) -> None:
-    """Refuse a restitution or an exponent in a table that the contact law does not allow."""
+def check_law(model: str, table: DataPath, values: Contact | Material | Stops) -> None:
+    """Refuse a restitution or an exponent in a table that the contact law does not allow.
+
+    ``table`` is the path of the table.
+    """
     law, exponent = CONTACT_LAWS.get(model), getattr(values, "exponent", None)
     if law and values.restitution == 0.0 and not law.allows_zero:
-        raise SceneError(f"{table}.restitution = 0.0 must be > 0 for the contact model {law.id}")
+        path = (*table, "restitution")
+        raise SceneError(f"{path_text(path)} = 0.0 must be > 0 for the contact model {law.id}", path)
     if law and exponent is not None and not law.allows_exponent(exponent):
-        raise SceneError(
-            f"{table}.exponent = {exponent} must be {law.exponent} for the contact model {law.id}"
-        )
+        path, needed = (*table, "exponent"), f"must be {law.exponent} for the contact model {law.id}"
+        raise SceneError(f"{path_text(path)} = {exponent} {needed}", path)
 
 
 def check_stops(scene: Contents) -> None:
@@ -185,45 +172,31 @@ def check_stops(scene: Contents) -> None:
         _refuse_table(scene)
         return
     _check_links(scene.chain)
-    _check_names(scene, STOPS, "as joints have stops")
-    check_law(scene.stops.model or scene.contact.model, "stops", scene.stops)
-
-
-def _check_names(scene: Contents, taken: tuple[str, ...], reason: str) -> None:
-    """Refuse a wall that has the name of a stop."""
-    for i, wall in enumerate(scene.walls):
-        if wall.name in taken:
-            needed = f"must be none of {', '.join(taken)}, {reason}"
-            raise SceneError(f"walls[{i + 1}].name = {wall.name!r} {needed}", ("walls", i, "name"))
+    check_law(scene.stops.model or scene.contact.model, ("stops",), scene.stops)
 
 
 def _refuse_table(scene: Contents) -> None:
     for entry in keys(Stops):
         if (value := getattr(scene.stops, entry.name)) is not None:
-            needed = "must be left out: no link has a joint_min or joint_max"
-            raise SceneError(f"stops.{entry.name} = {shown(value)} {needed}")
+            raise refusal(("stops", entry.name), "no_stops", value=shown(value))
 
 
 def _check_links(chain: Chain) -> None:
     joint, key = chain.stops[0]
     if joint == 1 and chain.base == "free":
-        needed = (
-            "must be left out: a free base has no joint 1; of equal links, link 1 needs an entry of its own"
-        )
-        raise SceneError(f"link[1].{key} = {getattr(chain.links[0], key)} {needed}")
+        raise refusal(("chain", "links", 0, key), "no_joint", value=getattr(chain.links[0], key))
     for i, (low, high) in chain.joint_ranges.items():
         if not low < high:
-            raise SceneError(
-                f"link[{i}].joint_max = {high} must be > {low} [rad], which is link[{i}].joint_min"
-            )
+            path = ("chain", "links", i - 1, "joint_max")
+            raise SceneError(f"{path_text(path)} = {high} must be > {low} [rad], which is joint_min", path)
 
 
 def check_friction(scene: Contents) -> None:
     """Refuse a static friction below the sliding friction, and friction at rigid walls."""
     contact = scene.contact
-    _check_coefficients(scene, "contact", contact.friction, contact.static_friction)
+    _check_coefficients(scene, ("contact",), contact.friction, contact.static_friction)
     for name, material in contact.wall.items():
-        _check_coefficients(scene, f"wall.{name}", *coefficients(contact, material))
+        _check_coefficients(scene, ("contact", "wall", name), *coefficients(contact, material))
 
 
 def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
@@ -233,20 +206,17 @@ def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
     return sliding, static
 
 
-def _check_coefficients(scene: Contents, table: str, sliding: float, static: float) -> None:
+def _check_coefficients(scene: Contents, table: DataPath, sliding: float, static: float) -> None:
     """Refuse coefficients in a table that contradict each other or the contact law."""
     law = CONTACT_LAWS.get(scene.contact.model)
     if 0.0 < static < sliding:
-        raise SceneError(
-            f"{table}.static_friction = {static} must be >= {sliding}, the coefficient of sliding friction, "
-            "or 0 for the same"
-        )
+        path = (*table, "static_friction")
+        needed = f"must be >= {sliding}, the coefficient of sliding friction, or 0 for the same"
+        raise SceneError(f"{path_text(path)} = {static} {needed}", path)
     if law and law.impulsive and max(sliding, static) > 0.0:
         key, value = ("friction", sliding) if sliding > 0.0 else ("static_friction", static)
-        raise SceneError(
-            f"{table}.{key} = {value} must be 0 for the contact model {law.id}: {WITHOUT_FRICTION}; "
-            "choose a law with a force"
-        )
+        needed = f"must be 0 for the contact model {law.id}: {WITHOUT_FRICTION}; choose a law with a force"
+        raise SceneError(f"{path_text((*table, key))} = {value} {needed}", (*table, key))
 
 
 def check_start(scene: Contents) -> None:
@@ -380,11 +350,3 @@ def law_hints(scene: Contents) -> list[str]:
     if law in (model, scene.stops.model):
         return []
     return [f'contact.law_file gives the law {law}, but contact.model is "{model}"']
-
-
-def has_counts(data: Any) -> bool:
-    """Return whether an entry of the links has a count; then entries and links have different numbers."""
-    chain = data.get("chain") if isinstance(data, Mapping) else None
-    links = chain.get("links") if isinstance(chain, Mapping) else None
-    tables = links if isinstance(links, list | tuple) else []
-    return any(isinstance(table, Mapping) and "count" in table for table in tables)

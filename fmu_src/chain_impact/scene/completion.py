@@ -8,7 +8,7 @@ from pathlib import Path
 from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.scene.contents import AnyScene
 from chain_impact.scene.half_planes import direction
-from chain_impact.scene.reading import SceneError, shown
+from chain_impact.scene.reading import SceneError, no_wall, refusal, shown
 from chain_impact.scene.shapes import with_shapes
 from chain_impact.scene.signals import with_signals
 from chain_impact.scene.tables import Material
@@ -34,7 +34,7 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
     try:
         read_law(path)
     except LawError as error:
-        raise SceneError(f"contact.law_file = {file!r} {error}") from None
+        raise SceneError(f"contact.law_file = {file!r} {error}", ("contact", "law_file")) from None
     return replace(scene, contact=replace(scene.contact, law_file=str(path)))
 
 
@@ -44,12 +44,11 @@ def with_angles(scene: AnyScene) -> AnyScene:
     Refuse a wall with both or neither of them, and a normal of length 0.
     """
     walls = []
-    for wall in scene.walls:
+    for i, wall in enumerate(scene.walls):
         if (wall.angle is None) == (wall.normal is None):
-            has = "neither angle nor" if wall.angle is None else "both angle and"
-            raise SceneError(f"wall.{wall.name} has {has} normal; must have one of them")
+            raise refusal(("walls", i), "wall_angle" if wall.angle is None else "wall_angles")
         if wall.normal and not any(wall.normal):
-            raise SceneError(f"wall.{wall.name}.normal = {list(wall.normal)} must not be zero")
+            raise refusal(("walls", i, "normal"), "no_normal", value=shown(list(wall.normal)))
         walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
     return replace(scene, walls=tuple(walls))
 
@@ -78,7 +77,7 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
     if initial.joint_angles is None:
         return scene
     if ANGLES not in paths:
-        raise SceneError("initial has both angles and joint_angles; must have one of them", ANGLES)
+        raise refusal(("initial",), "angles")
     paths = tuple(path for path in paths if path != ANGLES)
     absolute = replace(initial, joint_angles=None)
     return replace(scene, initial=absolute, derived_paths=paths, has_joint_angles=True)
@@ -92,8 +91,5 @@ def with_materials(scene: AnyScene) -> AnyScene:
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}
     if given:
-        needed = f"one of {', '.join(materials)}" if materials else "empty: the scene has no walls"
-        raise SceneError(
-            f"contact.wall = {shown(next(iter(given)))} is no wall of the scene; must be {needed}"
-        )
+        raise no_wall(("contact", "wall", next(iter(given))), materials)
     return replace(scene, contact=replace(scene.contact, wall=materials))

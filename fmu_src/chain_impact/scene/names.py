@@ -107,13 +107,11 @@ def other_names(name: str) -> set[str]:
     return {of_fmu, in_file} - {name}
 
 
-def place_in_file(path: DataPath) -> str:
-    """Return the words for the place of a value in the scene file: "mass in [[chain.links]]"."""
-    *head, last = path
-    if isinstance(last, int):
-        return f"entry {last + 1} of {place_in_file(tuple(head))}"
-    tables = tuple(step for step in head if not isinstance(step, int))
-    return f"{last} in [[{_dotted(tables)}]]" if len(tables) < len(head) else _dotted(path)
+def path_text(path: DataPath) -> str:
+    """Return a path in a scene file as text, with numbers from 1: "chain.links[1].mass", "gravity[2]"."""
+    return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(
+        "."
+    )
 
 
 INPUTS_OF = {

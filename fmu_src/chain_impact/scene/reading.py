@@ -13,7 +13,8 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names, proposed
+from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names, path_text, proposed
+from chain_impact.scene.refusals import sentence
 from chain_impact.scene.unit_text import number_hint
 
 # the least similarity, 0 to 1, of a key that the message on an unknown key proposes; with less, proposals are
@@ -40,6 +41,18 @@ class SceneError(ValueError):
     def place(self) -> DataPath:
         """The same as ``path``, an earlier name."""
         return self.path
+
+
+def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
+    """Return the error with the sentence of a fault (refusals.py) on the key at a path of the file."""
+    return SceneError(f"{path_text(path)} {sentence(fault, **words)}", path)
+
+
+def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
+    """Return the error on a key that names no wall of the scene; ``value``: the start of the sentence."""
+    if not walls:
+        return refusal(path, "no_walls")
+    return refusal(path, "no_wall", value=value, walls=", ".join(walls))
 
 
 @contextmanager
@@ -162,7 +175,7 @@ class Reader:
     def _table(self, table: Any, data: Any, path: DataPath, tables: Mapping[str, Any]) -> Any:
         """Return `data` as a dataclass `table`; refuse other data. `tables` are the values read before."""
         if not isinstance(data, Mapping):
-            raise self._refusal(path, data, "a table")
+            raise self._refusal(path, "no_table", value=shown(data))
         entries = {entry.name: entry for entry in keys(table)}
         for name in data:
             if name not in entries:
@@ -181,7 +194,7 @@ class Reader:
                     self.derived.append(where)
             if value is MISSING:
                 meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
-                raise SceneError(f"{self.label(where)} is missing{meaning}", where)
+                raise self._refusal(where, "missing", meaning=meaning)
             # a value that is still None does not exist, for example a wall
             read = None if value is None else self._value(entry.type, rule, value, where, scope)
             values[entry.name] = scope[entry.name] = read
@@ -205,7 +218,7 @@ class Reader:
             meant = (
                 nearest_choice(value, rule["choices"]) if kind is str else meant_number(value, rule["unit"])
             )
-            raise self._refusal(path, value, needed + meant)
+            raise self._refusal(path, "not_allowed", value=shown(value), allowed=needed + meant)
         return result
 
     def _list(
@@ -220,32 +233,32 @@ class Reader:
             len(tables["chain"].links) if rule["per_link"] else None if ... in others else 1 + len(others)
         )
         if isinstance(value, Mapping) and is_dataclass(item):
-            raise SceneError(self._one_table(item, value, path), path)
+            raise self._refusal(
+                path, "one_table", name=f"{self.label(path)}", others=self._moved(item, value)
+            )
         if isinstance(value, list | tuple) and length not in (None, len(value)):
-            needed = f"has {len(value)} value{'s' * (len(value) != 1)}, must have {length}"
+            found = f"{len(value)} value{'s' * (len(value) != 1)}"
             each = ", one for each link" if rule["per_link"] else ""
-            raise SceneError(f"{self.label(path)} {needed}{each} ({rule['description']})", path)
+            raise self._refusal(path, "length", found=found, needed=f"{length}{each} ({rule['description']})")
         if not isinstance(value, list | tuple):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
             names = " of names, or true for all" if rule["or_true"] else ""
-            raise self._refusal(path, value, f"a list{names}{expected}")
+            raise self._refusal(path, "no_list", value=shown(value), names=names, expected=expected)
         least, most = rule["entries"] or (0, math.inf)
         if not least <= len(value) <= most:
-            needed = f"has {len(value)} entries, must have {least} to {most}"
-            raise SceneError(f"{self.label(path)} {needed}", path)
+            raise self._refusal(path, "entries", count=len(value), least=least, most=most)
         return tuple(self._value(item, rule, entry, (*path, i), tables) for i, entry in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Return the tables of one kind as a dict, by name; refuse other values."""
         if not isinstance(value, Mapping):
-            raise self._refusal(path, value, "a table of tables")
+            raise self._refusal(path, "no_tables", value=shown(value))
         return {
             name: self._table(entry_type(kind), entry, (*path, name), tables) for name, entry in value.items()
         }
 
-    def _refusal(self, path: DataPath, value: Any, needed: str) -> SceneError:
-        where = self.label(path) if path else "scene"
-        return SceneError(f"{where} = {shown(value)} must be {needed}", path)
+    def _refusal(self, path: DataPath, fault: str, **words: object) -> SceneError:
+        return SceneError(f"{self.label(path) if path else 'scene'} {sentence(fault, **words)}", path)
 
     def _unknown(self, table: Any, path: DataPath, name: Any) -> str:
         """Return the message for an unknown key `name`, with the most similar key of this or another table.
@@ -262,16 +275,14 @@ class Reader:
             return f"{what}; the nearest key is {self._keys()[near]}"
         return f"{what}; the keys here are {', '.join(here)}"
 
-    def _one_table(self, item: Any, value: Mapping[Any, Any], path: DataPath) -> str:
-        """Return the message for one table where a list of tables must be; it says where its keys belong."""
-        name = self.label(path)
+    def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
+        """Return advice on one table where a list of tables must be: where its other keys belong."""
         moved = [
             self._keys()[key]
             for key in value
             if key in self._keys() and key not in {entry.name for entry in keys(item)}
         ]
-        others = "".join(f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved)
-        return f"{name} is one table, must be a list of tables: write [[{name}]]{others}"
+        return "".join(f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved)
 
     def _keys(self) -> dict[str, str]:
         """Return last part of a key → whole key.
@@ -323,7 +334,7 @@ def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
 def shown(value: Any) -> str:
     """Return the text of a value for a message: one line of limited length."""
     try:
-        text = " ".join(repr(value).split())
+        text = str(value).lower() if isinstance(value, bool) else " ".join(repr(value).split())
     # the value is an integer of too many digits, or a list of too many levels
     except (ValueError, RecursionError):
         text = f"<{type(value).__name__}>"

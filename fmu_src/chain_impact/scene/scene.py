@@ -29,7 +29,7 @@ from chain_impact.scene.names import (
     name_of,
     other_names,
     parameter_hint,
-    place_in_file,
+    path_text,
     proposed,
 )
 from chain_impact.scene.numbers import with_numbers
@@ -141,38 +141,39 @@ def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     """Return the checked scene for data.
 
-    An error gives the name of a key and, for a file, the place in the file.
+    An error gives the path of a key in a file, or the name of a value that does not come from a file.
     """
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
     names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
-    counted = checks.has_counts(data)
+
+    # where an entry of the links stands for several links, links and entries have different numbers
+    by_path = in_file or _has_counts(data)
 
     def label(path: DataPath) -> str:
-        match path:
-            case "chain", "links", int(i), *keys if counted and keys:
-                return f"{place_in_file(tuple(keys))} in entry {i + 1} of [[chain.links]]"
-        name, written = name_of(shapes.among_all_points(path, data), names), place_in_file(path)
-        return f"{name} ({written})" if in_file and written != name else name
+        return path_text(path) if by_path else name_of(shapes.among_all_points(path, data), names)
 
-    scene: Scene | None = None
     try:
         reader = Reader(Scene, label)
-        scene = reader.read(data)
+        scene: Scene = reader.read(data)
         scene = replace(scene, derived_paths=tuple(sorted(of_every_link(reader.derived, data))))
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
-        path = error.path or (_path_of_first_name(str(error), scene) if scene else ())
-        raise SceneError(f"{source}: {error}", path) from None
+        text = str(error)
+        if error.path and text.startswith(written := path_text(error.path)):
+            text = label(error.path) + text.removeprefix(written)
+        raise SceneError(f"{source}: {text}", error.path) from None
     return scene
 
 
-def _path_of_first_name(text: str, scene: Scene) -> DataPath:
-    """Return the path of the value that the first word of a text names; () if it names no value."""
-    name = text.partition(" ")[0]
-    return _paths_by_name(scene).get(name, ())
+def _has_counts(data: Any) -> bool:
+    """Return whether an entry of the links has a count."""
+    chain = data.get("chain") if isinstance(data, Mapping) else None
+    links = chain.get("links") if isinstance(chain, Mapping) else None
+    tables = links if isinstance(links, list | tuple) else []
+    return any(isinstance(table, Mapping) and "count" in table for table in tables)
 
 
 def _paths_by_name(scene: Scene) -> dict[str, DataPath]:

@@ -13,7 +13,7 @@ from typing import Any
 from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.names import DataPath
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.reading import SceneError, refusal
 from chain_impact.scene.tables import CORNERS, Site
 
 _APART = object()
@@ -29,7 +29,7 @@ def with_shapes(scene: AnyScene) -> AnyScene:
     for i, link in enumerate(scene.chain.links):
         if (link.shape is None) != (link.height is None):
             has, lacks = ("height", "shape") if link.shape is None else ("shape", "height")
-            raise SceneError(f"link[{i + 1}] has {has} but no {lacks}; must have both or neither")
+            raise refusal(("chain", "links", i), "shape", has=has, lacks=lacks)
         if link.height is None:
             links.append(link)
             continue

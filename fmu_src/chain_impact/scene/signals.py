@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.names import AXES, input_asked, input_key, nearest
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.reading import SceneError, refusal
 from chain_impact.scene.signal import FORMS, Samples, Signal
 from chain_impact.scene.signal_values import is_motion, knots_of
 from chain_impact.scene.table_file import read_table, samples_of
@@ -139,7 +139,7 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
     for column in columns:
         for driven in driven_alone(column):
             if driven in owners:
-                by = f"signal.{owners[driven]} of {scene.name} drives {driven}"
+                by = f"signals.{owners[driven]} of {scene.name} drives {driven}"
                 raise SceneError(f"{file}: column {column} must be left out: {by}")
         if column not in inputs_of(scene):
             raise SceneError(
@@ -155,14 +155,14 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
     Refuse a file that cannot be read, or lacks a column for an input.
     """
-    path, where = (folder / (signal.file or "")).absolute(), f"signal.{name}.file = {signal.file!r}"
+    path, where = (folder / (signal.file or "")).absolute(), f"signals.{name}.file = {signal.file!r}"
     try:
         status = path.stat()
         times, columns = _read(path, status.st_mtime_ns, status.st_size, stop)
     except OSError as error:
         raise SceneError(f"{where} cannot be read ({error.strerror})", ("signals", name, "file")) from None
     except SceneError as error:
-        raise SceneError(f"signal.{name}: {error}", ("signals", name, "file")) from None
+        raise SceneError(f"signals.{name}.file: {error}", ("signals", name, "file")) from None
     for input_name in signal.input:
         if input_name not in columns:
             near = nearest(input_name, columns)
@@ -184,19 +184,17 @@ def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, 
 
 def _completed(name: str, signal: Signal) -> Signal:
     """Return the signal with its defaults. Refuse a missing key, and a key that the form does not have."""
-    keys, what = (*REQUIRED[signal.form], *OTHER[signal.form]), f"signal.{name}"
+    keys = (*REQUIRED[signal.form], *OTHER[signal.form])
     if not name.isidentifier():
-        needed = "letters, digits and _, not beginning with a digit"
-        raise SceneError(f"{what}: the name must be {needed}", ("signals", name))
+        raise refusal(("signals", name), "signal_name")
     for form in FORMS:
         for key in (*REQUIRED[form], *OTHER[form]):
             if key not in keys and getattr(signal, key) is not None:
-                needed = f'form = "{signal.form}" has {", ".join(keys)}'
-                path = ("signals", name, key)
-                raise SceneError(f"{what}.{key} must be left out: {needed}", path)
+                words = {"form": signal.form, "keys": ", ".join(keys)}
+                raise refusal(("signals", name, key), "other_form", **words)
     for key in REQUIRED[signal.form]:
         if getattr(signal, key) is None:
-            raise SceneError(f'{what}.{key} is missing: form = "{signal.form}" needs it', ("signals", name))
+            raise refusal(("signals", name, key), "needs_key", form=signal.form)
     missing = {key: value for key, value in OTHER[signal.form].items() if getattr(signal, key) is None}
     return replace(signal, **missing)
 

@@ -12,7 +12,7 @@ from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.scene.limits import quantity
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.reading import refusal
 from chain_impact.scene.rules import (
     CARRIAGE,
     CONTACT_RADIUS,
@@ -142,7 +142,7 @@ class Chain:
     def __post_init__(self) -> None:
         """Replace a link that has a `count` by this number of equal links; refuse too many links."""
         if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
-            raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
+            raise refusal(("chain", "links"), "links", count=total, most=MAX_LINKS)
         links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
         object.__setattr__(self, "links", tuple(links))
 

@@ -80,7 +80,8 @@ export function framesOf(rows, { times, frameRate }) {
   const at = (values, width = 1) => (brackets && values ? interpolatedColumn(values, brackets, width) : values);
   const spansAbove = (values) => spansOf(brackets ? brackets.map(([row]) => values[row]) : values);
   const [x, y] = [rows.x, rows.y].map((all) => at(all, pointCount));
-  const forces = [...drawn.contacts.map(({ n, name: wall, columns }) => ({ point: n, wall, ...columns })), ...drawn.stops.flatMap(ofStops)]
+  const atWalls = drawn.contacts.map(({ n, name: wall, columns }) => ({ point: n, wall, ...columns }));
+  const forces = [...atWalls, ...drawn.stops.flatMap(ofStops)]
     .filter(({ force }) => force.some((value) => value > 0))
     .map(({ sticking, ...course }) => ({ ...course, spans: sticking ? spansAbove(sticking) : [] }));
   const stuckJoints = drawn.joints.map(({ n, columns: { sticking } }) => ({ joint: n, spans: spansAbove(sticking) }));

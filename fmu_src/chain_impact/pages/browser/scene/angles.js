@@ -2,9 +2,9 @@
 
 import { numberText } from "../base/format.js";
 
-// unit of an angle → its word in degrees, and the pattern of a text in degrees
-const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern]]) =>
-  [unit, { word, text: new RegExp(`^${pattern}$`) }]));
+// unit of an angle → its word in degrees, the pattern of a text in degrees, and words for a refusal
+const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern, advice]]) =>
+  [unit, { word, text: new RegExp(`^${pattern}$`), advice }]));
 const DEGREE = Math.PI / 180; // [rad]
 const DEGREE_DIGITS = 12; // number of digits of degrees, which round-off leaves right
 
@@ -12,6 +12,11 @@ const DEGREE_DIGITS = 12; // number of digits of degrees, which round-off leaves
 export function inRadians(value, unit) {
   const [, number] = (typeof value === "string" && IN_DEGREES[unit]?.text.exec(value)) || [];
   return number ? Number(number) * DEGREE : value;
+}
+
+/** Return words for a refusal: or text in degrees; "" if the unit is not one of angles. */
+export function orDegrees(unit) {
+  return IN_DEGREES[unit]?.advice ?? "";
 }
 
 /** Return a value as text: in degrees if it is an angle, and this is shorter and stands for the same number. */

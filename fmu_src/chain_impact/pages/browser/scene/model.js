@@ -82,7 +82,7 @@ export function describe(kit, file, command) {
   const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
   const byName = new Map([...settable, ...motions].map((row) =>
     [row.name, { ...row, family: filledAll(row, "family"), alone: filledAll(row, "alone") }]));
-  const drivenInputs = withOutputs(parts.driven, byName);
+  const drivenInputs = withOutputs(parts.driven, byName, file.signals);
   const driving = drivenRows(drivenInputs);
   const isFree = ({ name }) => !driving.has(name);
   const rows = instances(kit.parameters, { ...owners, ...signalOwners(drivenInputs, byName) }, facts);

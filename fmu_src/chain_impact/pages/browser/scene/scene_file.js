@@ -2,22 +2,12 @@
 // are valid alone but not together.
 
 import { unitText } from "../base/format.js";
-import { inRadians } from "./angles.js";
+import { inRadians, orDegrees } from "./angles.js";
 import { BOX_WALLS, NORMALS, SLIDER_STOPS, STOPS } from "./geometry.js";
+import { refuse, refuseWall, shown } from "./refusals.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
-
-/** Return a value for a message. */
-function quotedValue(value) {
-  const text = JSON.stringify(value) ?? String(value);
-  return text.length > SHARED.file.SHOWN ? `${text.slice(0, SHARED.file.SHOWN)}…` : text;
-}
-
-/** Refuse the value at a path of the file. */
-function refuse(path, what) {
-  throw new RangeError([path, what].filter(Boolean).join(" "));
-}
 
 /** Return whether a value keeps a rule. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
@@ -31,6 +21,11 @@ function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
     (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
 }
 
+/** Refuse that a key of the file is missing. */
+function refuseMissing(path, key, { meaning }) {
+  refuse(path, "missing", { meaning: meaning === key ? "" : ` (${meaning})` });
+}
+
 class ContentsReader {
   constructor({ keys, laws, lawFile, inputs, still }) {
     const units = [...inputs, ...still].flatMap(({ rows }) => rows.map(({ name, unit }) => [name, unit]));
@@ -38,14 +33,15 @@ class ContentsReader {
   }
 
   table(data, keys, path) {
-    if (!isTable(data)) refuse(path || "the file", `= ${quotedValue(data)} must be a table`);
+    if (!isTable(data)) refuse(path, "no_table", { value: shown(data) });
     const inner = (key) => (path ? `${path}.${key}` : key);
     const unknown = Object.keys(data).find((key) => !Object.hasOwn(keys, key));
-    if (unknown !== undefined) refuse(inner(unknown), `is unknown; the keys here are ${Object.keys(keys).join(", ")}`);
+    if (unknown !== undefined) refuse(inner(unknown), "unknown", { keys: Object.keys(keys).join(", ") });
     const contents = {};
     for (const [key, rule] of Object.entries(keys)) {
-      const given = data[key] ?? (rule.needed ? undefined : { table: {}, named: {}, tables: [] }[rule.kind] ?? rule.default);
-      if (given === undefined && rule.needed) refuse(inner(key), `is missing (${rule.needed})`);
+      const given = data[key] ?? (rule.isNeeded ? undefined : { table: {}, named: {}, tables: [] }[rule.kind] ?? rule.default);
+      const isReplaced = rule.orKey && (data[rule.orKey] ?? undefined) !== undefined;
+      if (given === undefined && (rule.isNeeded || (rule.orKey && !isReplaced))) refuseMissing(inner(key), key, rule);
       if (given !== undefined && given !== null) contents[key] = this.value(given, this.#inUnitOf(contents.input, rule), inner(key));
       if (key === "links" && rule.kind === "tables") contents.links = this.#repeated(contents.links);
     }
@@ -56,12 +52,12 @@ class ContentsReader {
     if (rule.kind === "table") return this.table(given, rule.keys, path);
     if (rule.kind === "tables" || rule.kind === "list") return this.#list(given, rule, path);
     if (rule.kind === "named") {
-      if (!isTable(given)) refuse(path, `= ${quotedValue(given)} must be a table of tables`);
+      if (!isTable(given)) refuse(path, "no_tables", { value: shown(given) });
       return Object.fromEntries(Object.entries(given).map(([name, table]) => [name, this.table(table, rule.keys, `${path}.${name}`)]));
     }
     const value = inRadians(given, rule.unit);
     const known = rule.choices?.includes(this.laws[0]) ? { ...rule, choices: this.laws } : rule;
-    if (!keeps(value, known)) refuse(path, `= ${quotedValue(given)} must be ${rule.allowed}`);
+    if (!keeps(value, known)) refuse(path, "not_allowed", { value: shown(given), allowed: rule.allowed + orDegrees(rule.unit) });
     return value;
   }
 
@@ -74,14 +70,22 @@ class ContentsReader {
     return { ...rule, unit, allowed: text ? `${rule.allowed} [${text}]` : rule.allowed };
   }
 
-  #list(value, { kind, keys, entries, each, length, orTrue, orOne }, path) {
+  #list(value, { kind, keys, entries, each, length, orTrue, orOne, meaning }, path) {
     const given = orOne && typeof value === "string" ? [value] : value;
     if (orTrue && typeof given === "boolean") return given ? ["*"] : [];
-    if (!Array.isArray(given)) refuse(path, `= ${quotedValue(given)} must be a list`);
     const count = length === "links" ? this.links : length;
-    if (typeof count === "number" && given.length !== count) refuse(path, `has ${given.length} values, must have ${count}`);
+    const hasCount = typeof count === "number";
+    if (isTable(given) && kind === "tables") refuse(path, "one_table", { name: path, others: "" });
+    if (!Array.isArray(given)) {
+      const expected = hasCount ? `, expected length ${count} (${meaning})` : "";
+      refuse(path, "no_list", { value: shown(given), names: orTrue ? " of names, or true for all" : "", expected });
+    }
+    if (hasCount && given.length !== count) {
+      const found = `${given.length} value${given.length === 1 ? "" : "s"}`;
+      refuse(path, "length", { found, needed: `${count}${length === "links" ? ", one for each link" : ""} (${meaning})` });
+    }
     if (entries && !(given.length >= entries[0] && given.length <= entries[1])) {
-      refuse(path, `has ${given.length} entries, must have ${entries.join(" to ")}`);
+      refuse(path, "entries", { count: given.length, least: entries[0], most: entries[1] });
     }
     const read = (entry, k) =>
       (kind === "tables" ? this.table(entry, keys, `${path}[${k + 1}]`) : this.value(entry, each, `${path}[${k + 1}]`));
@@ -92,7 +96,7 @@ class ContentsReader {
   #repeated(links) {
     const all = links.flatMap(({ count = 1, ...link }) => Array.from({ length: count }, () => ({ ...link })));
     const [, most] = this.keys.chain.keys.links.entries;
-    if (all.length > most) refuse("chain.links", `are ${all.length}, must be at most ${most}`);
+    if (all.length > most) refuse("chain.links", "links", { count: all.length, most });
     this.links = all.length;
     return all;
   }
@@ -162,25 +166,28 @@ export function pairsOf(file) {
 export function complete(data, kit) {
   const file = new ContentsReader(kit).table(data, kit.keys, "");
   if ((file.contact.law_file || "") !== kit.lawFile) {
-    const given = quotedValue(file.contact.law_file);
-    refuse("contact.law_file", `= ${given}: this page has no compiler; chain-impact explore makes a page with this law`);
+    const law = `contact.law_file = ${shown(file.contact.law_file)}`;
+    throw new RangeError(`${law}: this page has no compiler; chain-impact explore makes a page with this law`);
   }
-  setBodies(file, data);
+  // in the order of Python, so that both refuse a file for the same fault
+  setWallAngles(file);
+  setBodies(file);
   setAngles(file);
-  setStops(file, kit.keys.stops.keys);
-  file.contact.points?.sort((a, b) => a - b); // the order of points has no meaning
+  checkMaterials(file);
   completeSignals(file.signals, kit.tables);
-  checkContents(file);
+  checkContents(file, data);
+  setStops(file, kit.keys.stops.keys);
   file.outputs.sensitivities = []; // the page computes no derivatives
   return file;
 }
 
-/** Add the corners of links that are boxes, and remove the slider of a base that does not slide, or refuse it if it is given. */
-function setBodies({ chain }, data) {
+/** Add the corners of links that are boxes; a base that does not slide has no slider. */
+function setBodies({ chain }) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;
     if ((shape === undefined) !== (height === undefined)) {
-      refuse(`chain.links[${k + 1}]`, `has ${shape ? "shape but no height" : "height but no shape"}; must have both or neither`);
+      const [has, lacks] = shape ? ["shape", "height"] : ["height", "shape"];
+      refuse(`chain.links[${k + 1}]`, "shape", { has, lacks });
     }
     if (shape === undefined) return;
     const positions = [-height / 2, height / 2].flatMap((y) => [0, length].map((x) => ({ x, y })));
@@ -188,9 +195,7 @@ function setBodies({ chain }, data) {
     link.points = [...corners, ...link.points];
     delete link.shape;
   });
-  if (chain.base === "slider") return;
-  if (isTable(data.chain.slider)) refuse("chain.slider", "must be left out: only a base on a slider has it");
-  delete chain.slider;
+  if (chain.base !== "slider") delete chain.slider;
 }
 
 /**
@@ -207,16 +212,21 @@ export function asWritten(file) {
   return written;
 }
 
-/** Replace joint angles, normals of walls and other forms of angles by absolute angles. */
-function setAngles({ initial, chain, walls }) {
-  if (initial.joint_angles && initial.angles) refuse("initial", "has both angles and joint_angles; must have one of them");
+/** Replace joint angles by absolute angles. */
+function setAngles({ initial, chain }) {
+  if (initial.joint_angles && initial.angles) refuse("initial", "angles");
   let sum = 0;
   initial.angles ??= initial.joint_angles?.map((angle) => (sum += angle));
-  if (!initial.angles) refuse("initial.angles", "is missing (angle of each link, absolute, from +x)");
   delete initial.joint_angles;
   initial.angular_velocities ??= chain.links.map(() => 0);
-  walls.forEach((wall) => {
-    if ((wall.angle === undefined) === (wall.normal === undefined)) refuse(`wall.${wall.name}`, "must have one of angle and normal");
+}
+
+/** Replace normals of walls by angles. */
+function setWallAngles({ walls }) {
+  walls.forEach((wall, k) => {
+    const path = `walls[${k + 1}]`;
+    if ((wall.angle === undefined) === (wall.normal === undefined)) refuse(path, wall.angle === undefined ? "wall_angle" : "wall_angles");
+    if (wall.normal?.every((part) => part === 0)) refuse(`${path}.normal`, "no_normal", { value: shown(wall.normal) });
     wall.angle ??= Math.atan2(-wall.normal[0], wall.normal[1]) + 0;
     delete wall.normal;
   });
@@ -226,44 +236,50 @@ function setAngles({ initial, chain, walls }) {
 function setStops(file, keys) {
   const [first] = stopsOf(file);
   const [given] = Object.keys(file.stops);
-  if (!first && given) refuse(`stops.${given}`, "must be left out: no link has a joint_min or joint_max");
+  if (!first && given) refuse(`stops.${given}`, "no_stops", { value: shown(file.stops[given]) });
   if (!first) return;
-  if (first[0] === 1 && file.chain.base === "free") refuse(`chain.links[1].${first[1]}`, "must be left out: a free base has no joint 1");
+  if (first[0] === 1 && file.chain.base === "free") {
+    refuse(`chain.links[1].${first[1]}`, "no_joint", { value: file.chain.links[0][first[1]] });
+  }
   for (const [key, { ofStops }] of Object.entries(keys)) {
     if (ofStops !== undefined) file.stops[key] ??= ofStops;
   }
 }
 
+/** Refuse materials of walls that do not exist. */
+function checkMaterials(file) {
+  const existingWalls = wallsOf(file);
+  const strange = Object.keys(file.contact.wall).find((name) => !existingWalls.includes(name));
+  if (strange !== undefined) refuseWall(`contact.wall.${strange}`, existingWalls);
+}
+
 /** Refuse contents from which the page cannot make a record. */
-function checkContents(file) {
+function checkContents(file, data) {
   const { contact, inputs, initial, chain, walls } = file;
   const movable = movablePoints(file);
-  const strange = contact.points?.find((point, k) => !movable.includes(point) || contact.points.indexOf(point) !== k);
-  if (strange !== undefined) refuse("contact.points", `holds ${strange}, must hold ${movable[0]} to ${movable.at(-1)}, each once`);
+  contact.points?.sort((a, b) => a - b); // the order of points has no meaning
+  const point = contact.points?.find((number, k) => !movable.includes(number) || contact.points.indexOf(number) !== k);
+  if (point !== undefined) refuse("contact.points", "points", { point, first: movable[0], last: movable.at(-1), base: chain.base });
+  if (chain.base !== "free" && initial.velocity.some(Boolean)) {
+    refuse("initial.velocity", `velocity_${chain.base}`, { value: shown(initial.velocity) });
+  }
+  checkSlider(file, data);
+  if (inputs.base_motion && chain.base !== "pinned") refuse("inputs.base_motion", "base_motion");
+  const existingWalls = wallsOf(file);
+  inputs.wall_motion.forEach((name, k) => {
+    if (name !== "*" && !existingWalls.includes(name)) refuseWall(`inputs.wall_motion[${k + 1}]`, existingWalls, `= ${shown(name)} `);
+  });
+  checkReach(file);
+  const stops = [...(stopsOf(file).length ? STOPS : []), ...(chain.slider ? Object.keys(SLIDER_STOPS) : [])];
   walls.forEach(({ name }, k) => {
-    const before = walls.slice(0, k).map((wall) => wall.name);
-    const others = [...BOX_WALLS, ...STOPS, ...(chain.slider ? Object.keys(SLIDER_STOPS) : []), ...before];
-    if (others.includes(name)) refuse(`walls[${k + 1}].name`, `= "${name}" must be none of ${others.join(", ")}`);
+    const others = [...BOX_WALLS, ...stops, ...walls.slice(0, k).map((wall) => wall.name)];
+    if (others.includes(name)) refuse(`walls[${k + 1}].name`, "wall_name", { value: shown(name), others: others.join(", ") });
   });
   chain.links.forEach(({ points }, i) => {
     const names = points.map(({ name }) => name);
-    const twice = names.find((name, k) => name && names.indexOf(name) !== k);
-    if (twice) refuse(`chain.links[${i + 1}].points`, `two points have the name "${twice}"`);
+    const twice = names.find((name, k) => name && names.indexOf(name, k + 1) > k);
+    if (twice) refuse(`chain.links[${i + 1}].points`, "point_names", { name: shown(twice) });
   });
-  const existingWalls = wallsOf(file);
-  const named = [
-    ...Object.keys(contact.wall).map((name) => [`contact.wall.${name}`, name]),
-    ...inputs.wall_motion.map((name) => ["inputs.wall_motion", name]),
-  ];
-  for (const [path, name] of named) {
-    if (name === "*" || existingWalls.includes(name)) continue;
-    refuse(path, `= "${name}" is no wall of the scene; must be one of ${existingWalls.join(", ")}`);
-  }
-  const bases = { free: "a free base", pinned: "a pinned base", slider: "a base on a slider" };
-  if (inputs.base_motion && chain.base !== "pinned") refuse("inputs.base_motion", `= true must be false for ${bases[chain.base]}`);
-  if (chain.base !== "free" && initial.velocity.some(Boolean)) refuse("initial.velocity", SHARED.refusals.WITHOUT_VELOCITY[chain.base]);
-  checkSlider(file, bases);
-  checkReach(file);
 }
 
 /** Refuse a wall that no point can reach, if there are more walls than pairs, for which the record has room. */
@@ -271,19 +287,20 @@ function checkReach(file) {
   const { walls } = file;
   const reached = pairsOf(file).map(([, name]) => name);
   if (!reached.length || walls.length <= reached.length) return;
-  const k = walls.findIndex(({ name }) => !reached.includes(name));
-  refuse(`walls[${k + 1}].name`, `= "${walls[k].name}" ${SHARED.refusals.OUT_OF_REACH}`);
+  refuse(`walls[${walls.findIndex(({ name }) => !reached.includes(name)) + 1}]`, "out_of_reach");
 }
 
 /** Refuse values that a sliding base cannot have, and values that only a sliding base can have. */
-function checkSlider({ chain: { base, slider }, initial, inputs }, bases) {
+function checkSlider({ chain: { slider }, initial, inputs }, data) {
   if (!slider) {
-    if (initial.slider_velocity) refuse("initial.slider_velocity", `must be 0 for ${bases[base]}`);
-    if (inputs.slider_force) refuse("inputs.slider_force", `= true must be false for ${bases[base]}`);
+    if (isTable(data.chain.slider)) refuse("chain.slider", "no_slider");
+    const { slider_velocity: value } = initial;
+    if (value) refuse("initial.slider_velocity", "no_slider_velocity", { value });
+    if (inputs.slider_force) refuse("inputs.slider_force", "no_slider_force");
     return;
   }
   const { min, max } = slider;
-  if (min >= max) refuse("chain.slider.max", `= ${max} must be > ${min} [m], which is chain.slider.min`);
-  if (min > 0) refuse("chain.slider.min", `= ${min} must be <= 0: the slider is at 0 at the start`);
-  if (max < 0) refuse("chain.slider.max", `= ${max} must be >= 0: the slider is at 0 at the start`);
+  if (min >= max) refuse("chain.slider.max", "slider_stops", { value: max, least: min });
+  if (min > 0) refuse("chain.slider.min", "slider_min", { value: min });
+  if (max < 0) refuse("chain.slider.max", "slider_max", { value: max });
 }

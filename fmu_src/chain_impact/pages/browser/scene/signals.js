@@ -3,22 +3,23 @@
 
 import { numbersIn } from "../base/base64.js";
 import { unitText } from "../base/format.js";
+import { refuse, shown } from "./refusals.js";
 
 const SIGNALS = SHARED.signals;
 
 /** Add the default values of their forms to the signals, and refuse keys of other forms; `tables` are the tables by name. */
 export function completeSignals(signals, tables) {
   for (const [name, signal] of Object.entries(signals)) {
+    const { form } = signal;
     const what = `signals.${name}`;
-    const known = [...SIGNALS.REQUIRED[signal.form], ...Object.keys(SIGNALS.OTHER[signal.form])];
-    const strange = Object.keys(signal).find((key) => !["input", "form", ...known].includes(key));
-    if (strange) throw new RangeError(`${what}.${strange} must be left out: form = "${signal.form}" has ${known.join(", ")}`);
-    const missing = SIGNALS.REQUIRED[signal.form].find((key) => signal[key] === undefined);
-    if (missing) throw new RangeError(`${what}.${missing} is missing: form = "${signal.form}" needs it`);
+    const keysOf = (kind) => [...SIGNALS.REQUIRED[kind], ...Object.keys(SIGNALS.OTHER[kind])];
+    if (!/^[A-Za-z_]\w*$/.test(name)) refuse(what, "signal_name");
+    const strange = SIGNALS.FORMS.flatMap(keysOf).find((key) => !keysOf(form).includes(key) && signal[key] !== undefined);
+    if (strange) refuse(`${what}.${strange}`, "other_form", { form, keys: keysOf(form).join(", ") });
+    const missing = SIGNALS.REQUIRED[form].find((key) => signal[key] === undefined);
+    if (missing) refuse(`${what}.${missing}`, "needs_key", { form });
     signals[name] = { ...Object.fromEntries(Object.entries(SIGNALS.OTHER[signal.form]).filter(([, value]) => value !== null)), ...signal };
-    if (!signal.input.length) throw new RangeError(`${what}.input = [] must name at least one input`);
-    if (signal.form === "steps") checkSteps(what, signal);
-    if (signal.form === "table") checkTable(what, signals[name], tables[name]);
+    if (form === "table") checkTable(what, signals[name], tables[name]);
   }
 }
 
@@ -30,10 +31,10 @@ export function signalsAsWritten(signals) {
 
 function checkSteps(what, { times, values }) {
   if (times.length === 0 || times.length !== values.length) {
-    throw new RangeError(`${what}.times and .values must be of one length > 0, not ${times.length} and ${values.length}`);
+    refuse(`${what}.times`, "times", { times: times.length, values: values.length });
   }
   const late = times.findIndex((time, k) => k > 0 && !(time > times[k - 1]));
-  if (late > 0) throw new RangeError(`${what}.times[${late + 1}] = ${times[late]} must be > ${times[late - 1]} [s], the time before it`);
+  if (late > 0) refuse(`${what}.times[${late + 1}]`, "late", { value: times[late], before: times[late - 1] });
 }
 
 /** Refuse a table that the page does not have. */
@@ -51,15 +52,15 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
 function checkMotion(what, input, signal, order, isMotion) {
   const { form, shape, frequency, frequency_rate: rate, amplitude, start, rise, phase, values } = signal;
   if (form === "sine" && order > 0 && !frequency && !rate) {
-    throw new RangeError(`${what}.frequency = 0 must be > 0 where ${input} is driven, which is integrated`);
+    refuse(`${what}.frequency`, "no_frequency", { input });
   }
-  const impact = `${input} would jump, which would be an impact of unknown strength`;
-  const jumps = form === "steps" && order < 2 && new Set(values).size > 1;
-  if (isMotion && jumps) throw new RangeError(`${what}.form = "steps": ${impact}: take a ramp`);
+  if (!isMotion) return;
+  if (form === "steps" && order < 2 && new Set(values).size > 1) refuse(`${what}.form`, "steps_jump", { input });
+  if (form === "ramp" && order === 0 && shape === "linear") refuse(`${what}.shape`, "ramp_jumps", { input });
   const speed = Math.abs(amplitude * frequency);
-  const bends = (form === "ramp" && shape === "linear") ||
-    (form === "sine" && start > 0 && !rise && Math.abs(speed * Math.cos(phase)) > SIGNALS.AT_REST * speed);
-  if (isMotion && order === 0 && bends) throw new RangeError(`${what}: the velocity of ${impact}`);
+  if (form === "sine" && order === 0 && start > 0 && !rise && Math.abs(speed * Math.cos(phase)) > SIGNALS.AT_REST * speed) {
+    refuse(`${what}.start`, "sine_jumps", { input, value: start });
+  }
 }
 
 /** Return the driven inputs, with a row of the record for each, its first knot and its number of knots. */
@@ -83,28 +84,39 @@ export function drivenBy({ signals }, tables) {
  * Return the driven inputs, each with all quantities that it drives: its integrals, the input and its derivatives, in this order;
  * "" for a quantity that is no input. Refuse inputs that are not among the scene's `inputs`, and inputs that are driven twice.
  */
-export function withOutputs(driven, inputs) {
+export function withOutputs(driven, inputs, signals) {
   const owners = new Map();
   const unitOf = (name) => inputs.get(name).unit;
-  for (const { name, input, signal } of driven) {
-    const what = `signals.${name}.input`;
-    if (!inputs.has(input)) {
-      const there = [...inputs.keys()].join(", ");
-      throw new RangeError(`${what} = "${input}" is no input of the scene; it has ${there || "none"}`);
+  for (const [name, signal] of Object.entries(signals)) {
+    const what = `signals.${name}`;
+    if (!signal.input.length) refuse(`${what}.input`, "no_input");
+    const strange = signal.input.find((input) => !inputs.has(input));
+    if (strange !== undefined) {
+      const how = `it has ${[...inputs.keys()].join(", ") || "none"}`;
+      refuse(`${what}.input`, "strange_input", { value: shown(strange), how });
     }
-    const { alone } = inputs.get(input);
-    const owned = alone.find((quantity) => owners.has(quantity));
-    if (owned) throw new RangeError(`${what} = "${input}" must be driven by one signal only: signals.${owners.get(owned)} drives ${owned}`);
-    alone.forEach((quantity) => owners.set(quantity, name));
-    const other = signal.form !== "table" && signal.input.find((member) => inputs.has(member) && unitOf(member) !== unitOf(input));
-    if (!other) continue;
-    const units = `${input} is in ${unitText(unitOf(input))}, ${other} in ${unitText(unitOf(other))}`;
-    throw new RangeError(`${what} must name inputs of one unit: ${units}`);
+    const [first] = signal.input;
+    const other = signal.form !== "table" && signal.input.find((member) => unitOf(member) !== unitOf(first));
+    if (other) {
+      const [unit, other_unit] = [first, other].map((member) => unitText(unitOf(member)));
+      refuse(`${what}.input`, "units", { first, unit, other, other_unit });
+    }
+    if (signal.form === "steps") checkSteps(what, signal);
+    for (const input of signal.input) {
+      const { alone, family } = inputs.get(input);
+      const owned = alone.find((quantity) => owners.has(quantity));
+      if (owned !== undefined) {
+        const owner = owners.get(owned);
+        const by = owner === name ? "it is listed twice" : `signals.${owner} drives ${owned}`;
+        refuse(`${what}.input`, "driven_twice", { value: shown(input), by });
+      }
+      alone.forEach((quantity) => owners.set(quantity, name));
+      checkMotion(what, input, signal, family.indexOf(input), alone.length > 1);
+    }
   }
   return driven.map((row) => {
-    const { alone, family: outputs } = inputs.get(row.input);
+    const { family: outputs } = inputs.get(row.input);
     const order = outputs.indexOf(row.input);
-    checkMotion(`signals.${row.name}`, row.input, row.signal, order, alone.length > 1);
     return { ...row, outputs, order };
   });
 }

@@ -1,0 +1,66 @@
+"""The sentences with which Python and the page that simulates refuse the same contents of a scene file.
+
+A sentence follows the path of the key. Words in braces stand for texts of the scene; what follows "; " is
+advice, in which Python may say more than the page.
+"""
+
+from __future__ import annotations
+
+SENTENCES = {
+    "no_table": "= {value} must be a table",
+    "no_tables": "= {value} must be a table of tables",
+    "unknown": "is unknown; the keys here are {keys}",
+    "missing": "is missing{meaning}",
+    "not_allowed": "= {value} must be {allowed}",
+    "no_list": "= {value} must be a list{names}{expected}",
+    "one_table": "is one table, must be a list of tables: write [[{name}]]{others}",
+    "length": "has {found}, must have {needed}",
+    "entries": "has {count} entries, must have {least} to {most}",
+    "links": "has {count} links, must have at most {most}",
+    "shape": "has {has} but no {lacks}; must have both or neither",
+    "angles": "has both angles and joint_angles; must have one of them",
+    "wall_angle": "has neither angle nor normal; must have one of them",
+    "wall_angles": "has both angle and normal; must have one of them",
+    "no_normal": "= {value} must not be zero",
+    "no_wall": "{value}is no wall of the scene; must be one of {walls}",
+    "no_walls": "must be left out: the scene has no walls",
+    "wall_name": "= {value} must be none of {others}",
+    "out_of_reach": "must be left out: no point can reach it: all points that may touch slide parallel to it",
+    "points": "holds {point}, must hold {first} to {last} with a {base} base, each once",
+    "point_names": "has two points with the name {name}",
+    "no_stops": "= {value} must be left out: no link has a joint_min or joint_max",
+    "no_joint": "= {value} must be left out: a free base has no joint 1"
+    "; of equal links, link 1 needs an entry of its own",
+    "no_slider": 'must be left out: only a base on a slider has it: chain.base = "slider"',
+    "no_slider_velocity": '= {value} must be 0: only a base on a slider has it: chain.base = "slider"',
+    "no_slider_force": 'must be false: only a base on a slider has it: chain.base = "slider"',
+    "slider_stops": "= {value} must be > {least} [m], which is min",
+    "slider_min": "= {value} must be <= 0 [m]: the slider is at 0 at the start",
+    "slider_max": "= {value} must be >= 0 [m]: the slider is at 0 at the start",
+    "base_motion": 'must be false: inputs can move a base only with chain.base = "pinned"',
+    "velocity_pinned": "= {value} must be zero for a pinned base",
+    "velocity_slider": "= {value} must be left out for a base on a slider"
+    "; initial.slider_velocity is its velocity along the line",
+    "signal_name": "must have a name of letters, digits and _, not beginning with a digit",
+    "other_form": 'must be left out: form = "{form}" has {keys}',
+    "needs_key": 'is missing: form = "{form}" needs it',
+    "no_input": "= [] must name at least one input",
+    "strange_input": "= {value} is no input of the scene; {how}",
+    "driven_twice": "= {value} must be driven by one signal only: {by}",
+    "units": "must name inputs of one unit: {first} is in {unit}, {other} in {other_unit}",
+    "times": "and values must be of one length > 0, not {times} and {values}",
+    "late": "= {value} must be > {before} [s], the time before it",
+    "no_frequency": "= 0 must be > 0 where {input} is driven, which is integrated, unless there is a "
+    'frequency_rate; give form = "constant"',
+    "steps_jump": '= "steps": {input} would jump, which would be an impact of unknown strength; take a ramp',
+    "ramp_jumps": '= "linear": the velocity of {input} would jump, which would be an impact of unknown '
+    'strength; take "smooth" or "trapezoid"',
+    "sine_jumps": "= {value}: the velocity of {input} would jump, which would be an impact of unknown "
+    "strength; give it a rise, a phase at which the sine is at rest, as pi/2, or start = 0",
+}
+"""Fault → sentence."""
+
+
+def sentence(fault: str, **words: object) -> str:
+    """Return the sentence of a fault with its words filled in."""
+    return SENTENCES[fault].format_map(words)
