@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.pictures.figures import settle
 from chain_impact.pictures.style import BLUE, GREY, INK, LEAST_TICKS, VERMILLION, headline, is_narrow, styled
 
 # [inch] the width of the figure, the space above and below the bars, and the height for one bar
 WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
-# NUMBER: [inch] the space for a number beside a bar. PART: the width of the axes, relative to the figure.
-NUMBER, PART = 0.7, 0.45
+NUMBER = 0.55  # [inch] the space for a number beside a bar
+LEAST_BARS = 0.25  # the least width of all bars, relative to the axes
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 
 
@@ -59,15 +61,20 @@ def fill_bars(
             va="center",
             fontsize="small",
         )
-    axes.set_yticks(rows, names)
+    axes.set_yticks(rows, names, fontsize="small" if is_narrow(figure) else None)
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.axvline(0.0, color=INK, linewidth=0.6)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     axes.set_xlabel(label)
-    low, high = min([0.0, *values]), max([0.0, *values])
-    room = (high - low or 1.0) * NUMBER / (PART * figure.get_figwidth())
-    axes.set_xlim(low - (room if low < 0.0 else 0.0), high + (room if high > 0.0 else 0.0))
     axes.xaxis.set_major_locator(MaxNLocator(4 if is_narrow(figure) else 6, min_n_ticks=LEAST_TICKS))
+    low, high = min([0.0, *values]), max([0.0, *values])
+    sides = np.array([low < 0.0, high > 0.0])
+    settle(figure)
+    # the numbers at both sides and the bars fill the width of the axes
+    width = axes.get_window_extent().width / figure.dpi
+    bars = max(width - NUMBER * sides.sum(), LEAST_BARS * width)
+    room = (high - low or 1.0) * NUMBER / bars
+    axes.set_xlim(low - room * sides[0], high + room * sides[1])
     if not names:
         axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=GREY)

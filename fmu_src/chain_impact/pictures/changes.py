@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
+from chain_impact.pictures.figures import settle
 from chain_impact.pictures.message import conditions
 from chain_impact.pictures.over_time import DOT, impact_lines, mark_impacts
 from chain_impact.pictures.style import (
@@ -71,6 +72,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     figure.supxlabel(
         "\n".join(sensitivities.limits), x=0.01, ha="left", fontsize="small", color=INK, wrap=True
     )
+    settle(figure)
 
 
 def calm(recording: Recording) -> np.ndarray:

@@ -91,6 +91,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
+    more.append(f"±: standard error; bars and band: ± {USUAL:g} σ")
     headline(figure, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
 
 

@@ -6,6 +6,7 @@ import { lastBefore } from "../recording/recording.js";
 import { axisOptions, Chart, drawCurve, FEWEST_TICKS, labelledWidth, MOMENT, styleColour } from "./chart.js";
 
 const AROUND = 0.35; // shown time before and after a contact, relative to the duration of the contact
+const MARGIN = 1.08; // largest shown force, relative to the largest force of the curves
 const NO_FORCE = 1e-9; // [N] force below which a contact counts as having no force
 
 /** Return the largest of the numbers in some arrays, but at least a tiny number above zero. */
@@ -55,7 +56,7 @@ export class ForceChart extends Chart {
           { stroke: () => styleColour("force"), width: 2, fill: () => styleColour("force-fill"), points: { show: false } },
           { stroke: () => styleColour("friction"), width: 1.6, points: { show: false } },
         ],
-        scales: { x: { time: false }, y: { range: (_, least, most) => [1.08 * Math.min(least, 0), 1.08 * Math.max(most, 1e-9)] } },
+        scales: { x: { time: false }, y: { range: (_, least, most) => [MARGIN * Math.min(least, 0), MARGIN * Math.max(most, 1e-9)] } },
         hooks: {
           draw: [(plot) => {
             if (this.loop) drawCurve(plot, this.loop, "force", "force-fill");
@@ -134,7 +135,8 @@ export class ForceChart extends Chart {
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
       const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ points: [, y] }) => y));
-      this.plot.setScale("y", { min: Math.min(0, ...friction), max: high > NO_FORCE ? high : 1 });
+      // the range of the scale does not hold for limits that are set
+      this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";

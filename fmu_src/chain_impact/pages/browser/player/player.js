@@ -33,6 +33,9 @@ export class Player {
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("contact-name"), find("force-loop"))],
     ];
+    this.panels.forEach(([, panel]) => {
+      panel.hidden = true; // until there is a recording
+    });
     this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
     this.showControls = connect(this.clock, this.drawing);
     this.clock.onChange(() => this.drawSoon());
