@@ -48,7 +48,7 @@ REACHABLE = """(name) => {
 def reachable(page, grip):
     """Return where a grip is on the screen, once the page is still and nothing covers the grip."""
     settle(page)
-    return np.array(page.wait_for_function(REACHABLE, arg=grip).json_value())
+    return np.array(page.wait_for_function(REACHABLE, arg=grip).json_value(), float)
 
 
 def drag(page, grip, by, origin=None):

@@ -91,7 +91,8 @@ def fill(figure: Figure, fit: Estimates) -> None:
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
-    more.append(f"±: standard error; bars and band: ± {USUAL:g} σ")
+    marks = "bars and bands" if any(name in QUANTITIES for name in names) else "bands"
+    more.append(f"±: standard error; {marks}: ± {USUAL:g} σ")
     headline(figure, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
 
 

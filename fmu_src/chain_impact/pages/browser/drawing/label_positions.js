@@ -66,11 +66,11 @@ export class LabelSpace {
 
 /**
  * Return candidates around a position at a distance, first in a direction, then in directions farther from it, and then at
- * twice the distance.
+ * twice and three times the distance.
  */
 export function positionsAround([x, y], [dx, dy], distance) {
   const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);
-  return [1, 2].flatMap((times) => turns.map((turn) => {
+  return [1, 2, 3].flatMap((times) => turns.map((turn) => {
     const [c, s] = [Math.cos(turn), Math.sin(turn)];
     const [wx, wy] = [c * dx - s * dy, s * dx + c * dy];
     return { at: [x + times * distance * wx, y + times * distance * wy], anchor: anchorOf(wx) };
