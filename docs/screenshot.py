@@ -15,7 +15,7 @@ from chain_impact.studies.animate import record_slowly
 IMAGES = Path(__file__).parent / "images"
 SIZE = {"width": 1280, "height": 760}
 WIDER = {"width": 1366, "height": 760}  # size of the page that shows the parameters beside the scene [pixels]
-KEYS = ["Shift+ArrowRight"] * 5 + ["ArrowRight"] * 9  # keys that lead to the middle of the fifth impact
+KEYS = ["Shift+ArrowRight"] * 5  # keys that lead to the largest force of the fifth impact
 CHANGES = "#contact.restitution=0.5"
 
 
