@@ -103,15 +103,21 @@ def rotor_energy(d, y):
     return energy
 
 
+@inlined
 def state_rate(d, y, rate):
     """Set rate = f(y), with the active contacts and the present inputs."""
     # in free flight no force acts at a point, so the positions of points and walls are not needed
     if d.touch.active_count > 0 or d.model.driven or d.friction.count > 0:
-        locate_points(d, y)
-        located_rate(d, y, rate)
+        rate_of_points(d, y, rate)
     else:
         link_vectors(d, y)
         loaded_rate(d, y, 0.0, rate)
+
+
+def rate_of_points(d, y, rate):
+    """Set rate = f(y), and locate the points."""
+    locate_points(d, y)
+    located_rate(d, y, rate)
 
 
 @inlined

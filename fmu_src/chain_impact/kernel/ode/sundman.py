@@ -20,6 +20,7 @@ import math
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.ode.control import EXPLICIT
 from chain_impact.kernel.ode.dense import time_rate
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
@@ -34,6 +35,7 @@ BACK = -0.5
 RESTING = 0.1
 
 
+@inlined
 def regularized_rate(d, y, rate):
     """Set rate = dy/ds, the rate in the integration variable s of the step."""
     state_rate(d, y, rate)
