@@ -13,12 +13,11 @@ from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.simulation.instance import Instance
 from tests.helpers.models.reference import balance, momenta
 from tests.helpers.models.textbook import Textbook
+from tests.helpers.scenes.joint_drives import INERTIA, ROD
 from tests.helpers.scenes.problems import build, stiff_joint
 from tests.helpers.scenes.stops import arm, knee, together
 
 FLIGHT = 0.25  # s, in the scene of stiff joints, before its first impact
-ROD = {"length": 0.8, "mass": 1.5}
-INERTIA = 1.5 * 0.8**2 / 3  # kg·m² about the pin
 RTOL = {"DOP853": 1e-12, "Radau": 1e-10}
 RIGID = {("contact", "model"): "newton_impact"}
 
