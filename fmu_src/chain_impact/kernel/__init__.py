@@ -1,1 +1,1 @@
-"""The compiled kernel, which imports only math, numpy and itself."""
+"""The compiled kernel, which imports only the standard library, NumPy and itself."""

@@ -1,9 +1,9 @@
-"""Advance an instance in time: phases, step control, and the run-ahead to the communication point.
+"""Advance an instance in time: its steps and events, ahead of the communication point.
 
 The solver takes its own steps and runs ahead of the communication point. Outputs come from the dense output
 of a step, so the result does not depend on the communication step. An event at the end of a step (a contact
-begins or ends, a peak is passed) takes effect at the start of the next step. The next step starts only when
-the communication point has passed the event. ``d`` is the record of the instance (record/instance.py).
+begins or ends, a mode changes) takes effect at the start of the next step. The next step starts only when the
+communication point has passed the event. ``d`` is the record of the instance (record/instance.py).
 """
 
 from chain_impact.kernel import hooks
@@ -114,7 +114,7 @@ def advance(d, time, log_capacity, work):
 
 
 def log_is_full(d, capacity):
-    """Return whether ``capacity`` ended contacts are not collected yet, or the log of modes is full."""
+    """Return whether ``capacity`` ended contacts are not collected, or a step could overfill `changes`."""
     if d.finished.count - d.finished.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
@@ -194,7 +194,7 @@ def advance_one_step(d):
 
 
 def set_output_time(d, time):
-    """Set the communication point to a ``time`` [s] in the last step."""
+    """Set the communication point to ``time`` [s] in the last step; the work of a call counts from there."""
     set_own_output_time(d, time)
     begin_call(d)
 
@@ -331,7 +331,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ.
 
-    Returns the fraction of the repeated step at which contacts begin, or −1 if none begins before its end.
+    Returns the fraction of the repeated step at which contacts begin, or −1 for its end (``onset_fraction``).
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
@@ -346,7 +346,7 @@ def land(d, theta):
 
 
 def begin_step(d):
-    """Apply the events at the end of the last step; return the number of events."""
+    """Apply events and inputs at the end of the last step, set up the next; return the number of events."""
     events, kinked = apply_pending_events(d)
     if d.given.changed:
         apply_next_piece(d)

@@ -59,7 +59,7 @@ from chain_impact.kernel.status import (
 
 
 def initialize(d, time):
-    """Set the state at ``time`` [s] from the parameters and initial values, and return a status."""
+    """Start a run at ``time`` [s]: derive constants, check parameters, set the state; return a status."""
     derive_chain(d)
     clear_run(d, time)
     if d.signals > 0:
@@ -211,7 +211,7 @@ def derive_sites(d):
 
 
 def derive_resistance(d):
-    """Derive from the values in use whether joints have dampers or springs, and a bound on their rates.
+    """Derive from the values in use which springs and dampers there are, and a bound on their rates.
 
     The function assumes that no drive is at its limit.
     """
@@ -323,7 +323,11 @@ def first_size(d):
 
 
 def check_start(d):
-    """Refuse a start that is not finite or has a point beyond a wall, and return a status."""
+    """Return a fault status if a run cannot start in this state, else OK.
+
+    The state or its energy is not finite, a point is beyond a wall, a joint or slider beyond a stop, the base
+    beyond a wall, or no forces are found.
+    """
     locate_points(d, d.step.state)
     for j in range(len(d.work.y)):
         if not math.isfinite(d.step.state[j] + d.work.rate_start[j]):

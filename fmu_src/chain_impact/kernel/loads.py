@@ -15,8 +15,8 @@ are found in the dense output of each step. A peak does not include impulses of 
 during a contact comes from the steps in which the contact is active, because a contact begins and ends at
 ends of steps.
 
-The record has a row for each joint, beginning with joint 0 at the base, and then a row for each wall. The
-record of a scene that does not request loads has no such rows.
+The record has a row for each joint, beginning with row 0 for the joint at the base, and then a row for each
+wall. The record of a scene that does not request loads has no such rows.
 """
 
 import math
@@ -187,7 +187,7 @@ def fill_load_impulses(d):
 def fill_load_peaks(d):
     """Fill the outputs of the largest forces so far; afterwards the points are located at another time.
 
-    Most steps raise no peak; the rows of such a step need no search.
+    The whole step is searched only once; if it raises no peak, outputs within it need no further search.
     """
     out, transmitted, rises = d.output.load, d.transmitted, False
     if transmitted.seen_breaks != d.step.breaks or transmitted.seen_end != d.step.end:
@@ -267,7 +267,7 @@ def rises_between(left, top, right, highest):
 
 
 def load_joints_at(d, theta):
-    """Compute the forces in the joints at the fraction θ of the last step."""
+    """Set ``transmitted.x`` and ``.y`` to the forces in the joints at the fraction θ of the last step."""
     y, rate = d.work.y, d.work.rate
     interpolate(d.step, theta, y)
     locate_points(d, y)

@@ -27,7 +27,8 @@ WALL_JUMPS = 19
 BASE_BEYOND_WALL = 20
 NO_ROOM = 21
 SIGNAL_JUMPS = 22
-LOG_FULL = -1  # no fault: the caller must collect the finished contacts, and may then continue
+# no fault: the caller must collect finished contacts and changes of friction, and may then continue
+LOG_FULL = -1
 PAUSED = -2  # no fault: the call has returned so that the caller can stop or continue
 ONSET_DUE = -3  # no fault: contacts begin at the time that was reached, and are not applied yet
 

@@ -1,1 +1,1 @@
-"""The chain without contacts: the O(N) recursion, the kinematics, and the sines and cosines that both use."""
+"""The chain without contacts: O(N) recursions, kinematics, joints, slider, sites, motions and signals."""

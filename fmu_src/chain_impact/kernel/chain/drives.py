@@ -25,7 +25,7 @@ def wanted_drive(motor, damping, rate, stiffness, stretch):
 
 
 def limited_drive(wanted, limit, mode):
-    """Return the force F of a drive, from the force without a limit.
+    """Return the force F of a drive: the force ``wanted`` in mode 0, ± the limit in mode ±1.
 
     The mode stays the same until an event ends the step. So a force in mode 0 may exceed the limit within a
     step, and F is smooth in every step.
@@ -34,7 +34,7 @@ def limited_drive(wanted, limit, mode):
 
 
 def drive_mode(wanted, limit):
-    """Return the mode of a drive, from the force without a limit."""
+    """Return the mode of a drive, from the force without a limit; with the limit 0 the mode is never 0."""
     if abs(wanted) > limit or limit == 0.0:
         return 1 if wanted > 0.0 else -1
     return 0

@@ -74,11 +74,11 @@ SAME_POINT = 1e-8
 def loose_links(chain, free_base):
     """Return the first and last link of a sequence that can move without kinetic energy in some position.
 
-    Returns −1, −1 if no such sequence exists.
+    The links are counted from 0. Returns −1, −1 if no such sequence exists.
 
     Args:
         chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and
-            ``inertia`` [kg·m²] of each link, and ``pinned``.
+            ``inertia`` [kg·m²] of each link, and ``has_base_joint``.
         free_base: whether link 1 hangs in a joint at a base that can slide and has no mass.
     """
     begin, count = -1, len(chain.length)

@@ -57,7 +57,7 @@ def joint_resistance(d, i, time):
 
 @has_dual_rule
 def resists(constant):
-    """Return whether a damping or stiffness of a joint is not zero, so that its terms are needed."""
+    """Return whether a damping, a stiffness or an armature is not zero, so that its terms are needed."""
     return constant != 0.0
 
 
@@ -68,17 +68,20 @@ def stretch(d, y, i):
 
 
 def is_drive(d, i):
-    """Return whether joint i has a drive, so that the work of spring, damper and motor is supplied energy."""
+    """Return whether joint i has a drive, which is a servo or has a limit of its torque.
+
+    The work of its spring, damper and motor then counts as supplied energy.
+    """
     return d.model.followed != 0 or d.model.joint_torque_limit[i] < math.inf
 
 
 def elastic_stiffness(d, i):
-    """Return the stiffness k_i [N·m/rad] of a spring that stores energy; 0 in a drive."""
+    """Return the stiffness k_i [N·m/rad] of the spring in joint i if it stores energy; 0 in a drive."""
     return 0.0 if is_drive(d, i) else spring_stiffness(d, i)
 
 
 def spring_energy(d, y):
-    """Return the energy [J] stored in the springs of all joints."""
+    """Return the energy [J] stored in the springs of all joints that have no drive."""
     energy = 0.0
     for i in range(d.links):
         angle = stretch(d, y, i)
@@ -87,7 +90,7 @@ def spring_energy(d, y):
 
 
 def wanted_torque(d, y, i):
-    """Return the torque [N·m] of motor, damper and spring of a drive before it is limited.
+    """Return the torque [N·m] of motor, damper and spring in joint i before it is limited; 0 at a free base.
 
     It is u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i, with the target ω_t of the relative angular velocity.
     """
@@ -102,14 +105,14 @@ def wanted_torque(d, y, i):
 
 
 def joint_torque(d, y, i):
-    """Return the torque [N·m] of motor, damper and spring in joint i; in a mode of ±1 it is the limit."""
+    """Return the torque [N·m] of motor, damper and spring in joint i; in a mode of ±1 it is ± the limit."""
     return limited_drive(wanted_torque(d, y, i), d.model.joint_torque_limit[i], d.drive.mode[i])
 
 
 def mode_margin(d, y):
-    """Return the least result of ``mode_excess`` [N·m] of all drives: negative where a mode has ended.
+    """Return the least result of ``mode_excess`` [N·m] of all drives with a limit > 0.
 
-    Returns ∞ if no drive has a limit.
+    It is negative where a mode has ended, and ∞ if there is no such drive.
     """
     least = math.inf
     for i in range(d.links):
@@ -129,7 +132,10 @@ def mode_margin(d, y):
 
 
 def joint_bound(d):
-    """Return an upper bound [1/s] on the rates of all motions that joints' dampers and springs cause."""
+    """Return an upper bound [1/s] on the rates of all motions that springs and dampers cause.
+
+    The springs and dampers are those of the joints and of a slider.
+    """
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
         c, k = joint_damping(d, i), spring_stiffness(d, i)
@@ -154,7 +160,8 @@ def over(resistance, inertia):
 def joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
-    The docstring of this module defines ρ_i and ω_i. The function stores the link vectors in ``work.link``.
+    The docstring of this module defines ρ_i and ω_i; those of a slider count, too. The function stores the
+    link vectors in ``work.link``.
     """
     link_vectors(d, y)
     work, fastest = d.work, 0.0

@@ -167,7 +167,7 @@ def note_points_elsewhere(d):
 
 
 def move_points(d, links, change, response):
-    """Set the motions of all places that a change of the coordinates causes.
+    """Set ``response`` to the motions of all places that a change of the coordinates causes.
 
     The motion Δp of a joint follows from the joint before and the turn Δθ of the link vector L between them:
     Δp_{i+1} = Δp_i + Δθ_i L⊥.

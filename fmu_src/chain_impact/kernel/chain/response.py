@@ -43,8 +43,8 @@ from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.functions import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Rows of the factors. FREE: the mass matrix alone. HELD: also impedances of constraints. SHIFTED: a real
-shift."""
+"""Rows of the factors. FREE: the mass matrix without constraints. HELD: with the impedances of constraints.
+SHIFTED: the matrix of an implicit step, for its real shift."""
 ROWS = 3
 
 

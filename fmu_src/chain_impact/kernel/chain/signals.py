@@ -126,7 +126,7 @@ def fastest(d, j):
 
 
 def rate_of_signals(d):
-    """Return the largest rate [1/s] at which sines change in the last step."""
+    """Return the largest angular frequency [rad/s] of all sines in the last step; 0 if there are none."""
     most = 0.0
     for j in range(d.signals):
         if is_sine(d, j):
@@ -135,7 +135,7 @@ def rate_of_signals(d):
 
 
 def rate_of_drives(d):
-    """Return the largest rate [1/s] at which sines that act in drives with limits change in the last step."""
+    """Return the result of ``rate_of_signals`` for the sines that act in drives with limits."""
     most = 0.0
     for j in range(d.signals):
         if is_sine(d, j) and acts_in_limited_drive(d, j):
@@ -183,7 +183,7 @@ def segment_end(d, j):
 
 
 def next_segment(d, j):
-    """Begin the next segment of signal j."""
+    """Begin the next segment of signal j; after the last one, the table of the signal repeats."""
     signal = d.signal
     if signal.segment[j] < signal.last[j]:
         signal.segment[j] += 1

@@ -91,10 +91,11 @@ def integral(d, i, m, s, rise):
 
 
 def by_fraction(m, rates, s, rise):
-    """Return real and imaginary part of a signal's integral of order m, from continued fractions.
+    """Return real and imaginary part of Σ_k c_k K_{m+k}/(iω)^{m+k}, from continued fractions.
 
-    The integral is Σ_k c_k K_{m+k}/(iω)^{m+k}. ``rates`` are ω, the angular frequency, and g, the rate at
-    which ω changes. The docstring of this module defines the functions K and the coefficients c.
+    The imaginary part of this sum times e^{iΦ} is the m-fold integral of a sine. ``rates`` are ω, the angular
+    frequency, and g, the rate at which ω changes. The docstring of this module defines the functions K and
+    the coefficients c.
     """
     omega, g = rates
     y = g / (omega * omega)
@@ -135,7 +136,10 @@ def by_recurrence(m, first, rates, s, rise):
 
 
 def part(m, k, s, rise):
-    """Return the coefficient c_k of the m-fold integral, a time s [s] after the start of a rise."""
+    """Return the coefficient c_k of the m-fold integral, a time s [s] after the start of a rise.
+
+    Without a rise, ``rise`` = 0, only c_0 is used, which is 1.
+    """
     if not rise > 0.0:
         return 1.0 + 0.0 * s
     x = s / rise

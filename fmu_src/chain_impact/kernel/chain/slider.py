@@ -26,13 +26,13 @@ def slider_position(d, y):
 
 
 def slider_velocity(d, y):
-    """Return the velocity ṡ [m/s] in a state y; for the rate of a state, the acceleration s̈ [m/s²]."""
+    """Return ṡ [m/s] if y is a state, or s̈ [m/s²], the acceleration, if y is the rate of a state."""
     n = d.links
     return slide_along(d, y[velocity_at(n)], y[velocity_at(n) + 1])
 
 
 def is_slider_drive(d):
-    """Return whether the slider has a drive.
+    """Return whether the slider has a drive, which is a servo or has a limit of its force.
 
     The work of its spring, damper and motor then counts as supplied energy.
     """
@@ -71,12 +71,15 @@ def wanted_force(d, y):
 
 
 def slider_force(d, y):
-    """Return the force F [N] of motor, spring and damper; in a mode of ±1 it is the limit."""
+    """Return the force F [N] of motor, spring and damper; in a mode of ±1 it is ± the limit."""
     return limited_drive(wanted_force(d, y), d.slider.force_limit, d.slider.mode)
 
 
 def slider_power(d, y):
-    """Return the power [W] that the damper dissipates, and the power [W] that motor or servo supply."""
+    """Return two powers [W]: the one that the damper dissipates, and the one that the motor supplies.
+
+    A drive supplies the whole power of motor, spring and damper, and dissipates none.
+    """
     rate = slider_velocity(d, y)
     if is_slider_drive(d):
         return 0.0, slider_force(d, y) * rate
@@ -84,7 +87,7 @@ def slider_power(d, y):
 
 
 def slider_spring_energy(d, y):
-    """Return the energy [J] of the slider's spring; 0 if the spring belongs to a servo."""
+    """Return the energy [J] of the slider's spring; 0 if the slider has a drive."""
     stretch = slider_stretch(d, y)
     return 0.0 if is_slider_drive(d) else 0.5 * d.slider.stiffness * stretch * stretch
 

@@ -268,7 +268,7 @@ def log_with_peaks(d, c, row, end, separation_speed):
 
 
 def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, impulse):
-    """Write the contact of candidate c to a row of the log. The row of a stop has moments and angles.
+    """Write the contact of candidate c to a row of the log; a joint's stop gets moments and angles there.
 
     Args:
         d: the instance.

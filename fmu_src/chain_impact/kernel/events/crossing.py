@@ -178,7 +178,7 @@ def nearly_linear(d, c, part):
 
 
 def locate(d, a, b):
-    """Find the earliest event in (a, b], and mark the candidates; no suspect may be SPLIT there."""
+    """Return θ of the earliest event in (a, b], and mark its candidates; no suspect may be SPLIT there."""
     first, located = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
@@ -236,10 +236,10 @@ def find_root(d, c, a, b):
 
 
 def bound_curvature(d):
-    """Bound the second derivative |g̈| of the clearance of every suspect over the last step.
+    """Set a bound on the second derivative of the clearance of every suspect over the last step.
 
-    The bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). This is far too large for a point
-    that rests on a stiff wall. But the implicit step integrates the clearance of such a point, and
+    In time, the bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). This is far too large for
+    a point that rests on a stiff wall. But the implicit step integrates the clearance of such a point, and
     ``curvatures`` finds a smaller bound from it.
     """
     n = d.links

@@ -51,7 +51,7 @@ def remember_clearances(d, extent):
 
 
 def excludes_events(d):
-    """Return whether the state and rate at the ends of the last step prove that the step has no event.
+    """Return whether the states and rates at the ends of the last step exclude events of all candidates.
 
     The test relies on an estimate of the interpolant's remainder, not on a bound. The step's method must
     provide the rate at the end; the points are located and accelerated at the end. If the result is false,
@@ -139,8 +139,8 @@ def way_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
     For a point this distance is the length of the stretched chain. The place of a joint with stops moves by
-    its relative angle, at most 2 rad, times the length of the longest link. This distance is larger if one
-    link is longer than all others together.
+    its relative angle, at most 2 rad, times the length of the longest link. The second distance is larger if
+    one link is longer than all others together.
     """
     if d.model.has_stops and d.links > 1:
         return max(d.model.reach, 2.0 * d.model.size)

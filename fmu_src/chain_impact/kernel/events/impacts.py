@@ -264,7 +264,7 @@ def bring_to_rest(d, gentle):
 def end_changed_contacts(d):
     """End the held contacts whose law has changed to a law with a force.
 
-    The contact continues with the new law.
+    A contact with the new law can then begin.
     """
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count, d.touch.active_count):

@@ -194,7 +194,7 @@ find_kink = search_for(own_side_at, has_crossed, mark_kinks, CONTACTS, resolutio
 def may_pull(d, _c):
     """Return whether a stage of the last step has shown that a rigid wall pulls.
 
-    The step is refused if a stage has passed a configuration with infinite forces.
+    If a stage has passed a configuration with infinite forces, the step is refused, and the result is false.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -295,7 +295,10 @@ def excess(d, e):
 
 
 def element_margin(d, e, theta):
-    """Return how far [m/s or N] element e is from the end of its mode, at the fraction θ of the last step."""
+    """Return how far [m/s or N] element e is from the end of its mode at the fraction θ, plus round-off.
+
+    θ is the fraction of the last step.
+    """
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
         return d.element.mode[e] * tangential_rate(d, e) + resolution_of(d, e)
@@ -351,7 +354,10 @@ def drive_margin(d, _c, theta):
 
 
 def may_pass_limit(d, c):
-    """Return whether to search all drives with limits: fast inputs act in one of these drives."""
+    """Return whether to search the drives with limits, in a step in which inputs turn by more than SWEPT.
+
+    It is true if a stage shows that a drive leaves its mode, or if fast inputs act in a drive with a limit.
+    """
     if d.signals > 0 and d.inputs.course.order == 0:
         turn = (d.step.end - d.step.start) * rate_of_drives(d)
         return is_past_limit(d, c) or (d.model.has_drive_limits != 0 and turn > SWEPT)

@@ -21,7 +21,7 @@ def clear_saturation(d):
 
 @has_dual_rule
 def choose_saturation(d):
-    """Choose the modes of all drives at the end of the last step, where a drive has left its mode."""
+    """Choose the modes of all drives at the end of the last step, from their forces without limits."""
     if not d.model.has_drive_limits:
         return
     ensure_inputs(d, d.step.state_end)

@@ -107,7 +107,10 @@ def find_event_without_crossing(d):
 
 
 def find_sampled_event(d, theta):
-    """Return θ of the crossing at ``theta`` (−1: none), or of an earlier event of another kind."""
+    """Return θ of the crossing at ``theta`` (−1: none), or of an earlier event of another kind.
+
+    The result is −1 if there is no event, or if the step is refused.
+    """
     if any_point_held(d):
         theta = find_release(d, theta)
         if not accepted(d):

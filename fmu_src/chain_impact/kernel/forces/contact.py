@@ -1,7 +1,7 @@
 """Contact of points with walls: onset, forces on the points, and the list of active contacts.
 
-A candidate is a pair of a point and a wall. The clearance g of a candidate is positive while point and wall
-are apart; the penetration is δ = −g, with the rate δ̇ > 0 during compression.
+A candidate is a pair of a point and a wall, or a stop. The clearance g of a candidate is positive while point
+and wall are apart; the penetration is δ = −g, with the rate δ̇ > 0 during compression.
 """
 
 from chain_impact.kernel.forces.contact_force import (
@@ -26,7 +26,10 @@ def clear_impacts(d, time):
 
 
 def contact_force(d, c, gap, gap_rate):
-    """Return the force [N] of an active candidate at a clearance [m] and a rate of the clearance [m/s]."""
+    """Return the force [N] of an active candidate that outputs and peaks show.
+
+    The arguments are its clearance [m] and the rate of the clearance [m/s].
+    """
     # At the onset the clearance may be positive by round-off. It then counts as 0, because a force that jumps
     # at the onset acts from the clearance 0 on.
     return force_on_side(d, c, max(0.0, -gap), -gap_rate)
@@ -51,7 +54,7 @@ def keep_force(d, c, force):
 
 
 def clear_loads(d):
-    """Set the loads on the points to the inputs' forces alone."""
+    """Set the loads on the points to the input force at the tip alone."""
     clear_loads_of(d, d.work.load)
     tip = d.links
     d.work.load.x[tip] = d.inputs.tip_force[0]
@@ -59,7 +62,10 @@ def clear_loads(d):
 
 
 def apply_contacts(d):
-    """Set the loads for the located points, and return the power [W] that the contacts dissipate."""
+    """Set the loads for the located points; return the power [W] that contacts and friction dissipate.
+
+    The friction of sticking elements is found later.
+    """
     clear_loads(d)
     dissipated = 0.0
     for k in range(d.touch.compliant_count):
@@ -126,14 +132,17 @@ def start_contact(d, c):
 
 
 def latch(d, c):
-    """Fix the values of candidate c's contact that depend on its law, impact speed and effective mass."""
+    """Fix the expected penetration and the damping of candidate c's contact.
+
+    They depend on the law, the impact speed and the effective mass.
+    """
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
         set_damping(d, c)
 
 
 def relatch(d, c, factor):
-    """Multiply the fixed impact speed v₀ of candidate c by a factor."""
+    """Multiply the fixed impact speed v₀ of candidate c by a factor, and set again what depends on it."""
     d.touch.impact_speed[c] *= factor
     latch(d, c)
     set_kink_side(d, c)
@@ -188,24 +197,27 @@ def cross_kink(d, c):
 
 
 def kink_height(d, c):
-    """Return the function of the located points whose sign changes at the kink of candidate c's force."""
+    """Return the result of ``height_over_kink`` of candidate c at the located points: < 0 beyond the kink."""
     gap, gap_rate = clearance(d, c)
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 
 
 def set_kink_side(d, c):
-    """Set the side of the kink on which candidate c is, for the located points."""
+    """Set on which side of the kink of its force candidate c is, for the located points."""
     d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
 def set_kink_sides(d):
-    """Set the sides of the kinks of all active contacts with a force law."""
+    """Set on which side of the kink of its force each active contact with a force law is."""
     for k in range(d.touch.compliant_count):
         set_kink_side(d, d.touch.active_index[k])
 
 
 def list_touching(d):
-    """List the active contacts in ``touch.active_index``; contacts with a force law come first."""
+    """List the active contacts in ``touch.active_index``; contacts with a force law come first.
+
+    Also count the stops among them, and list the elements with dry friction.
+    """
     touch = d.touch
     touch.active_count = 0
     touch.listings += 1

@@ -145,7 +145,7 @@ def continued_force(d, c, depth, rate):
 
 
 def force_on_side(d, c, depth, rate):
-    """Return the force of candidate c for motion and loads: continued from one side of the kink, no pull.
+    """Return the force [N] of candidate c that outputs and peaks show, which is never a pull.
 
     For a law that damps on approach only, ``touch.beyond_kink`` tells the side of the kink. The sign of δ̇
     would not do, because at rest δ̇ is 0 up to errors.
@@ -210,7 +210,7 @@ def user_contact_force(d, c, depth, rate):
 
 @has_dual_rule
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """Return the force of a user's law, before it is cut off at 0."""
+    """Return the force of a user's law, before it is cut off at 0; for a stop in a joint, the moment."""
     return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
 
 

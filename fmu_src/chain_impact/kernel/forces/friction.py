@@ -1,8 +1,8 @@
 """Coulomb's dry friction at walls and in joints; a sticking element does not creep.
 
-An element is either a candidate, at whose contact the wall also exerts a force along t = (n_y, −n_x), or a
-joint. Each element with friction has a mode, which changes at events only (events/friction_modes.py), so that
-the equations of motion are smooth within a step:
+An element is a candidate, at whose contact the wall also exerts a force along t = (n_y, −n_x), a joint, or
+the slider. Each element with friction has a mode, which changes at events only (events/friction_modes.py), so
+that the equations of motion are smooth within a step:
 
     sliding with the sign s    F_t = −s µ F_n
     sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n
@@ -37,12 +37,12 @@ NOT_HELD = 1e-13
 
 
 def may_rub(d, c):
-    """Return whether the contact of candidate c has dry friction."""
+    """Return whether a contact of candidate c has dry friction."""
     return d.law.static_friction[c] > 0.0
 
 
 def joint_of(d, e):
-    """Return the index of the joint of element e, which must belong to a joint.
+    """Return the index of the joint of element e, which must belong to a joint or to the slider.
 
     Index 0 is the joint of link 1, index N the slider.
     """
@@ -50,7 +50,7 @@ def joint_of(d, e):
 
 
 def set_friction_used(d):
-    """Record whether any contact or joint has dry friction, in a record with room for friction."""
+    """Record whether any wall, joint or slider has dry friction, in a record with room for friction."""
     rubs = max(d.contact.any_friction, d.model.has_joint_friction)
     if d.slides and d.slider.friction > 0.0:
         rubs = 1
@@ -79,7 +79,7 @@ def set_anchor(d, e):
 
 
 def list_friction(d):
-    """Pack the elements that have friction now, contacts first, and the sticking elements.
+    """Pack the elements with friction now (contacts, then joints, then the slider), and the sticking ones.
 
     A free base has no joint, so the element of the first joint has no friction.
     """
@@ -147,7 +147,7 @@ def friction_load(d, c):
 
 
 def apply_friction(d):
-    """Add sliding friction of joints, and of contacts with known normal forces, to the loads.
+    """Add sliding friction of contacts with a force law, joints and slider to the loads.
 
     The friction of a sticking element is the force of a constraint, which is found later.
 
@@ -158,7 +158,8 @@ def apply_friction(d):
     friction.power = 0.0
     for i in range(friction.count):
         e = d.element.index[i]
-        sliding = d.element.limit[e]  # for a joint the limits of static and of sliding friction are equal
+        # for a joint and the slider the limits of static and of sliding friction are equal
+        sliding = d.element.limit[e]
         if e < d.candidates:
             normal = friction_load(d, e)
             d.element.limit[e] = d.law.static_friction[e] * normal
@@ -227,6 +228,6 @@ def keep_anchors(d):
 
 
 def clear_margins(d):
-    """Forget how near the modes of the elements are to their ends."""
+    """Forget how far the modes of the elements were beyond their ends."""
     for i in range(d.friction.count):
         d.element.margin[d.element.index[i]] = 0.0

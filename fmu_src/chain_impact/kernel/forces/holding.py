@@ -44,8 +44,8 @@ from chain_impact.kernel.rows.geometry import (
     tangential_rate,
 )
 
-# The largest distance from a rigid wall that a projection may leave, relative to a link length. If a point
-# stays farther away, the walls leave no room for the chain.
+# The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
+# walls or base move and a point stays deeper, the walls leave no room for the chain.
 SQUEEZE = 1e-6
 # A point leaves a wall only if it rises at least to this height, relative to a link length. A lower height
 # could not be distinguished from round-off, and the next onset could not be located.
@@ -105,7 +105,7 @@ def add_change(d, y, first):
 def start_from_accelerations(d, y, rate):
     """Set ``start`` to the accelerations of all constraints for a rate ẏ.
 
-    Return the largest absolute value.
+    Return the largest acceleration of any place or moving wall.
     """
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
@@ -174,10 +174,11 @@ def project_state(d, y):
 
 
 def power_of_motion(d, y, rate):
-    """Return the power [W] of moving walls and a moving base, for a state y and its rate ẏ with all forces.
+    """Return the power [W] of moving walls, belts and base, for a state y and its rate ẏ with all forces.
 
     The power of a wall is its force times its speed. The force on the base follows from Newton's law for the
-    whole chain, with the accelerations in ẏ. The function sets the accelerations of the points.
+    whole chain, with the accelerations in ẏ. If the base moves, the function sets the accelerations of the
+    points.
     """
     power, fx, fy = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
@@ -206,7 +207,7 @@ def power_of_motion(d, y, rate):
 
 
 def work_of_impulses(d):
-    """Return the work [J] of moving walls and base in a jump of velocities by the impulses in ``d.rigid``."""
+    """Return the work [J] of moving walls, belts and base in a jump of velocities by ``rigid.impulse``."""
     rigid, work, px, py = d.rigid, 0.0, 0.0, 0.0
     for k in range(constraint_rows(d)):
         sticks = k >= d.touch.active_count

@@ -198,7 +198,10 @@ def inputs_continue(d):
 
 
 def limit_to_piece(d, h):
-    """Return a size ≤ h of the next step, in time, that ends with the piece or leaves no tiny rest of it."""
+    """Return a size ≤ h of the next step, in time, that ends with the piece or leaves no tiny rest of it.
+
+    A step in the fictitious time of a contact, or with constant inputs, keeps the size h.
+    """
     if d.inputs.course.order == 0 or d.step.regularized >= 0:
         return h
     return limit_to(d, d.inputs.course.until, h)

@@ -45,7 +45,7 @@ class ContactLaw:
     # impact.
     evidence: str
     accurate_from: float  # least restitution e from which on the realised restitution is within 5 % of e
-    accurate_to: float
+    accurate_to: float  # largest such e
     damping_factor: object  # f(e), a function of the kernel
     allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
     exponent: float | None = None  # the exponent n for which the law is defined; None for any
@@ -374,7 +374,7 @@ def wall_friction(sliding, static, own_sliding, own_static):
 
     ``sliding`` and ``static`` are common to all walls. If ``own_sliding`` or ``own_static`` is negative, the
     wall has no such coefficient of its own. A static coefficient of 0 means that it equals the sliding
-    coefficient; so does a wall with its own sliding coefficient and no static one.
+    coefficient. A wall that has only a sliding coefficient of its own has the static coefficient 0.
     """
     if own_sliding >= 0.0:
         sliding, static = own_sliding, 0.0

@@ -13,7 +13,10 @@ ARGUMENTS = (
     "exponent",
     "restitution",
 )
-"""The arguments that a law may have: δ ≥ 0 [m], δ̇ [m/s], v₀ [m/s], m_eff [kg], K [N/mⁿ], n, e."""
+"""The arguments that a law may have: δ ≥ 0 [m], δ̇ [m/s], v₀ [m/s], m_eff [kg], K [N/mⁿ], n, e.
+
+At a stop in a joint they belong to an angle: rad, rad/s, kg·m², N·m/radⁿ.
+"""
 
 
 def present():
@@ -22,7 +25,7 @@ def present():
 
 
 def force(_penetration, _rate, _impact_speed, _effective_mass, _stiffness, _exponent, _restitution):
-    """Return the force [N] of the user's law, before it is cut off at 0.
+    """Return the force [N] of the user's law, before it is cut off at 0; at a joint's stop the moment [N·m].
 
     ``ARGUMENTS`` lists the arguments.
     """

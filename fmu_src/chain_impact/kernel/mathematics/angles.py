@@ -57,7 +57,7 @@ DIGITS = _pieces()
 
 @has_dual_rule
 def direction(angle):
-    """Return the cosine and sine of any angle."""
+    """Return the cosine and sine of any angle; NaN if the angle is not finite."""
     if abs(angle) < LARGEST_ANGLE:
         return cosine_and_sine(angle)
     if not abs(angle) < math.inf:
@@ -78,7 +78,7 @@ def sine(angle):
 
 @inlined
 def cosine_and_sine(angle):
-    """Return the cosine and sine of an angle below LARGEST_ANGLE."""
+    """Return the cosine and sine of an angle between −LARGEST_ANGLE and LARGEST_ANGLE."""
     # the angle φ is k quarter turns and a remainder r: φ = k π/2 + r
     k = (angle * TWO_OVER_PI + ROUND) - ROUND
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2
@@ -101,7 +101,7 @@ def of_parts(turns, r):
 
 
 def far_reduction(angle):
-    """Return ``turns`` and r of ``of_parts`` for an angle that is LARGEST_ANGLE or larger.
+    """Return ``turns`` and r of ``of_parts`` for an angle whose size is LARGEST_ANGLE or larger.
 
     Bits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """

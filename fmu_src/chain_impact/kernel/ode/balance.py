@@ -93,7 +93,7 @@ ENERGY_ROUND_OFF = 1e-15
 
 
 def start_balance(d, time):
-    """Begin the first window of the energy balance at ``time`` [s]."""
+    """Begin the energy balance of a run at ``time`` [s]: its scales, first window and available energy."""
     model, balance = d.model, d.balance
     total, reach, square = 0.0, model.size, 0.0
     for i in range(d.links):

@@ -73,7 +73,7 @@ from chain_impact.kernel.status import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
 SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
-# how far beyond a step its polynomial is used with degree 5, 4 and 3, in lengths of the step
+# how far beyond a step its polynomial is used with degree 5, 4 and 3, in step lengths; farther, degree 1
 FORETOLD = (1.2, 2.0, 3.0)
 # The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution 0.7,
 # complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
@@ -292,7 +292,7 @@ def set_result(d, h):
 
 
 def estimate(d, h, size):
-    """Return the error of the step, relative to the tolerance."""
+    """Return the error of the step, relative to the tolerance; infinity if it is not finite."""
     implicit, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
         start, end = implicit.start_rate[j], implicit.rates[LAST, j]
@@ -328,7 +328,7 @@ def coefficient(stages, m, j):
 
 
 def keep_stages(d, faded):
-    """Set the dense output, and keep the stages for the next prediction; clear tiny numbers if ``faded``."""
+    """Set the dense output, and keep the stages for the next prediction; if ``faded``, set tiny ones to 0."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -343,7 +343,7 @@ def keep_stages(d, faded):
 
 
 def set_dense(values, j, stages, at, degree):
-    """Set the dense output of component j of the state, or of the quadratures; ``at`` is its index in z."""
+    """Set the dense output of component j, which is ``at`` in z; functions from ``degree`` on get 0."""
     values.dense[0, j] = values.state_end[j] - values.state[j]
     for m in range(1, len(values.dense)):
         values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
@@ -385,7 +385,7 @@ def interpolated(d, j, theta):
 
 
 def curvatures(d, h):
-    """Bound |g̈| [m/s²] of the integrated clearances g of active contacts over the last step."""
+    """Set a bound on |g̈| [m/s²] over the last step for the integrated clearance g of each active contact."""
     for k in range(compliant(d)):
         bound = 0.0
         for m in range(RADAU_STAGES):

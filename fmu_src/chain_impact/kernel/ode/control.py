@@ -37,10 +37,10 @@ SOLVER_METHODS = ("auto", "explicit", "implicit")
 """The choices of `solver.method`, counted from 1; with the first one the solver chooses."""
 AUTO = 1
 
-# Constants of the two methods, by the number of the method. The error of a step divided by its length is
-# proportional to h to the ORDER. SAFETY is a factor on the size of the next step that the last error
-# suggests. The first step of a contact has ONSET_SIZE times the contact's time scale, at a tolerance of 1;
-# the error of this step is proportional to its size to the ONSET_ORDER.
+# Constants of the two methods, by the number of the method. The error of a step is proportional to its size
+# to the ORDER. SAFETY is a factor on the size of the next step that the last error suggests. The first step
+# of a contact has ONSET_SIZE times the contact's time scale, at a tolerance of 1; the error of this step is
+# proportional to its size to the ONSET_ORDER.
 ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
@@ -51,7 +51,7 @@ PAST_END = 1.04
 
 
 def chosen(choice):
-    """Return the number of the method that `solver.method` prescribes, or −1 for `auto`."""
+    """Return the number of the method that ``choice``, a `solver.method`, prescribes, or −1 for `auto`."""
     return choice - AUTO - 1
 
 
@@ -271,7 +271,7 @@ def scaled_errors(d):
 
 
 def moment_error(d, row):
-    """Return the largest error of a joint's damper and spring moment.
+    """Return the largest error of a joint's damper and spring moment, by the error estimate number ``row``.
 
     It is relative to the moments that move the chain. The forces of rigid walls depend on the moments of
     joints, and the signs of these forces decide on releases.
@@ -300,7 +300,10 @@ def impact_energy(d):
 
 
 def set_gap_errors(d, row):
-    """Set the errors in the clearances of the active contacts that follow from an error estimate."""
+    """Set the errors in the clearances of the active contacts that follow from an error estimate.
+
+    ``row`` is the number of the estimate in ``work.error``.
+    """
     if d.touch.active_count > 0:
         move_points(d, d.work.link, d.work.error[row], d.work.motion)
     for k in range(d.touch.active_count):

@@ -72,7 +72,10 @@ def fraction(d, time):
 
 @has_dual_rule
 def event_fraction(_d):
-    """Return the fraction of the last step at which the event lies that begins it: 0, with derivatives."""
+    """Return 0, the fraction of the last step at which the event lies that begins the step.
+
+    In a tangent instance the fraction has derivatives.
+    """
     return 0.0
 
 
@@ -119,9 +122,9 @@ BASIS_BOUND, SLOPE_BOUND = _basis_bounds()
 
 
 def rate_bounds(step, j):
-    """Return bounds on the size |y_j| and the rate |ẏ_j| of component j of the state over the last step.
+    """Return bounds on the size |y_j| and the rate |dy_j/ds| of component j over the last step.
 
-    They follow from the coefficients of the interpolant.
+    They follow from the coefficients of the interpolant; s is the variable of the step.
     """
     value, slope = abs(step.state[j]), 0.0
     for m in range(DENSE_COEFFICIENTS):
@@ -141,7 +144,7 @@ def rate_bounds_along(step, j, nx, ny):
     return value, slope / step.size
 
 
-COURSE_SAMPLES = 16  # number of samples of the dense output of a step
+COURSE_SAMPLES = 16  # number of samples of an impulse in a step, see ``quadrature_within``
 # Each kind of quadrature: its name, the number of its entries, and a function for the rate of entry i, called
 # where the rate of the state has just been evaluated. The record has room for all kinds (record/contacts.py),
 # and the impulses of the walls come first.
@@ -311,7 +314,7 @@ def commit_quadratures(d):
 
 
 def reset_quadratures(d):
-    """Set the integrated quadratures to their totals and rates, after a step of zero length."""
+    """Pack the quadratures that are integrated, with their totals and rates, after a step of zero length."""
     quadrature = d.quadrature
     list_quadratures(d)
     for k in range(quadrature.count):

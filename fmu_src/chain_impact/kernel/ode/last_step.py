@@ -1,4 +1,4 @@
-"""The last accepted step, and the data that are known about it; only this module sets these data.
+"""The last accepted step, and the data that are known about it, which other modules set through this one.
 
 The data are the state at both ends, the dense output in between, the rate at the end, and the points at the
 end. Data that other modules derive from a step, such as clearances, are valid until a break in the sequence
@@ -73,7 +73,7 @@ def delay_start(d, delay):
 
 
 def accept(d):
-    """Make the tried step the last step."""
+    """Make the tried step the last step, after a projection of its end onto the constraints."""
     step, y = d.step, d.trial.state
     step.remainder = step.remainder_end
     if any_constraint(d):
@@ -131,7 +131,7 @@ def dissipate(d, energy):
 
 
 def evaluate_start(d):
-    """Evaluate the rate at the start of a step again."""
+    """Evaluate the rate at the start of the next step again."""
     state_rate(d, d.step.state_end, d.work.rate_start)
     keep_end_rates(d)
     count_evaluations(d, 1)
@@ -257,7 +257,7 @@ def find_rate(d, located):
 
 
 def ensure_points(d):
-    """Ensure that the points are located at the end of the last step, where the rate is known."""
+    """Ensure that the points are located and accelerated at the end of the last step, with known rate."""
     if not d.work.at_end:
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.work.rate_end)

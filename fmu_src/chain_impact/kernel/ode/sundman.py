@@ -104,6 +104,7 @@ def lone_contact(d):
     """Return the active contact and its u if it is the only one and not at rest; else NO_CONTACT and 1.
 
     Several contacts end at different times, and the fictitious time of one contact does not suit the others.
+    An implicit step always runs in time.
     """
     if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
         return NO_CONTACT, 1.0

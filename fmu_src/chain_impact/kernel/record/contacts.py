@@ -7,12 +7,13 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 
-# number of changes between sticking and sliding that the log can store until they are collected
+# number of changes between sticking and sliding, for each element, that the log can store until they are
+# collected
 CHANGES_OF_EACH = 4
 # number of finished contacts that the log can store until they are collected, in addition to one for each
 # candidate
 LOG_SIZE = 32
-LATEST = LOG_SIZE  # largest number of latest impacts in the list of these
+LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may request fewer
 
 
 def constraint_count(candidates: int, elements: int) -> int:
@@ -29,34 +30,40 @@ def constraint_count(candidates: int, elements: int) -> int:
 def touch_dtype(candidates: int) -> np.dtype:
     """Return the layout of each candidate's data.
 
-    Latched values are fixed at the onset, and stay until v₀ is latched again.
+    The impact speed, the effective mass and the values that depend on them are latched: they are fixed at the
+    onset, and stay until v₀ is latched again or the law changes. At a stop in a joint, lengths and speeds are
+    those of its place: angles times a lever arm (rows/geometry.py).
     """
     return record(
-        ("listings", INTEGER),  # counter that increases whenever the active contacts are packed
+        # counter that increases whenever the active contacts are packed: stages of earlier contacts are then
+        # not used
+        ("listings", INTEGER),
         ("active_count", INTEGER),
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),
-        ("stop_count", INTEGER),  # number of active stops
-        ("active_index", INTEGER, (candidates,)),  # the candidates with active contacts, packed
+        ("stop_count", INTEGER),  # number of active stops in joints
+        # indices of the candidates with active contacts, packed: in the first ``active_count`` entries
+        ("active_index", INTEGER, (candidates,)),
         ("active", INTEGER, (candidates,)),  # 1: in contact
         # the event of a candidate at `step.end` that is not applied yet, see kernel/events/marks.py
         ("event", INTEGER, (candidates,)),
         ("onset", REAL, (candidates,)),  # s, time of the onset
         # m/s, approach speed of the point along the normal at the onset
         ("onset_speed", REAL, (candidates,)),
-        ("impact_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the force law
+        # m/s, impact speed v₀ in the law, at least ``minimum_impact_speed``
+        ("impact_speed", REAL, (candidates,)),
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
-        ("depth_scale", REAL, (candidates,)),  # m, expected penetration
+        ("depth_scale", REAL, (candidates,)),  # m, expected penetration; the longest link for a rigid wall
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step, for the search for peaks
         ("speed", REAL, (candidates,)),
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, for the search for peaks
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of the rate
         ("beyond_kink", INTEGER, (candidates,)),  # 1: the force is continued from the side beyond its kink
-        # m/s, how far the rate of the penetration may be on the wrong side of the kink; 0 if the law damps in
-        # both directions
+        # m/s, how far the rate of the penetration may be on the wrong side of the kink before this counts as
+        # a crossing; 0 if the law damps in both directions
         ("kink_margin", REAL, (candidates,)),
-        # 1: a stage of the tried step was on the other side of the kink
+        # 1: a stage of the tried step, or its end, was on the other side of the kink
         ("kink_crossed", INTEGER, (candidates,)),
         ("number", INTEGER, (candidates,)),  # number of the onset among all onsets, counted from 1
         ("peak_force", REAL, (candidates,)),  # N, peak force so far
@@ -71,7 +78,10 @@ def touch_dtype(candidates: int) -> np.dtype:
 
 @written_by("events/saturation.py", event="events/marks.py", margin="equations.py")
 def drive_dtype(links: int) -> np.dtype:
-    """Return the layout of the data on the modes of drives with limits, see kernel/chain/joints.py."""
+    """Return the layout of the modes of drives with limits in joints; `slider` has the slider's mode.
+
+    kernel/chain/drives.py describes the modes.
+    """
     return record(
         ("mode", INTEGER, (links,)),  # ±1: the torque is ± the limit; 0: the torque is below the limit
         ("chosen", INTEGER, (links,)),  # in a tangent instance: the mode that the primal instance has chosen
@@ -86,21 +96,25 @@ def impact_dtype() -> np.dtype:
     """Return the layout of the counts of impacts and of the data of the latest onset."""
     return record(
         ("count", INTEGER),  # onsets since the start
-        ("last_time", REAL),  # s, time of the latest onset
-        ("last_point", INTEGER),  # number of the point of the latest onset, 0…N; −1 before the first impact
+        ("last_time", REAL),  # s, time of the latest onset; the start of the run before the first one
+        # point of the latest onset, as in `candidate.point`; −1 before the first impact
+        ("last_point", INTEGER),
         # 1 + index of the wall of the latest onset in the scene's wall_names; 0 before the first impact
         ("last_wall", INTEGER),
-        ("last_speed", REAL),  # m/s, impact speed of the latest onset
+        ("last_speed", REAL),  # m/s, impact speed of the latest onset; rad/s at a stop in a joint
     )
 
 
 @written_by("events/contact_log.py")
 def latest_dtype() -> np.dtype:
-    """Return the layout of the list of the latest impacts, newest first; it is valid with the outputs."""
+    """Return the layout of the list of the latest impacts, newest first, which is filled with the outputs.
+
+    If the wall is a stop in a joint, the values are angles and moments: rad/s, N·m, rad and N·m·s.
+    """
     return record(
         ("kept", INTEGER),  # number of latest impacts that the scene requests
         ("listed", INTEGER),  # number of ended contacts when the list was made; −1: a contact was active then
-        ("point", INTEGER, (LATEST,)),  # number of the point, 0…N; −1 for no impact
+        ("point", INTEGER, (LATEST,)),  # as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
         ("time", REAL, (LATEST,)),  # s
         ("speed", REAL, (LATEST,)),  # m/s
@@ -142,7 +156,8 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # kg, resistance of a contact with a force law to a projection; else 0
         ("resistance", REAL, (rows,)),
         ("sample", REAL, (2, candidates)),  # N, the two most recent samples of the force of the constraint
-        # N, the smallest force of a candidate in the stages of the step; not packed
+        # N, the smallest force of a held candidate in the stages of the step, or 0 if the force never pulls;
+        # not packed
         ("least_force", REAL, (candidates,)),
     )
 
@@ -153,9 +168,11 @@ def share_dtype(links: int, elements: int) -> np.dtype:
     # number of rows: not less than in `rigid`, as every candidate is an element; 0 without friction
     rows = 2 * elements
     return record(
-        ("change", REAL, (coordinate_count(links),)),  # change of the coordinates' rates, m/s² or rad/s²
+        # m/s² or rad/s², accelerations of the coordinates by the forces
+        ("change", REAL, (coordinate_count(links),)),
         ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them
-        ("at_limit", INTEGER, (elements,)),  # ±1: the sign of a sticking element's force at its limit, packed
+        # ±1: the sign of a sticking element's force at its limit; 0: the force is below it; packed
+        ("at_limit", INTEGER, (elements,)),
         ("impulse", REAL, (rows,)),  # N, the force p⁺ after an iteration
         ("center", REAL, (rows,)),  # N, the force p before an iteration
         ("residual", REAL, (rows,)),  # m/s², the missing part of the required motion with the forces p
@@ -173,15 +190,16 @@ def finished_dtype(candidates: int) -> np.dtype:
 
     A caller that collects the ended contacts sets ``collected`` to ``count``. The log always contains the
     latest LATEST impacts, because the entries after any of these are at most the other latest impacts and one
-    contact of each other candidate.
+    contact of each other candidate. The row of a stop in a joint has angles and moments: rad/s for speeds,
+    N·m for ``peak_force``, rad, kg·m² and N·m·s.
     """
     log = LOG_SIZE + candidates
     return record(
         ("count", INTEGER),  # number of contacts that have ended since the start
         # value of ``count`` when the caller most recently collected the ended contacts
         ("collected", INTEGER),
-        ("point", INTEGER, (log,)),
-        ("wall", INTEGER, (log,)),
+        ("point", INTEGER, (log,)),  # as in `candidate.point`
+        ("wall", INTEGER, (log,)),  # as in `candidate.wall`
         ("onset", REAL, (log,)),  # s, time of the onset
         ("end", REAL, (log,)),  # s, end of the contact; NaN while the contact lasts
         ("impact_speed", REAL, (log,)),  # m/s, approach speed at onset
@@ -200,7 +218,7 @@ def finished_dtype(candidates: int) -> np.dtype:
 def peaks_dtype() -> np.dtype:
     """Return the layout of the largest values in the whole run, over all contacts in the log."""
     return record(
-        ("force", REAL),  # N, largest force of a wall on a point
+        ("force", REAL),  # N, largest force of a wall on a point, or of a stop of the slider
         ("penetration", REAL),  # m, largest penetration
         ("moment", REAL),  # N·m, largest moment of a stop on a joint
         ("rotation", REAL),  # rad, largest rotation of a joint beyond its stop
@@ -234,13 +252,14 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
 
 @written_by("forces/friction.py")
 def friction_dtype() -> np.dtype:
-    """Return the layout of the counts of elements with dry friction; elements are candidates and joints."""
+    """Return the layout of the counts of elements with dry friction: candidates, joints and the slider."""
     return record(
-        ("used", INTEGER),  # 1: some contact or joint has dry friction
-        ("count", INTEGER),  # number of elements with friction now: active contacts first, then joints
+        ("used", INTEGER),  # 1: some wall, joint or slider has dry friction
+        # number of elements with friction now: active contacts, then joints, then the slider
+        ("count", INTEGER),
         ("contact_count", INTEGER),  # number of contacts among the elements with friction now
         ("stuck_count", INTEGER),  # number of sticking elements
-        ("stuck_joints", INTEGER),  # number of sticking joints among the sticking elements
+        ("stuck_joints", INTEGER),  # number of joints, and the slider, among the sticking elements
         ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation
     )
 
@@ -251,7 +270,7 @@ def friction_dtype() -> np.dtype:
     **dict.fromkeys(("before", "slack", "undecided"), "events/friction_modes.py"),
 )
 def element_dtype(elements: int) -> np.dtype:
-    """Return the layout of each element's data: first the candidates, then the joints 1…N."""
+    """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
     return record(
         ("index", INTEGER, (elements,)),  # indices of the elements with friction now, packed
         ("stuck", INTEGER, (elements,)),  # indices of the sticking elements, packed
@@ -260,15 +279,16 @@ def element_dtype(elements: int) -> np.dtype:
         ("event", INTEGER, (elements,)),
         ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
-        # 1: the forces determine the mode; 2: see kernel/tangent/friction.py
+        # 0: the motion determines the mode; 1: the forces do; 2: STOPPED of kernel/tangent/friction.py
         ("undecided", INTEGER, (elements,)),
         # m/s, how fast an element may move backward, because of errors, when its sliding begins
         ("slack", REAL, (elements,)),
         ("anchor", REAL, (elements,)),  # m, the coordinate along t at which an element sticks
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of the rate
-        # N, the largest static friction at the last evaluation; constant for a joint
+        # N, the largest static friction at the last evaluation; constant for a joint and the slider
         ("limit", REAL, (elements,)),
-        # how far the mode was from its end in the stages of the tried step: m/s for sliding, N for sticking
+        # how far the mode was beyond its end in a stage of the tried step, a number ≤ 0: m/s for sliding, N
+        # for sticking
         ("margin", REAL, (elements,)),
     )
 
@@ -283,7 +303,8 @@ def changes_dtype(elements: int) -> np.dtype:
     return record(
         ("count", INTEGER),
         ("time", REAL, (log,)),  # s, time of the change
-        ("point", INTEGER, (log,)),  # number of the point or joint
-        ("wall", INTEGER, (log,)),  # index of the wall in the scene's wall_names; −1: dry friction in a joint
+        ("point", INTEGER, (log,)),  # number of the point or joint; 0 for the slider
+        # index of the wall in the scene's wall_names; −1: dry friction in a joint or of the slider
+        ("wall", INTEGER, (log,)),
         ("mode", INTEGER, (log,)),  # mode from this time on, as in `element.mode`
     )

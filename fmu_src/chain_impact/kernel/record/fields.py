@@ -51,7 +51,10 @@ def record(*fields: tuple[object, ...]) -> np.dtype:
 
 
 def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
-    """Return the layout of a table of columns (name, type) with ``count`` rows, each contiguous in memory."""
+    """Return the layout of a table of columns (name, type) with ``count`` rows.
+
+    The numbers of a row are neighbours in memory.
+    """
     return np.dtype((record(*columns), (count,)))
 
 

@@ -54,7 +54,7 @@ def model_dtype(links: int) -> np.dtype:
         ("has_joint_places", INTEGER),  # 1: some joint has a stop or dry friction: all joints have places
         ("has_armatures", INTEGER),  # 1: some joint has an armature
         ("has_drive_limits", INTEGER),  # 1: the torque of a joint, or the force of the slider, has a limit
-        # 1/s, upper bound on the rates of the motions that dampers and springs of joints cause
+        # 1/s, upper bound on the rates of the motions that dampers and springs of joints and slider cause
         ("joint_bound", REAL),
         # distance of the centre of mass from the proximal joint, divided by the length
         ("center_of_mass_ratio", REAL, (links,)),
@@ -67,7 +67,8 @@ def model_dtype(links: int) -> np.dtype:
         ("gravity_size", REAL),  # m/s²
         ("reach", REAL),  # m, length of the stretched chain
         ("size", REAL),  # m, length of the longest link: the absolute scale of positions
-        # J, kinetic energy of the whole mass at one `size` per second: the absolute scale of energies
+        # J, twice the kinetic energy of the whole mass at one `size` per second, plus that of the armatures
+        # at 1 rad/s: the absolute scale of energies
         ("energy", REAL),
     )
 
@@ -95,9 +96,8 @@ def contact_dtype() -> np.dtype:
 def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints.
 
-    Given stiffness and restitution of stops are in `given`.
-
-    variables/filling.py sets the values that are not derived.
+    `given` has the stiffness and the restitution of these stops. variables/filling.py sets the values here
+    that are not derived.
     """
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: the law of the walls
@@ -139,9 +139,9 @@ def slider_dtype() -> np.dtype:
 def initial_dtype(links: int) -> np.dtype:
     """Return the layout of the initial values, which variables/filling.py sets."""
     return record(
-        ("position", REAL, (2,)),  # m
-        ("velocity", REAL, (2,)),  # m/s
-        ("angle", REAL, (links,)),  # rad
+        ("position", REAL, (2,)),  # m, of the base
+        ("velocity", REAL, (2,)),  # m/s, of the base
+        ("angle", REAL, (links,)),  # rad, absolute angle of a link
         ("angular_velocity", REAL, (links,)),  # rad/s
         ("slider_velocity", REAL),  # m/s, velocity along the line of a slider
     )
@@ -161,12 +161,12 @@ def solver_dtype() -> np.dtype:
 def course_dtype(links: int) -> np.dtype:
     """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
-        ("order", INTEGER),  # 0: the inputs are constant
+        ("order", INTEGER),  # degree of the polynomials; 0: the inputs are constant
         # row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x
         ("middle", REAL),  # s, the time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of change of the argument x
         ("until", REAL),  # s, the end of the piece
-        ("change_rate", REAL),  # 1/s, how fast the inputs change
+        ("change_rate", REAL),  # 1/s, how fast the inputs change: for a sine its angular frequency
         ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of polynomials
         ("joint_target_angle", REAL, (DEGREE + 1, links)),  # rad, coefficients of polynomials
         ("joint_target_velocity", REAL, (DEGREE + 1, links)),  # rad/s, coefficients of polynomials
@@ -182,10 +182,12 @@ def course_dtype(links: int) -> np.dtype:
 def given_dtype(links: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
 
-    The kernel applies the values at the next step, or when the communication point is set.
+    The kernel applies new values when the instance is advanced next, and a piece of the inputs that continues
+    the last piece at the start of a step.
     """
     return record(
-        # AT_ONCE: a value was set since the last step; CONTINUES: only the next piece of the inputs was set
+        # AT_ONCE: a value was set since the last step; CONTINUES: only the next piece of the inputs was set;
+        # 0: nothing was set
         ("changed", INTEGER),
         ("law", INTEGER),  # number of the contact law, from 1
         ("stiffness", REAL),  # N/m^exponent

@@ -1,11 +1,12 @@
 """The layout of an instance, one flat record that holds all data of a running simulation, and of its outputs.
 
 Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
-record without pointers, so the state of an FMU is a copy of its bytes. Every scalar takes eight bytes (a
-double or an integer), so it has an index counted in doubles from the start of the record. The FMU's code
-needs no other knowledge of the layout.
+record without pointers, so the state of an FMU is a copy of its bytes. Every number takes eight bytes (a
+double or an integer) or, if complex, sixteen, so it has an index counted in doubles from the start of the
+record. The FMU's code needs no other knowledge of the layout.
 
-Points are numbered 0…N: 0 is the base, N is the tip. The state vector y is in kernel/chain/state.py.
+Points are numbered 0…N: 0 is the base, N is the tip. Sites follow, from N + 1. The state vector y is in
+kernel/chain/state.py.
 
 Every size and offset is an affine function of the counts (counts.py): a constant and a multiple of each. The
 compiled kernel relies on this (compilation/record_type.py). An offset depends on the counts of the fields
@@ -72,7 +73,12 @@ def output_dtype(
     sites: int = 0,
     signals: int = 0,
 ) -> np.dtype:
-    """Return the layout of the outputs at the communication point."""
+    """Return the layout of the outputs at the communication point.
+
+    ``force``, ``penetration``, ``penetration_rate`` and ``impulse`` have an entry for each candidate. For
+    stops in joints, the entry of a joint's first stop holds the moment [N·m, > 0 at joint_min], the angle
+    [rad], its rate and the angular impulse of both stops; the entry of the second stop is 0.
+    """
     points = links + 1 + sites
     return record(
         ("point_position", REAL, (points, 2)),  # m, positions of the points 0…N and of the sites
@@ -96,13 +102,14 @@ def output_dtype(
         ("impulse", REAL, (candidates,)),  # N·s, impulse of the wall on the point since the start
         ("kinetic", REAL),  # J
         ("potential", REAL),  # J, energy of gravity, zero at the origin
-        ("elastic", REAL),  # J, energy stored in the contacts and in the springs of joints
-        ("dissipated", REAL),  # J, energy dissipated by contacts and joint damping since the start
-        ("supplied", REAL),  # J, energy supplied by the inputs since the start
+        ("elastic", REAL),  # J, energy stored in the contacts and in springs that belong to no drive
+        ("dissipated", REAL),  # J, energy dissipated by contacts, dampers and dry friction since the start
+        ("supplied", REAL),  # J, energy supplied by inputs, drives and given motions since the start
         ("total", REAL),  # J, sum of kinetic, potential and elastic energy
         ("friction", friction_output_dtype(elements)),
         ("load", load_output_dtype(loads)),
-        ("channel", REAL, (channels,)),  # m, positions of base and walls with prescribed motions
+        # m, position of each channel: base, walls and belts with prescribed motions
+        ("channel", REAL, (channels,)),
         # value, rate and second derivative of each input that a signal drives
         ("signal", REAL, (signals, 3)),
     )
@@ -122,7 +129,7 @@ def friction_output_dtype(elements: int) -> np.dtype:
         ("force", REAL, (elements,)),  # N, force of the wall on a candidate's point along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks
-        # N·m on the outer link of each joint, or N on a slider; by joint, so the last entries are not used
+        # N·m on the outer link of each joint, then N on the slider; the other entries are not used
         ("joint_moment", REAL, (elements,)),
         ("joint_sticking", REAL, (elements,)),  # 1: the joint sticks
         ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `dissipated`

@@ -39,9 +39,9 @@ def signal_dtype(signals: int) -> np.dtype:
         ("duration", REAL, (signals,)),  # s
         # ---- derived at initialization
         ("degree", INTEGER, (signals,)),  # largest degree of the polynomials
-        # number of times that the signal has been integrated, `order` in the end
+        # number of times that the kernel has integrated the signal: `order` in the end, but 0 for a table
         ("integrals", INTEGER, (signals,)),
-        # m, constant that is added to an integral: the base's position at the start
+        # m, constant that is added to an integral: the base's position at the start; else 0
         ("begin", REAL, (signals,)),
         ("segment", INTEGER, (signals,)),  # knot in use
         ("lap", INTEGER, (signals,)),  # number of times that the table has been repeated

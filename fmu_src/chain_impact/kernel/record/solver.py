@@ -106,7 +106,8 @@ def limits_dtype() -> np.dtype:
         ("event_count", INTEGER),
         ("work_start", REAL),  # s, start of the window of work
         ("work_count", INTEGER),  # all work before `work_start`, in evaluations
-        ("call_count", INTEGER),  # all work before the communication step, in evaluations
+        # all work before the communication step, in evaluations; UNLIMITED: the step may take any work
+        ("call_count", INTEGER),
         ("other_work", INTEGER),  # work other than evaluations: located points, responses to impulses
     )
 
@@ -125,8 +126,8 @@ def balance_dtype() -> np.dtype:
         ("least_allowed", REAL),  # J, the change that is allowed to every step
         ("since", REAL),  # s, the start of the run
         ("origin", REAL),  # J, energy balance at the start of the run, plus later changes by parameters
-        ("available_at_start", REAL),  # J, the available energy at the start of the last step
-        ("available", REAL),  # J, available energy at the end of the last step
+        ("available_at_start", REAL),  # J, the largest available energy up to the start of the last step
+        ("available", REAL),  # J, the largest available energy up to the end of the last step
         ("unit_motion", REAL),  # √J, square root of E₁, see kernel/ode/balance.py
         ("unit_scale", REAL),  # J, the constant part of the scale S of the energy
         ("weight", REAL),  # N, weight of the chain
@@ -134,7 +135,7 @@ def balance_dtype() -> np.dtype:
 
 
 def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
-    """Return the layout of the factors of M + Jᵀ D J + K, with several rows."""
+    """Return the layout of the factors of M + Jᵀ D J + K, with a row for each use (chain/response.py)."""
     return record(
         # h/(H + κ), 1/(H + κ), κ/(H + κ) and H/(H + κ) of each link, see kernel/chain/response.py
         *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "rest")),
@@ -181,18 +182,20 @@ def work_dtype(links: int, sites: int) -> np.dtype:
         ("rate", REAL, (state,)),  # ẏ of ``y``, for an evaluation outside of a step
         ("error", REAL, (2, state)),  # the two embedded error estimates
         ("link", vectors_dtype(points)),  # m, link vectors L_i; entry N is not used
-        ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint
+        ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint and on each link
         ("moment", REAL, (links,)),  # N·m, moment on each link from its joints
         ("thrust", REAL),  # N, force of motor, spring and damper on the carriage
         ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
         ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/response.py
         ("elimination", elimination_dtype(links)),  # results of the recursion for the accelerations
-        ("position", places),  # m, positions of all places: points, joints in a scene with stops, and sites
+        # m, positions of all places: points, joints in a scene with stops or dry friction in joints, and
+        # sites
+        ("position", places),
         ("velocity", places),  # m/s, velocities of all places
         ("acceleration", places),  # m/s², accelerations of all places
         # 1: the places are those at the end of the step, and remain valid after the step
         ("at_end", INTEGER),
-        # 1/kg, change of the coordinates' rates by a unit impulse
+        # change of the coordinates or of their rates, for example 1/kg by a unit impulse
         ("change", REAL, (coordinate_count(links),)),
         ("motion", places),  # motion of the places that belongs to a motion of the coordinates
         # m/s², bound on the links' contribution to the acceleration of each point
@@ -213,9 +216,12 @@ def search_dtype(candidates: int) -> np.dtype:
         # number of candidates that the search follows; the other candidates have no event in the step
         ("suspect_count", INTEGER),
         ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search follows, packed
-        # m/s², bound on |g̈| of each candidate's clearance g over the step
+        # m/s², bound over the step on the second derivative of each suspect's clearance in the step's
+        # variable
         ("curvature", REAL, (candidates,)),
-        ("clear_start", REAL, (candidates,)),  # m, clearance φ of each candidate at the start of the interval
+        # clearance φ [m] of each candidate at the start of the interval; in contact its penetration or u
+        # (events/exclusion.py)
+        ("clear_start", REAL, (candidates,)),
         ("clear_end", REAL, (candidates,)),
         # rate φ′ of each candidate's clearance at the start of the interval
         ("clear_start_rate", REAL, (candidates,)),
@@ -272,10 +278,12 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("contraction", REAL),  # last convergence rate θ of the iteration
         ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
-        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed
-        ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of the active contacts, packed
+        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts with a force law, packed
+        ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of these contacts, packed
         # m or m/s, clearances or their rates to which the coordinates are moved
         ("normal", REAL, (candidates,)),
-        ("shift", REAL),  # s, the real shift of the factors in `work`
+        # s, real shift s of the linear systems (1 − s A) x = r, for which `work.factors` holds the
+        # elimination
+        ("shift", REAL),
         ("pairs", pairs),
     )

@@ -42,7 +42,7 @@ HELD_STIFFNESS = 1e6
 
 
 def mean_mass(d):
-    """Return the mean mass of a link [kg]."""
+    """Return the mass [kg] of the chain, with carriage and armatures, divided by the number of links."""
     return d.model.energy / (d.model.size * d.model.size * d.links)
 
 

@@ -81,14 +81,18 @@ MAX_STALLED_PIVOTS = 3
 # The least impedance of a sticking element, relative to the impedance of the element with the largest limit.
 # With a smaller impedance, the residual falls too slowly.
 LEAST_SHARE = 1e-2
-# values of d.rigid.unsolved: the result of the search for constraint forces
+# values of d.rigid.unsolved, the result of the search for constraint forces. MOVING: a held point still
+# accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
 # the largest number of pivots, in addition to 4 for each candidate; far more than was ever observed
 ROUNDS = 30
 
 
 def set_impedance(d, amount):
-    """Set the impedance of each constraint: ``amount`` [kg] in the active set, else `rigid.resistance`."""
+    """Set the impedance of each constraint: ``amount`` [kg] in the active set, else `rigid.resistance`.
+
+    Sticking elements get a part of ``amount``, in proportion to their limits of friction.
+    """
     rigid = d.rigid
     for k in range(constraint_rows(d)):
         rigid.impedance[k] = amount if rigid.in_active_set[k] else rigid.resistance[k]
@@ -97,7 +101,10 @@ def set_impedance(d, amount):
 
 
 def share_impedance(d):
-    """Scale the impedances of sticking elements by their limits of friction relative to the largest limit."""
+    """Scale the impedances of sticking elements by their limits of friction relative to the largest limit.
+
+    No factor is less than LEAST_SHARE.
+    """
     friction, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])

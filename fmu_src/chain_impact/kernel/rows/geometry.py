@@ -1,8 +1,8 @@
-"""Geometry of contact: the only module that knows which points, walls and stops touch.
+"""Geometry of contact: at which places and in which directions points touch walls, and joints stops.
 
-A candidate is a pair of a point and a wall, or a stop in a joint. Every wall is a half-plane, with an inward
-normal n of length 1 and n·p = offset for the points p on it. The clearance of a point is positive while point
-and wall are apart:
+A candidate is a pair of a point and a wall, a stop in a joint, or an end of the slider's line. Every wall is
+a half-plane, with an inward normal n of length 1 and n·p = offset for the points p on it. The clearance of a
+point is positive while point and wall are apart:
 
     g = n·p − offset − radius,   ġ = n·ṗ − w,   g̈ = n·p̈ − ẇ,
 
@@ -13,8 +13,8 @@ The normals are computed once, at initialization, so that the code in loops has 
 
 A row is a place (chain/kinematics.py) and a direction (n_x, n_y) at this place: the normal of a contact or
 stop, the tangent along which dry friction acts, or a joint's own angle. J of a row maps the vectors of all
-places to the component of this place along this direction. Only this module knows the motion of walls: other
-modules receive g, ġ, g̈ and the tangential motion relative to the wall.
+places to the component of this place along this direction. The functions return g, ġ, g̈ and the tangential
+motion relative to a moving wall, so contacts need not know its motion.
 
 A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has its own place at x = s ψ_i, with the
 longest link s as a lever arm (chain/kinematics.py), and the stop is a wall for this place. So lengths,
@@ -120,7 +120,7 @@ def tangent(d, e):
 
 
 def constraint_rows(d):
-    """Return the number of active contacts and sticking elements."""
+    """Return the number of constraints: active contacts, then sticking elements."""
     return d.touch.active_count + d.friction.stuck_count
 
 
@@ -208,7 +208,10 @@ def to_joints(d, load):
 
 
 def join(d, impedance, time):
-    """Set the impedance of each joint: its armature, and its damper and spring over a time [s]."""
+    """Set the impedance of each joint: of its armature and place, and of damper and spring over a time [s].
+
+    The impedance of a slider's damper and spring is added at the base.
+    """
     if d.model.has_joint_places or d.model.has_springs_or_dampers or d.model.has_armatures:
         square = d.model.size * d.model.size
         for i in range(d.links):
@@ -236,7 +239,7 @@ def fastest_of_all(d):
 
 
 def farthest(d):
-    """Return the largest coordinate [m] of any place, at least a link length: the scale of round-off."""
+    """Return the largest coordinate [m] of any place, at least the longest link: the scale of round-off."""
     return max(d.model.size, largest(d, d.work.position))
 
 
@@ -250,7 +253,7 @@ def largest_acceleration(d):
 
 
 def speed_bound(d, vectors):
-    """Return a number that no vector of any place exceeds in length."""
+    """Return a number that no vector of any place exceeds in length, for velocities or accelerations."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
@@ -282,14 +285,14 @@ def link_of(d, c):
 
 
 def lever(d, c):
-    """Return the lever arm [m] by which a stop's clearance is divided to give an angle; 1 at a wall."""
+    """Return the lever arm [m] that divides the clearance of a joint's stop to give an angle; else 1."""
     return d.model.size if at_joint(d, c) else 1.0
 
 
 def faces_base(d, c):
     """Return whether candidate c is the first one of its wall, and the wall can meet the pinned base.
 
-    They can meet if one of the two moves.
+    Wall and base can meet if one of the two moves.
     """
     first = d.candidate.stop[c] == 0 and d.candidate.point[c] == d.candidate.point[0]
     return first and (d.model.base_moves or d.shift.channel[c] >= 0)

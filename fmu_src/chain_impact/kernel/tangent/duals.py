@@ -32,11 +32,13 @@ def dual_dtype(dtype):
 # the time up to which the derivatives can be trusted, see kernel/tangent/trust.py
 TRUST = np.dtype(
     [
-        ("reason", np.int64),  # 0: the derivatives are trusted up to now; else the reason why not
+        # 0: the derivatives are trusted up to now; else the reason why not, a number of trust.py
+        ("reason", np.int64),
         ("time", np.float64),  # s, the time after which the derivatives cannot be trusted
-        # number of the point or joint that has the impact or the dry friction that is the reason; −1: none
+        # number of the point or joint whose impact or dry friction is the reason; 0 for the slider; −1: none
         ("point", np.int64),
-        ("wall", np.int64),  # number of the wall that is the reason; −1: a joint
+        # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider
+        ("wall", np.int64),
         # sum of the changes that friction has left open, relative to the largest derivative (friction.py)
         ("share", np.float64),
         (

@@ -36,7 +36,10 @@ def for_all(act):
 
 
 def observe_tangent(d, t):
-    """Set the derivatives of the outputs; NaN after a fault, or if the derivatives cannot be trusted."""
+    """Set the derivatives of the outputs; NaN after a fault, or if the derivatives cannot be trusted.
+
+    The derivatives of the outputs of friction and loads are also NaN once friction has left a change open.
+    """
     set_own_output_time(t, d.step.time)
     fill_outputs(t)
     if not trusted(t) or d.statistics.status != OK:

@@ -77,9 +77,10 @@ def delay_of_change(t):
 
 
 def delay_of_rest(t, e):
-    """Return the delay −φ′/φ̇ [s] of the time at which the sliding of element e ends, with φ the speed t·v.
+    """Return the delay −φ′/φ̇ [s] of the end of sliding of element e, with φ the speed t·v.
 
-    The delay is 0 if the sliding ends slowly.
+    φ′ is the derivative of φ by a parameter. The delay is 0 if the acceleration φ̇ is so small that it may be
+    an error.
     """
     rate = value(tangential_acceleration(t, e))
     return carried(0.0, 0.0 if stops_slowly(t, e) else -reciprocal(rate), tangential_rate(t, e))
@@ -123,7 +124,8 @@ def delay_of_sliding(t, e):
 def negligible(t, speed):
     """Return whether the choice between stopping a ``speed`` [m/s] and keeping it is negligible.
 
-    The speed would last for the time in which a chain settles.
+    The speed would last for the time in which a chain settles. A negligible choice with an effect is added to
+    ``trust.share``.
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
@@ -155,7 +157,7 @@ def force_drops(t, e):
 
 
 def check_changes(t, time):
-    """Check that all changes of modes that end the last step are delayed by the same ``time`` [s].
+    """End the derivatives unless all mode changes at the end of the last step have the delay ``time`` [s].
 
     Args:
         t: the tangent instance, with the points located at the end of the last step.
@@ -186,7 +188,10 @@ def check_changes(t, time):
 
 
 def gives_way(t, e, time):
-    """Return whether the margin of element e, now zero, is still zero a ``time`` [s] later."""
+    """Return whether the margin of element e, now zero, is still zero a ``time`` [s] later.
+
+    All derivatives of the margin at that time must be small.
+    """
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
         scale = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
@@ -302,7 +307,7 @@ def contact_resistance(t):
 
 
 def check_coefficients(t):
-    """End the derivatives if the friction of an active contact or of a joint is 0 but has derivatives.
+    """End the derivatives if friction of an active contact, a joint or the slider is 0 with derivatives.
 
     Friction cannot be less than 0, so the motion has a derivative on one side only.
     """

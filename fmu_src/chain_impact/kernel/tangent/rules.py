@@ -136,7 +136,7 @@ def fraction(t, time):
 
 
 def event_fraction(t):
-    """Return the fraction of the last step at which the event lies that begins it: 0, with derivatives."""
+    """Return 0 with the derivatives of the fraction of the last step at which its first event lies."""
     step = t.step
     rate = value(step.size)
     if step.regularized >= 0:

@@ -18,14 +18,17 @@ from chain_impact.kernel.tangent.duals import value, varies
 TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
 NO_IMPACT = -1  # the value of ``c`` in ``mark_untrusted`` if the reason is no impact and no element
-JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint
+JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint or of the slider
 # A law's force jumps at rest if its values at the rates ±NEAR_REST v₀ have a relative difference of more than
 # RELATIVE_JUMP.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
 
 def check_onsets(t):
-    """Check the onsets at the end of the last step, for the points located there."""
+    """End the derivatives if they do not exist for an onset at the end of the last step.
+
+    The points must be located there.
+    """
     onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
         if t.touch.event[c] == ONSET:
