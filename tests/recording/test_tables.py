@@ -7,8 +7,8 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.extras import MissingExtraError
+from chain_impact.recording.impact_units import IMPACT_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.recording.tables import IMPACT_UNITS
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.problems import default_scene
 from tests.tiers import needs_interop

@@ -24,6 +24,8 @@ from chain_impact.kernel.rows.geometry import NORMALS, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS
 from chain_impact.recording import curves, joint_stops, pacing, view
+from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
+from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import angles, bodies, names, reading, tables, unit_text
 from chain_impact.scene.contents import PARALLEL
 from chain_impact.scene.refusals import SENTENCES
@@ -54,6 +56,7 @@ def shared() -> dict[str, Any]:
             for unit, word in angles.DEGREES.items()
         },
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
+        "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": IMPACT_UNITS | STOP_UNITS},
         "refusals": SENTENCES,
         "file": {"CORNERS": tables.CORNERS, "SHOWN": reading.SHOWN},
         "signals": {
@@ -75,6 +78,7 @@ def shared() -> dict[str, Any]:
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
         },
         "drawn": {"GROUPS": GROUPS},
+        "contactLog": {"REALS": [name for name in LOG_DTYPE.names or () if LOG_DTYPE[name] == np.float64]},
         "packed": {"FINEST": FINEST},
     }
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.recording.impact_units import unit_at
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.recording import Recording
@@ -21,7 +22,10 @@ LISTED, FEW = 30, 10  # the largest number of impacts in a list, and in a short 
 JOINTS = 8  # the largest number of joints whose forces the text lists
 SHOWN = 3  # the largest number of contacts and joints that the text names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
-UNITS, STOP_UNITS = ("m/s", "ms", "N", "N·s"), ("rad/s", "ms", "N·m", "N·m·s")
+_QUANTITIES = ("impact_speed", "", "peak_force", "impulse")
+UNITS, STOP_UNITS = (
+    tuple(unit_at(name, stop=stop) if name else "ms" for name in _QUANTITIES) for stop in (False, True)
+)
 """The columns of the list of impacts, with their units at walls and at stops of joints."""
 NONE = "—"  # the text for a number that does not exist
 LASTS = "lasts"  # the text for the duration of a contact that lasts to the end

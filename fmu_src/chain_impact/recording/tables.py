@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
+from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.stick_slip import JOINT, MODES
 from chain_impact.scene.candidates import point_wall_pairs
@@ -19,26 +20,6 @@ from chain_impact.scene.names import AXES
 from chain_impact.system import written_whole
 from chain_impact.variables.prepared import PreparedScene
 
-IMPACT_UNITS = {
-    "onset": "s",
-    "end": "s",
-    "impact_speed": "m/s",
-    "separation_speed": "m/s",
-    "peak_force": "N",
-    "max_penetration": "m",
-    "effective_mass": "kg",
-    "impulse": "N.s",
-    "joint_force": "N",
-}
-STOP_UNITS = {
-    "impact_speed": "rad/s",
-    "separation_speed": "rad/s",
-    "peak_force": "N.m",
-    "max_penetration": "rad",
-    "effective_mass": "kg.m2",
-    "impulse": "N.m.s",
-}
-"""The units of quantities at a stop of a joint that differ from the units at a wall."""
 SUFFIXES = (".csv", ".json", ".parquet")
 """The suffixes of a file with a list of impacts."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}

@@ -8,6 +8,7 @@ from html import escape
 from itertools import groupby, zip_longest
 from typing import NamedTuple
 
+from chain_impact.recording.impact_units import unit_at
 from chain_impact.scene.names import SLIDER_STOPS, point_label
 
 
@@ -51,7 +52,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
 
 def speed_unit(at_stop: bool) -> str:
     """Return the unit of an impact's speed: at a stop of a joint, or elsewhere."""
-    return "rad/s" if at_stop else "m/s"
+    return unit_at("impact_speed", stop=at_stop)
 
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:

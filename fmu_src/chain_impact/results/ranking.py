@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.recording.summary import digits
-from chain_impact.recording.tables import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.text import Table, as_html, as_text, plural
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching

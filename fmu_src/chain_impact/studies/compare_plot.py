@@ -33,6 +33,7 @@ from chain_impact.pictures.style import (
     raised,
     styled,
 )
+from chain_impact.recording.impact_units import unit_at
 from chain_impact.recording.text import plural, prefixed
 from chain_impact.scene.unit_text import of_power
 from chain_impact.studies.law_change import LOSSLESS, first_place
@@ -90,7 +91,9 @@ def message(comparison: LawRuns) -> str:
 def conditions(comparison: LawRuns, looks: Looks) -> str:
     """Return a text on the first impact, on the scene's contact, and on the meaning of grey lines."""
     contact, impact = comparison.contact, comparison.first_impact
-    mass, speed, per = ("kg·m²", "rad/s", "N·m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
+    names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
+    mass, speed, force, depth = (unit_at(name, stop=comparison.at_stop) for name in names)
+    per = f"{force}/{depth}"
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
     hit = f"{first_place(comparison.scene)} of {moving}"
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
@@ -170,7 +173,8 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """
     band = banded(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
-    name, *units = ("moment", "rad", "N·m") if comparison.at_stop else ("force", "m", "N")
+    name = "moment" if comparison.at_stop else "force"
+    units = [unit_at(quantity, stop=comparison.at_stop) for quantity in ("max_penetration", "peak_force")]
     largest = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
     factors, (depth_unit, force_unit) = zip(*map(prefixed, largest, units), strict=True)
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}

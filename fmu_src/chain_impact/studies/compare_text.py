@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.recording.impact_units import unit_at
 from chain_impact.recording.text import Table, prefixed
 from chain_impact.studies.law_change import EXACT, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
@@ -31,7 +32,7 @@ def heading(comparison: LawRuns) -> str:
     """Return the scene, its contact and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = comparison.contact
-    mass, speed = ("kg·m²", "rad/s") if comparison.at_stop else ("kg", "m/s")
+    mass, speed = (unit_at(name, stop=comparison.at_stop) for name in ("effective_mass", "impact_speed"))
     return (
         f"{scene.name}  e = {contact.restitution:g}, n = {contact.exponent:g}, "
         f"K = {contact.stiffness:.4g}; {first_place(scene)} at {impact['onset']:.6g} s with "
@@ -44,7 +45,7 @@ def law_table(comparison: LawRuns) -> Table:
 
     The unit of each column suits its largest value.
     """
-    force, depth = ("N·m", "rad") if comparison.at_stop else ("N", "m")
+    force, depth = (unit_at(name, stop=comparison.at_stop) for name in ("peak_force", "max_penetration"))
     quantities = {
         # an impulse has no peak force
         f"peak, {force}": [run.peak_force or math.nan for run in comparison.runs],

@@ -71,7 +71,8 @@ export function speedText(value) {
 
 /** Return the units of a contact; at a stop of a joint, the units of an angle and a moment. */
 export function unitsOf({ atStop }) {
-  return atStop ? { speed: "rad/s", force: "N·m" } : { speed: "m/s", force: "N" };
+  const units = SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"];
+  return { speed: unitText(units.impact_speed), force: unitText(units.peak_force) };
 }
 
 /** Return a sentence with ≤ and ≥ in place of <= and >=, in which no line ends after a sign of comparison. */

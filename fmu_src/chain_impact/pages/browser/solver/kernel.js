@@ -201,7 +201,7 @@ export class Kernel {
     return Array.from({ length: count }, (_, index) => {
       const row = rowOf(index);
       const read = ([name, word]) =>
-        [name, ["point", "wall", "joint"].includes(name) ? Number(integers[word + row]) : reals[word + row]];
+        [name, SHARED.contactLog.REALS.includes(name) ? reals[word + row] : Number(integers[word + row])];
       return { ...Object.fromEntries(Object.entries(finished.fields).map(read)), ...unknown };
     });
   }

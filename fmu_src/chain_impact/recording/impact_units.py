@@ -1,0 +1,31 @@
+"""The units of the quantities of an impact, as an FMU writes them, at a wall and at a stop of a joint."""
+
+from __future__ import annotations
+
+from chain_impact.scene.unit_text import unit_text
+
+IMPACT_UNITS = {
+    "onset": "s",
+    "end": "s",
+    "impact_speed": "m/s",
+    "separation_speed": "m/s",
+    "peak_force": "N",
+    "max_penetration": "m",
+    "effective_mass": "kg",
+    "impulse": "N.s",
+    "joint_force": "N",
+}
+STOP_UNITS = {
+    "impact_speed": "rad/s",
+    "separation_speed": "rad/s",
+    "peak_force": "N.m",
+    "max_penetration": "rad",
+    "effective_mass": "kg.m2",
+    "impulse": "N.m.s",
+}
+"""The units of quantities at a stop that differ from the units at a wall."""
+
+
+def unit_at(quantity: str, *, stop: bool) -> str:
+    """Return the unit of a quantity of an impact as a text; ``stop``: at a stop of a joint."""
+    return unit_text((IMPACT_UNITS | STOP_UNITS if stop else IMPACT_UNITS)[quantity])
