@@ -50,7 +50,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     draw_map(page)
     box = page.locator("#map-canvas").bounding_box()
     titles = page.locator("#map-scales text").all_text_contents()
-    assert {"Restitution", "initial.angle[1], °", "Number of impacts", "0.4", "20"} <= set(titles)
+    assert {"contact.restitution", "initial.angle[1], °", "Number of impacts", "0.4", "20"} <= set(titles)
     assert page.locator(".map-present").count() == 1
     table = saved(page, "Map as CSV").read_text().splitlines()
     assert table[0] == "contact.restitution,initial.angle[1],impact.count"

@@ -7,12 +7,13 @@ import { lastBefore } from "../recording/recording.js";
 import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
-import { anchorOf, LabelSpace, positionsAround } from "./label_positions.js";
+import { LabelSpace, positionsAround } from "./label_positions.js";
 import { belowStrip, drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
 import { traceOf } from "./trace.js";
 
 const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
 const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of forces and of numbers
+const FORCE_MULTIPLES = [1, 1.5, 2, 3, 4, 5]; // distances from an arrow's head to its label that are tried, relative to the first one
 const { TAIL } = SHARED.pacing; // [s] simulated time in which the bright end of the trace fades
 const TAIL_PARTS = 10;
 const RING_TIME = 0.25; // [s] simulated time for which the position of an impact is marked
@@ -86,7 +87,7 @@ export class ChainDrawing {
     this.ranges = recording.stops.map(() => ["range", "range-mark", "range-mark"].map((kind) =>
       this.arcs.polyline().addClass(kind).fill("none")));
     this.#makeChain();
-    if (this.size) this.resize(...this.size);
+    this.isFitted = false;
   }
 
   #makeChain() {
@@ -125,9 +126,16 @@ export class ChainDrawing {
     return distances.indexOf(Math.min(...distances));
   }
 
-  /** Fit the drawing into a width and height [pixels]. */
+  /** Give the drawing a width and height [pixels], which the next frame has. */
   resize(width, height) {
     this.size = [width, height];
+    this.isFitted = false;
+  }
+
+  /** Fit the camera, and all that is the same in all frames, into the size of the drawing. */
+  #fit() {
+    this.isFitted = true;
+    const [width, height] = this.size;
     this.drawing.size(width, height).viewbox(0, 0, width, height);
     this.camera = new Camera(this.recording, width, height, STRIP);
     this.arrowScale = new ArrowScale(this.recording.peakForce, width, height);
@@ -164,8 +172,9 @@ export class ChainDrawing {
     this.pin.forEach(([line, mark]) => mark.plot(this.#toScreen(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
   }
 
-  /** Draw a frame. */
+  /** Draw a frame, all of it with one camera; only this function changes the camera. */
   draw(frame) {
+    if (!this.isFitted) this.#fit();
     const { recording, camera } = this;
     const all = Array.from({ length: recording.pointCount }, (_, point) => camera.toScreen(...recording.pointAt(frame, point)));
     const chain = all.slice(0, recording.links + 1);
@@ -345,8 +354,10 @@ export class ChainDrawing {
    * the same.
    */
   #label(position, direction, distance, text, kind) {
-    const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, direction, distance)) ??
-      { at: position.map((value, axis) => value + distance * direction[axis]), anchor: anchorOf(direction[0]) };
+    const candidates = positionsAround(position, direction, distance, FORCE_MULTIPLES);
+    const free = this.labelSpace.findPosition(text, FORCE_TEXT, candidates);
+    const label = free ?? candidates[0];
+    if (!free) this.labelSpace.reserveText(text, FORCE_TEXT, label);
     const [x, y] = label.at;
     this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass(`force-text ${kind}`);
   }

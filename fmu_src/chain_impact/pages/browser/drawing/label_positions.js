@@ -62,15 +62,20 @@ export class LabelSpace {
       return true;
     });
   }
+
+  /** Mark the place of a text as used, whatever it covers. */
+  reserveText(text, size, { at, anchor }) {
+    this.#taken.push(boxOf(text, at, size, anchor));
+  }
 }
 
 /**
  * Return candidates around a position at a distance, first in a direction, then in directions farther from it, and then at
- * twice and three times the distance.
+ * twice the distance, and further multiples of it.
  */
-export function positionsAround([x, y], [dx, dy], distance) {
+export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) {
   const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);
-  return [1, 2, 3].flatMap((times) => turns.map((turn) => {
+  return multiples.flatMap((times) => turns.map((turn) => {
     const [c, s] = [Math.cos(turn), Math.sin(turn)];
     const [wx, wy] = [c * dx - s * dy, s * dx + c * dy];
     return { at: [x + times * distance * wx, y + times * distance * wy], anchor: anchorOf(wx) };
@@ -78,6 +83,6 @@ export function positionsAround([x, y], [dx, dy], distance) {
 }
 
 /** Return the text-anchor of a text beside a position, by the horizontal component of the direction to the text. */
-export function anchorOf(dx) {
+function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
 }

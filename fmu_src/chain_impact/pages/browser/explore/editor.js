@@ -1,7 +1,7 @@
 // The dialog in which the reader adds and removes links, points, walls and stops, and opens scene files.
 
 import { find, make } from "../base/dom.js";
-import { readable } from "../base/format.js";
+import { numberText, readable } from "../base/format.js";
 import { valueText } from "../scene/angles.js";
 import { contentsOf } from "../scene/changed_file.js";
 import {
@@ -11,8 +11,16 @@ import { STOPS } from "../scene/geometry.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
 
 const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
-const STOP_HEADS = { joint_min: "Stop from", joint_max: "Stop to" };
-const SLIDER = { angle: "Slider: angle", mass: "Mass, kg", friction: "Friction, N", min: "Stop from, m", max: "Stop to, m" };
+const LINK = {
+  length: "Length, m",
+  mass: "Mass, kg",
+  center_of_mass: "Centre along, m",
+  center_of_mass_offset: "Centre left, m",
+  inertia: "Inertia, kg·m²",
+  height: "Box height, m",
+};
+const STOP_HEADS = { joint_min: "Stop from, rad", joint_max: "Stop to, rad" };
+const SLIDER = { angle: "Slider: angle, rad", mass: "Mass, kg", friction: "Friction, N", min: "Stop from, m", max: "Stop to, m" };
 export class Editor {
   /** `open` shows a scene with some contents and changed inputs, or throws an error; `first` shows the page's own scene. */
   constructor(changes, open, first) {
@@ -86,7 +94,7 @@ export class Editor {
     const { scene: { file } } = this.changes;
     find("edit-base").value = file.chain.base;
     const ofStops = stopsShown(file.chain).map((stop) => STOP_HEADS[stop]);
-    const heads = ["Link", "Length, m", "Mass, kg", "Offset, m", "Box height, m", ...ofStops, ""];
+    const heads = ["Link", ...Object.values(LINK), ...ofStops, ""];
     fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
     const points = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
     const ofPoints = ["Point", "Link", "Along, m", "Left, m", "Radius, m", "Name", ""];
@@ -101,7 +109,7 @@ export class Editor {
     }
     fillTable(find("edit-box"), Object.values(BOX).map((text) => `${text}, m`), [Object.keys(BOX).map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
-    fillTable(find("edit-walls"), ["Wall", "x, m", "y, m", "Angle", ""], file.walls.map((wall, k) => this.#wallRow(wall, k)));
+    fillTable(find("edit-walls"), ["Wall", "x, m", "y, m", "Angle, rad", ""], file.walls.map((wall, k) => this.#wallRow(wall, k)));
     find("edit-walls").hidden = file.walls.length === 0;
   }
 
@@ -111,7 +119,7 @@ export class Editor {
     const hasJoint = k > 0 || base !== "free";
     const stops = stopsShown({ base, links }).map((stop) => (hasJoint ? field(stop, "rad") : ""));
     const remover = links.length > 1 ? this.#remover(`link ${k + 1}`, (all) => removeLink(all, k)) : "";
-    return [`${k + 1}`, ...["length", "mass", "center_of_mass_offset", "height"].map((key) => field(key)), ...stops, remover];
+    return [`${k + 1}`, ...Object.keys(LINK).map((key) => field(key)), ...stops, remover];
   }
 
   /** Return the fields of a point of a link, among them the link to which the point belongs. */
@@ -141,6 +149,8 @@ export class Editor {
   #field(name, value, set, unit = "") {
     const field = make("input", { value: typeof value === "number" ? valueText(value, unit) : (value ?? ""), autocomplete: "off" });
     field.setAttribute("aria-label", name);
+    const derived = value === undefined && this.changes.valueOf(name); // a value that follows from others
+    if (Number.isFinite(derived)) field.placeholder = numberText(Number(derived.toPrecision(4)));
     field.addEventListener("change", () => {
       const text = field.value.trim();
       const given = text === "" ? undefined : Number.isNaN(Number(text)) ? text : Number(text);

@@ -38,7 +38,6 @@ const startEngine = () => new Engine(program, changes.scene, module);
 let engine = startEngine();
 let opened = ""; // the text of the open scene file; empty for the page's own scene
 const player = new Player(1);
-find("caption").textContent = "The first simulation runs…";
 const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
 player.layers.push(comparedMotions, handles);
@@ -224,4 +223,5 @@ changes.onChange(updateAddressSoon);
 changes.onChange(simulateSoon);
 addEventListener("hashchange", applyAddress);
 showStatus();
+find("caption").textContent = "Simulating…"; // until the first motion is drawn
 simulateSoon();

@@ -4,7 +4,7 @@ import { make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
 const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
-const COLUMNS = ["#", "time", "point", "wall", "speed", "e′", "peak force"];
+const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak force"];
 const JOINT_FORCE = "joint force"; // a further column if forces in joints are known
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
@@ -60,7 +60,7 @@ export class ImpactList {
     button.setAttribute("aria-label", `Go to impact ${impact.number}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
     const texts = [
-      `${impact.onset.toFixed(5)} s`,
+      impact.onset.toFixed(5),
       impact.what.replace(/^point /, ""),
       impact.wall.replace(/^slider_/, ""),
       approachText(impact),

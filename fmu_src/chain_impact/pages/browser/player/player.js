@@ -33,9 +33,6 @@ export class Player {
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("contact-name"), find("force-loop"))],
     ];
-    this.panels.forEach(([, panel]) => {
-      panel.hidden = true; // until there is a recording
-    });
     this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
     this.showControls = connect(this.clock, this.drawing);
     this.clock.onChange(() => this.drawSoon());
@@ -62,7 +59,6 @@ export class Player {
 
   #begin() {
     this.fit();
-    this.draw();
     performance.mark("first-frame");
     this.clock.set({ playing: !matchMedia("(prefers-reduced-motion: reduce)").matches });
     requestAnimationFrame((now) => this.#tick(now));
@@ -75,11 +71,12 @@ export class Player {
     requestAnimationFrame((next) => this.#tick(next));
   }
 
+  /** Draw in the size of the view, at once, because a drawing in the next frame would be one frame late. */
   fit() {
     if (!this.recording) return;
     const { clientWidth, clientHeight } = find("view");
     this.drawing.resize(clientWidth, clientHeight);
-    this.drawSoon();
+    this.draw();
   }
 
   /** Draw once, before the browser paints next. */

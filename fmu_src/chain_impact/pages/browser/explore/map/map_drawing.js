@@ -26,6 +26,7 @@ export class MapDrawing {
     const image = context.createImageData(points, points);
     Array.from(results, (value, index) => {
       const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
+      if (value === undefined) return; // not simulated yet: the ground is seen
       const colour = Number.isFinite(value) ? [...colourAt((value - least) / (most - least || 1)), 255] : [128, 128, 128, 60];
       image.data.set(colour, 4 * (row * points + column));
     });
@@ -61,7 +62,7 @@ export class MapDrawing {
         if (k) this.#write(numberText(tick), EDGE.left - 8, pixel + 4, "end");
         else this.#write(numberText(tick), pixel, bottom + 18, "middle");
       });
-      const title = titleOf(quantityOf(name), text);
+      const title = titleOf(name, text);
       if (k) this.#write(title, 0, 0, "middle").attr({ transform: `translate(13 ${EDGE.top + height / 2}) rotate(-90)` });
       else this.#write(title, EDGE.left + width / 2, bottom + 34, "middle");
     });

@@ -1,7 +1,6 @@
 // The scales of the map: titles, units, ticks and colours of its axes.
 
 import { unitText } from "../../base/format.js";
-import { MAIN_PARAMETERS } from "../parameters/sliders.js";
 
 // the colour map viridis of matplotlib (CC0), at equal distances
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -37,9 +36,9 @@ const QUANTITIES = {
   "energy.total": "Energy at the end",
 };
 
-/** Return the words for an output or a main parameter with a name; the name itself if there are none. */
+/** Return the words for an output with a name; the name itself if there are none. */
 export function quantityOf(name) {
-  return QUANTITIES[name] ?? MAIN_PARAMETERS.find((parameter) => parameter.name === name)?.label ?? name;
+  return QUANTITIES[name] ?? name;
 }
 
 /** Return a unit in which values up to a largest value are easy to read, and the factor to this unit. */

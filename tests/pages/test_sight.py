@@ -1,0 +1,161 @@
+"""What a reader sees: one scale in a frame, free labels, whole charts, room on all screens."""
+
+import pytest
+
+from tests.pages.in_pages import DESK, PHONE, ROWS, until
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+TABLET, ITS_SIDE, LOW = (
+    {"width": width, "height": height} for width, height in ((820, 1180), (1024, 768), (740, 360))
+)
+
+SHARES = """async () => {
+  const share = () => {
+    const [from, to] = [...document.querySelectorAll(".joint")]
+      .map((one) => [one.cx.baseVal.value, one.cy.baseVal.value]);
+    const walls = [...document.querySelectorAll("#scene .wall")]
+      .flatMap((line) => [...line.points]).map(({ x }) => x);
+    return Math.hypot(to[0] - from[0], to[1] - from[1]) / (Math.max(...walls) - Math.min(...walls));
+  };
+  const painted = () => new Promise((done) => requestAnimationFrame(() => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = done;
+    port2.postMessage(0);
+  }));
+  const found = [share()];
+  for (const width of ["70%", "40%", "90%"]) {
+    document.getElementById("stage").style.width = width;
+    await painted();
+    found.push(share());
+  }
+  return found; }"""
+"""Length of the first link over the width of the box: at first, and right after each new size is painted."""
+
+
+def test_a_frame_shows_chain_and_walls_with_one_scale(show):
+    shares = show().evaluate(SHARES)
+    assert shares == pytest.approx([shares[0]] * 4, rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [DESK, ITS_SIDE, PHONE], ids=lambda size: str(size["width"]))
+def test_the_drawing_has_one_size_at_all_impacts(show, size):
+    page = show(viewport=size)
+    heights = page.evaluate("""async () => {
+      const found = new Set();
+      for (const row of document.querySelectorAll("#impacts tbody tr")) {
+        row.click();
+        await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+        const { scrollHeight, clientHeight } = document.getElementById("caption");
+        if (scrollHeight > clientHeight + 1) throw new Error("the caption is cut");
+        found.add(document.getElementById("view").clientHeight);
+      }
+      return [...found]; }""")
+    assert len(heights) == 1
+
+
+def test_no_force_is_written_on_a_point_or_its_number(show):
+    page = show(viewport=PHONE)
+    met = page.evaluate("""async () => {
+      const boxes = (kind) => [...document.querySelectorAll(`#scene ${kind}`)]
+        .filter((one) => one.checkVisibility({ visibilityProperty: true }))
+        .map((one) => one.getBoundingClientRect());
+      const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 0.5 &&
+        Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
+      const found = { texts: 0, met: 0 };
+      for (const row of document.querySelectorAll("#impacts tbody tr")) {
+        row.click();
+        for (let k = 0; k < 5; k += 1) {
+          await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+          const [texts, others] = [boxes(".force-text"), boxes(":is(.tip, .joint, .point-number)")];
+          found.texts += texts.length;
+          found.met += texts.filter((text) => others.some((other) => meet(text, other))).length;
+          document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true }));
+        }
+      }
+      return found; }""")
+    assert met["met"] == 0 < met["texts"]
+
+
+def test_the_largest_force_is_below_the_edge_of_its_chart(show):
+    page = show()
+    page.keyboard.press("Shift+ArrowRight")
+    edge = page.evaluate("document.querySelector('#force .u-over').offsetTop")
+    assert min(page.evaluate(ROWS, ["force", "force"])) > edge + 3
+    page.locator("#force-loop").click()
+    assert min(page.evaluate(ROWS, ["force", "force"])) > edge + 3
+
+
+def test_before_the_first_motion_the_page_says_that_it_simulates_and_shows_no_chart(browser, address):
+    page = browser.new_page(viewport=DESK)
+    page.add_init_script("window.Worker = class { postMessage() {} terminate() {} };")
+    page.goto(address)
+    until(page, "document.getElementById('caption').textContent === 'Simulating…'")
+    assert page.locator("#caption").is_visible()
+    assert not any(one.is_visible() for one in page.locator("aside > section, #rate").all())
+    page.close()
+
+
+CUT = """(width) => [...document.querySelectorAll("#controls > :not([hidden])")]
+  .filter((one) => !one.checkVisibility() || one.getBoundingClientRect().right > width).length"""
+
+
+@pytest.mark.parametrize("width", [360, 390])
+def test_a_bar_for_scrolling_hides_no_control(show, width):
+    page = show(viewport={"width": width, "height": 740})
+    page.add_style_tag(content="html { margin-right: 16px; }")
+    assert page.evaluate(CUT, width - 16) == 0
+
+
+def test_a_low_phone_has_all_controls_and_most_of_its_height_shows_the_motion(show):
+    page = show(viewport=LOW, has_touch=True)
+    assert page.evaluate(CUT, LOW["width"]) == 0
+    assert page.locator("#view").bounding_box()["height"] > 0.65 * LOW["height"]
+
+
+@pytest.mark.parametrize("size", [TABLET, ITS_SIDE], ids=["upright", "on its side"])
+def test_a_tablet_shows_motion_energy_force_and_impacts_at_once(show, size):
+    page = show(viewport=size)
+    top = page.locator("footer").bounding_box()["y"]
+    for name in ("#view", "#energy", "#force"):
+        box = page.locator(name).bounding_box()
+        assert box["y"] + box["height"] <= top, name
+    assert page.locator("#list-title").bounding_box()["y"] < top - 20.0
+
+
+def test_each_column_of_the_impacts_keeps_apart_and_is_in_the_list(show):
+    page = show()
+    for size in (DESK, ITS_SIDE, {"width": 360, "height": 740}):
+        page.set_viewport_size(size)
+        gaps = page.evaluate("""[...document.querySelectorAll("#impacts tr")].flatMap((row) => {
+          const boxes = [...row.cells].map((cell) => {
+            const range = document.createRange();
+            range.selectNodeContents(cell);
+            return range.getBoundingClientRect();
+          });
+          return boxes.slice(1).map(({ left }, k) => left - boxes[k].right);
+        })""")
+        assert min(gaps) >= 4.0, size
+        room = page.locator("#impacts").evaluate("(list) => list.clientWidth - list.scrollWidth")
+        assert room >= 0, size
+
+
+def test_runs_of_a_map_that_are_not_simulated_yet_have_no_colour(show):
+    page = show(hash_="#simulation.stop_time=0.1")
+    page.evaluate("""() => {
+      let left = 4; // the scene, and three rows
+      window.Worker = class extends Worker {
+        postMessage(message) {
+          left -= 1;
+          if (left >= 0) super.postMessage(message);
+        }
+      };
+      Object.defineProperty(navigator, "hardwareConcurrency", { value: 1 });
+    }""")
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text("3 of 9 rows").wait_for()
+    opaque = page.evaluate("""() => {
+      const canvas = document.getElementById("map-canvas");
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      return Array.from({ length: canvas.height }, (_, row) => data[4 * row * canvas.width + 3]); }""")
+    assert opaque == [0] * 6 + [255] * 3
