@@ -87,7 +87,7 @@ def test_labels_never_overlap(name):
     outside += [axis.label.get_window_extent() for axes in panels for axis in (axes.xaxis, axes.yaxis)]
     outside += [text.get_window_extent() for text in page.texts]
     for box in outside:
-        assert not any(box.overlaps(axes.get_window_extent()) for axes in panels)
+        assert not any(box.padded(-0.5).overlaps(axes.get_window_extent()) for axes in panels)
         assert page.bbox.x0 <= box.x0 <= box.x1 <= page.bbox.x1
         assert page.bbox.y0 <= box.y0 <= box.y1 <= page.bbox.y1
     for one, other in itertools.combinations([box for box in outside if box.width], 2):
