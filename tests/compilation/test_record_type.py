@@ -28,6 +28,11 @@ def number(affine, links, candidates, elements):
     return affine.constant + sum(slope * count for slope, count in zip(affine.slopes, counts, strict=True))
 
 
+def per(affine, count):
+    """Return the slope of a count, such as ``links``."""
+    return affine.slopes[COUNTS.index(count)]
+
+
 def places(dtype, path=(), offset=0):
     """Yield path, offset and type of every record, array and number of a record type."""
     yield path, offset, dtype
@@ -66,15 +71,15 @@ def test_what_has_to_do_with_candidates_and_elements_comes_last():
     for path in ("step", "work", "statistics", "friction"):
         for place, field in TABLE.items():
             if place[:1] == (path,):
-                assert {field.offset.per(count) for count in ("candidates", "elements")} == {0}
-                assert {field.size.per(count) for count in ("candidates", "elements")} == {0}
-    assert TABLE["touch", "active_count"].offset.per("candidates") == 0
+                assert {per(field.offset, count) for count in ("candidates", "elements")} == {0}
+                assert {per(field.size, count) for count in ("candidates", "elements")} == {0}
+    assert per(TABLE["touch", "active_count"].offset, "candidates") == 0
     for path in ("touch", "law", "search", "finished"):
-        assert TABLE[path,].offset.per("elements") == 0
+        assert per(TABLE[path,].offset, "elements") == 0
     moving = (("motion",), ("moved",), ("shift",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():
         if place[:1] not in ((), ("output",), ("transmitted",), *moving):
-            assert (field.offset.per("loads"), field.size.per("loads")) == (0, 0)
+            assert (per(field.offset, "loads"), per(field.size, "loads")) == (0, 0)
 
 
 def test_a_size_that_is_not_affine_is_refused():

@@ -65,7 +65,7 @@ def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
 def test_moments_of_the_joints_act_on_both_links_and_their_powers_are_theirs(base, count, sprung):
     """Gᵀ (u − c G ω) with the rates G ω of the joints; dissipated Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
-    d.model.has_springs = sprung
+    d.model.has_joint_springs = sprung
     dissipated, supplied = equations.joint_moments(d, y)
     found = d.work.moment.copy()
     if sprung:
@@ -169,13 +169,13 @@ def test_in_free_flight_no_point_is_located():
     equations.located_rate(d, y, other)
     np.testing.assert_array_equal(rate[:-2], other[:-2])
     # an input acts on the tip, whose speed gives the input's power
-    d.model.driven, d.inputs.tip_force[0] = 1, 2.0
+    d.model.has_inputs, d.inputs.tip_force[0] = 1, 2.0
     d.work.velocity.x[:] = 77.0
     equations.state_rate(d, y, rate)
     assert rate[state.supplied_at(3)] == pytest.approx(2.0 * d.work.velocity.x[3])
     assert d.work.velocity.x[3] != 77.0
     # a contact also needs located points, without any input
-    d.model.driven = 0
+    d.model.has_inputs = 0
     touch(d, [2])
     d.work.velocity.x[:] = 77.0
     equations.state_rate(d, y, rate)

@@ -79,12 +79,12 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
 def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
     for count in (1, 3):
         _, d = prepared(count, base, springs=springs, dampers=dampers)
-        d.model.has_dampers = d.model.has_springs = d.model.has_springs_or_dampers = 7
+        d.model.has_joint_springs = d.model.has_springs_or_dampers = 7
         derive_resistance(d)
         joints = count > 1 or base == "pinned"
-        expected = dampers and joints, springs and joints, (dampers or springs) and joints
-        assert (d.model.has_dampers, d.model.has_springs, d.model.has_springs_or_dampers) == expected
-        assert (d.model.joint_bound > 0.0) == expected[2]
+        expected = springs and joints, (dampers or springs) and joints
+        assert (d.model.has_joint_springs, d.model.has_springs_or_dampers) == expected
+        assert (d.model.joint_bound > 0.0) == expected[1]
 
 
 IMPACTS = ("time", "speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse")
@@ -95,7 +95,7 @@ CLEARED = {
     "limits": ("event_count", "work_count", "call_count", "other_work"),
     "finished": ("count", "collected"),
     "peaks": ("force", "penetration", "moment", "rotation"),
-    "fault": ("place",),
+    "fault": ("part",),
     "search": ("known_for",),
     "step": ("breaks",),
     "work": ("moment",),
@@ -276,6 +276,6 @@ def test_the_limits_of_a_joint_are_in_order(joint, limits):
     _, d = stopped_chain(2)
     d.model.joint_min[joint], d.model.joint_max[joint] = limits
     assert check_parameters(d) == STOPS_REVERSED
-    assert d.fault.place == 1 + d.candidates + joint
+    assert d.fault.part == 1 + d.candidates + joint
     d.model.joint_min[joint], d.model.joint_max[joint] = 0.4, 0.5
     assert check_parameters(d) == OK

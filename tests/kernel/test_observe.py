@@ -9,8 +9,8 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.forces.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.forces.contact_force import elastic_energy, law_force
-from chain_impact.kernel.observe import combine_forces, combine_impulses, fill_outputs, first_stop, observe
-from chain_impact.kernel.rows.geometry import place_walls
+from chain_impact.kernel.observe import combine_forces, combine_impulses, fill_outputs, observe
+from chain_impact.kernel.rows.geometry import first_stop, place_walls
 from tests.helpers.models.reference import generalized_force, mass_matrix
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch, vectors
 from tests.kernel.steps import (

@@ -7,7 +7,7 @@ from chain_impact import SceneError, SimulationError, load_scene, model_names, s
 from chain_impact.kernel import status
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.view import framed, pin_mark, radius_of
-from chain_impact.scene.candidates import places
+from chain_impact.scene.candidates import parts_in_words
 from chain_impact.scene.signals import with_inputs
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
@@ -61,7 +61,7 @@ def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
     scene = load_scene(model)
     found = kernel(scene)
     assert_same_bits(found, simulate(scene))
-    assert found["reasons"] == places(scene)  # the words for the reasons of a refusal
+    assert found["reasons"] == parts_in_words(scene)  # the words for the reasons of a refusal
 
 
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)

@@ -23,10 +23,6 @@ class Affine(NamedTuple):
     constant: int
     slopes: tuple[int, ...]
 
-    def per(self, count: str) -> int:
-        """Return the slope of a count, such as ``links``."""
-        return self.slopes[COUNTS.index(count)]
-
 
 def affine(numbers: Sequence[int]) -> Affine:
     """Return the affine number that has the given values for the records of ``SAMPLES``.

@@ -282,6 +282,34 @@ def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     return context.get_dummy_value()
 
 
+@type_callable(functions.copy_row)
+def _type_of_copy_row(_context: Any) -> Any:
+    def typer(table: types.Type, _source: types.Type, _row: types.Type) -> types.Type | None:
+        return types.none if isinstance(table, Record) else None
+
+    return typer
+
+
+@lower_builtin(functions.copy_row, Record, types.Integer, types.Integer)
+def _copy_row(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    instance, *numbers = arguments
+    columns = [signature.args[0].field(name) for name in signature.args[0].field().fields]
+    source, row = (
+        context.cast(builder, number, kind, types.int64)
+        for number, kind in zip(numbers, signature.args[1:], strict=True)
+    )
+    for column in columns:
+        first = _address(context, builder, instance, column)
+
+        def entry(number: ir.Value, first: ir.Value = first, stride: int = column.stride) -> ir.Value:
+            return cgutils.pointer_add(
+                builder, first, builder.mul(number, cgutils.intp_t(stride)), first.type
+            )
+
+        builder.store(builder.load(entry(source)), entry(row))
+    return context.get_dummy_value()
+
+
 @type_callable(duals.copy_values)
 def _type_of_copy_values(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type) -> types.Type | None:

@@ -14,7 +14,7 @@ from xml.etree.ElementTree import Element
 
 from chain_impact.fmu.model_description import TOKEN
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene.candidates import places as places_of
+from chain_impact.scene.candidates import parts_in_words
 from chain_impact.scene.names import DataPath
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.kind import MOTION
@@ -36,11 +36,11 @@ HEAD = {
     "magic": "8s",
     **dict.fromkeys(("size", "checksum"), "Q"),  # of the whole file; of the file after `checksum`
     "guid": "40s",
-    **dict.fromkeys(("variable_count", "status_count", "place_count"), "q"),
-    **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "place_word"), "q"),
+    **dict.fromkeys(("variable_count", "status_count", "part_count"), "q"),
+    **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "part_word"), "q"),
     **dict.fromkeys(("contradiction_word", "position_word"), "q"),  # of motions; 0 if nothing moves
     # places in bytes from the beginning of the file; places of texts are from `texts_at`
-    **dict.fromkeys(("variables_at", "statuses_at", "places_at", "texts_at", "record_at"), "q"),
+    **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),
     "record_size": "q",
 }
 """Field of the head of the table → format. docs/generate.py writes both structures for C, in shared.h."""
@@ -80,7 +80,8 @@ def _guid_of(contents: Iterable[bytes]) -> str:
 def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
     """Return the table with its GUID, and the record with the start values, in the form for the C interface.
 
-    The parts are the head, the variables, the texts of statuses and places, the record, and the texts.
+    The head, the variables, the texts of statuses and of parts of the scene, the record, and the texts follow
+    each other.
     """
     texts, record = bytearray(), prepared.start.tobytes()
     variables = [*((prepared.table_row(variable), 1) for variable in prepared.variables), *further]
@@ -95,19 +96,19 @@ def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
         numbers |= {"type": TYPES.index(type_), "kind": KINDS.index(kind)}
         return numbers | {"name": text(name), "allowed": text(allowed)}
 
-    places = places_of(prepared.scene)
+    parts_of_scene = parts_in_words(prepared.scene)
     codes = range(max(STATUS_TEXT) + 1)
     parts = {
         "variables_at": b"".join(_structure(VARIABLE, row(*variable)) for variable in variables),
         "statuses_at": _numbers(text(STATUS_TEXT.get(code, "unknown status")) for code in codes),
-        "places_at": _numbers(text(place) for place in places),
+        "parts_at": _numbers(text(part) for part in parts_of_scene),
         "record_at": record,
         "texts_at": bytes(texts),
     }
     content = b"".join(parts.values())
     starts = accumulate(map(len, parts.values()), initial=struct.calcsize("<" + "".join(HEAD.values())))
     head = dict(zip(parts, starts, strict=False)) | _words(prepared)
-    head |= {"variable_count": len(variables), "status_count": len(codes), "place_count": len(places)}
+    head |= {"variable_count": len(variables), "status_count": len(codes), "part_count": len(parts_of_scene)}
     head |= {"size": head["texts_at"] + len(texts), "checksum": 0, "record_size": len(record)}
     packed_head = _structure(HEAD, {**head, "magic": MAGIC, "guid": guid.encode()})
     checked = packed_head[CHECKED_FROM:] + content
@@ -132,7 +133,7 @@ def _words(prepared: PreparedScene) -> dict[str, int]:
         "time_word": ("step", "time"),
         "changed_word": ("given", "changed"),
         "tolerance_word": ("solver", "tolerance"),
-        "place_word": ("fault", "place"),
+        "part_word": ("fault", "part"),
     }
     moving: dict[str, DataPath] = {
         "contradiction_word": ("moved", "contradiction"),

@@ -31,7 +31,7 @@ from chain_impact.kernel.observe import observe, observe_state, refill_motion
 from chain_impact.kernel.ode.control import ACCEPTED, DIVERGED, EXPLICIT, IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.ode.last_step import SOLVER, keep_state, return_to_kept_state
 from chain_impact.kernel.ode.sundman import NO_CONTACT
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.rows.geometry import candidate_within_bounds
 from chain_impact.kernel.status import (
     LAST_STATUS,
     LOG_FULL,
@@ -75,15 +75,7 @@ def within_bounds(d):
     for k in range(len(d.quadrature.index)):
         fits = fits and within(d.quadrature.index[k], 0, len(d.quadrature.index) - 1)
     for c in range(d.candidates):
-        fits = (
-            fits
-            and within(d.candidate.stop[c], -2, 2)
-            # a stop belongs to a joint, and the numbers of joints begin at 1
-            and within(d.candidate.point[c], abs(d.candidate.stop[c]) % 2, d.links + d.sites)
-            and within(d.candidate.place[c], 0, 2 * d.links + d.sites)
-            # the numbers of stops follow the numbers of the walls
-            and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
-        )
+        fits = fits and candidate_within_bounds(d, c)
         fits = fits and within(d.shift.channel[c], -1, max(-1, d.channels - 2))
         fits = fits and within(d.law.number[c], least_law(d), laws)
         fits = fits and within(d.law.same_as[c], 0, c)

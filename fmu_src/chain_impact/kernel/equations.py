@@ -6,6 +6,7 @@ chain/state.py describes y.
 from chain_impact.kernel.chain.elimination import accelerations
 from chain_impact.kernel.chain.joints import (
     elastic_stiffness,
+    first_joint,
     is_drive,
     joint_armature,
     joint_torque,
@@ -58,7 +59,7 @@ def other_energy(d, y):
 
 def stored_energy(d, y):
     """Return the elastic energy [J] of the active contacts, for the located points, and of the springs."""
-    energy = spring_energy(d, y) if d.model.has_springs else 0.0
+    energy = spring_energy(d, y) if d.model.has_joint_springs else 0.0
     if d.slides:
         energy += slider_spring_energy(d, y)
     for k in range(d.touch.compliant_count):
@@ -107,7 +108,7 @@ def rotor_energy(d, y):
 def state_rate(d, y, rate):
     """Set rate = f(y), with the active contacts and the present inputs."""
     # in free flight no force acts at a point, so the positions of points and walls are not needed
-    if d.touch.active_count > 0 or d.model.driven or d.friction.count > 0:
+    if d.touch.active_count > 0 or d.model.has_inputs or d.friction.count > 0:
         rate_of_points(d, y, rate)
     else:
         link_vectors(d, y)
@@ -157,13 +158,13 @@ def loaded_rate(d, y, dissipated, rate):
     """Set rate = f(y) for the loads in the record; the argument ``dissipated`` is the contacts' power [W]."""
     n = d.links
     supplied = 0.0
-    if d.model.has_springs_or_dampers or d.model.driven or d.model.has_joint_places:
+    if d.model.has_springs_or_dampers or d.model.has_inputs or d.model.has_joint_places:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
     if d.slides:
         d.work.thrust = slider_force(d, y)
-        damped, driven = slider_power(d, y)
-        dissipated, supplied = dissipated + damped, supplied + driven
+        damped, of_drive = slider_power(d, y)
+        dissipated, supplied = dissipated + damped, supplied + of_drive
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
@@ -196,12 +197,12 @@ def joint_moments(d, y):
     """
     dissipated, supplied, before = 0.0, 0.0, 0.0
     # without inputs the tip has no force; its velocity, which is not computed in flight, is then not read
-    if d.model.driven:
+    if d.model.has_inputs:
         force, velocity, tip = d.inputs.tip_force, d.work.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]
     for i in range(d.links):
         torque, omega = 0.0, y[omega_at(d.links) + i]
-        if i > 0 or d.model.pinned:
+        if i >= first_joint(d):
             relative = omega - before
             if is_drive(d, i):
                 torque = joint_torque(d, y, i)
@@ -217,7 +218,7 @@ def joint_moments(d, y):
         before = omega
     if d.model.has_drive_limits:
         d.drive.margin = min(d.drive.margin, mode_margin(d, y))
-    if d.model.has_springs:
+    if d.model.has_joint_springs:
         add_spring_moments(d, y)
     if d.model.has_joint_places:
         add_place_moments(d)

@@ -6,6 +6,11 @@ def clear(part):
     part.clear()
 
 
+def copy_row(table, source, row):
+    """Copy all columns of row ``source`` of a table of the record to another row."""
+    table[row] = table[source]
+
+
 def inlined(function):
     """Mark a function for inlining into its callers, so that the compiler knows the arguments."""
     function.inlined = True

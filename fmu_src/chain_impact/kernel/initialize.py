@@ -5,6 +5,7 @@ import math
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.inertia import corner_of_box, in_use, inertia_of_box, loose_links, middle
 from chain_impact.kernel.chain.joints import (
+    first_joint,
     joint_armature,
     joint_bound,
     joint_damping,
@@ -172,7 +173,7 @@ def derive_chain(d):
     model.has_armatures = 1 if resists(armatures) else 0
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
     model.has_stops, model.has_joint_friction, model.has_drive_limits = 0, 0, 0
-    for i in range(0 if model.pinned else 1, len(model.length)):
+    for i in range(first_joint(d), d.links):
         if model.joint_friction[i] > 0.0:
             model.has_joint_friction = 1
         if model.joint_torque_limit[i] < math.inf:
@@ -217,13 +218,12 @@ def derive_resistance(d):
     """
     clear_saturation(d)
     model = d.model
-    model.has_dampers, model.has_springs = 0, 0
+    model.has_joint_springs, model.has_springs_or_dampers = 0, 0
     for i in range(d.links):
         if resists(joint_damping(d, i)):
-            model.has_dampers = 1
+            model.has_springs_or_dampers = 1
         if resists(spring_stiffness(d, i)):
-            model.has_springs = 1
-    model.has_springs_or_dampers = max(model.has_dampers, model.has_springs)
+            model.has_joint_springs, model.has_springs_or_dampers = 1, 1
     if d.slides and (resists(slider_damping(d)) or resists(slider_stiffness(d))):
         model.has_springs_or_dampers = 1
     model.joint_bound = joint_bound(d)

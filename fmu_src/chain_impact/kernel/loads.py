@@ -21,7 +21,7 @@ wall. The record of a scene that does not request loads has no such rows.
 
 import math
 
-from chain_impact.kernel.chain.joints import joint_armature, joint_torque
+from chain_impact.kernel.chain.joints import first_joint, joint_armature, joint_torque
 from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.equations import located_rate
@@ -29,7 +29,7 @@ from chain_impact.kernel.forces.contact import set_joint_top
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, maximum_of
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
-from chain_impact.kernel.rows.geometry import WALLS, at_joint, lever, link_of, normal, tangent
+from chain_impact.kernel.rows.geometry import WALLS, at_joint, at_wall, lever, link_of, normal, side, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
 
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
@@ -83,7 +83,7 @@ def joint_forces(d, contact_force, friction_force, x, y):
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
     """Subtract the force or impulse of candidate c from the required force of the link on which it acts."""
-    if d.candidate.stop[c] == 0:
+    if at_wall(d, c):
         fx, fy = wall_force(d, c, along_normal, along_tangent)
         i = link_of(d, c)
         x[i] -= fx
@@ -138,10 +138,10 @@ def fill_loads(d, y, rate):
         out.load.x[row], out.load.y[row], out.load.moment[row] = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.candidate.stop[c] == 0:
+        if at_wall(d, c):
             load_wall(d, c)
         elif at_joint(d, c):
-            moment = d.candidate.stop[c] * lever(d, c) * out.force[c]
+            moment = side(d, c) * lever(d, c) * out.force[c]
             out.load.moment[d.candidate.point[c] - 1] += moment
 
 
@@ -216,7 +216,7 @@ def update_load_peaks(d):
         transmitted.peak[i] = max(transmitted.peak[i], transmitted.top[i])
     for k in range(touch.active_count):
         c = touch.active_index[k]
-        for i in range(0 if d.model.pinned else 1, d.links):
+        for i in range(first_joint(d), d.links):
             if transmitted.top[i] > touch.joint_top[c]:
                 set_joint_top(d, c, transmitted.top[i], i + 1)
     # this call leaves the forces, and the values that follow from them, at the end of the step

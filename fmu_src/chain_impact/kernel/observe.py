@@ -19,7 +19,7 @@ from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.rows.geometry import at_joint, clearance, lever
+from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever, side
 from chain_impact.kernel.status import counted_work, uncount_work
 
 
@@ -203,9 +203,9 @@ def combine_forces(d):
     """
     out = d.output
     for c in range(d.candidates):
-        side, arm = d.candidate.stop[c], lever(d, c)
+        arm = lever(d, c)
         if at_joint(d, c):
-            moment = side * arm * out.force[c]
+            moment = side(d, c) * arm * out.force[c]
             depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
             out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
             first = first_stop(d, c)
@@ -218,20 +218,7 @@ def combine_impulses(d):
     """Convert impulses of stops to angular impulses [N·m·s], in the entry of each joint's first stop."""
     out = d.output
     for c in range(d.candidates):
-        side = d.candidate.stop[c]
         if at_joint(d, c):
-            impulse = side * lever(d, c) * out.impulse[c]
+            impulse = side(d, c) * lever(d, c) * out.impulse[c]
             out.impulse[c] = 0.0
             out.impulse[first_stop(d, c)] += impulse
-
-
-def first_stop(d, c):
-    """Return the first stop of the joint to which stop c belongs: c, or the candidate before c."""
-    candidate = d.candidate
-    second = (
-        c > 0
-        and candidate.stop[c] < 0
-        and candidate.stop[c - 1] > 0
-        and candidate.point[c - 1] == candidate.point[c]
-    )
-    return c - 1 if second else c

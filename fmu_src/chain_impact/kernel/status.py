@@ -91,19 +91,19 @@ def set_status(d, status):
 
 def refuse_candidate(d, c, status):
     """Store candidate c as the reason for ``status``, and return this status."""
-    d.fault.place = 1 + c
+    d.fault.part = 1 + c
     return status
 
 
 def refuse_base(d, c, status):
     """Record that the base, at the wall of candidate c, is the reason for ``status``; return the status."""
-    d.fault.place = 1 + d.candidates + d.links + c
+    d.fault.part = 1 + d.candidates + d.links + c
     return status
 
 
 def refuse_link(d, i, status):
     """Record that link i, counted from 0, or its joint is the reason for ``status``; return this status."""
-    d.fault.place = 1 + d.candidates + i
+    d.fault.part = 1 + d.candidates + i
     return status
 
 

@@ -50,7 +50,7 @@ PATHS: dict[str, DataPath] = {
     "site_link": ("site", "link", AT),
     "site_corner": ("site", "corner", AT),
     "regularized": ("step", "regularized"),
-    **{key: ("model", key) for key in ("pinned", "driven", "followed", "base_moves")},
+    **{key: ("model", key) for key in ("pinned", "has_inputs", "followed", "base_moves")},
     **{f"candidate_{key}": ("candidate", AT, key) for key in ("point", "wall", "stop")},
     "follows": ("motion", "follows"),
     "belt": ("motion", "belt", AT),
@@ -221,7 +221,7 @@ def _layout() -> dict[str, Any]:
     statistics = record["statistics"].names or ()
     return {
         "status": words(("statistics", "status")),
-        "reason": words(("fault", "place")),
+        "reason": words(("fault", "part")),
         "time": words(("step", "time")),
         "impulses": words(("quadrature", "wanted")),
         "loads": words(("loads",)),

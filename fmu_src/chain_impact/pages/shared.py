@@ -20,7 +20,7 @@ from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
-from chain_impact.kernel.rows.geometry import NORMALS, WALLS
+from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS
 from chain_impact.recording import curves, joint_stops, pacing, view
@@ -75,6 +75,7 @@ def shared() -> dict[str, Any]:
             "FRICTION_WITH_RIGID_WALLS": FRICTION_WITH_RIGID_WALLS,
             "NO_CONTACT": NO_CONTACT,
             "PARALLEL": PARALLEL,
+            "STOP_CODES": STOP_CODES,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
         },
         "drawn": {"GROUPS": GROUPS},

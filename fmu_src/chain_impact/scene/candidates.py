@@ -20,10 +20,10 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
     return [*pairs, *joints, *((0, names.index(stop)) for stop in scene.slider_stops)]
 
 
-def places(scene: Scene) -> list[str]:
-    """Return words for each place that can be the reason why a simulation is refused, in the kernel's order.
+def parts_in_words(scene: Scene) -> list[str]:
+    """Return words for each part of a scene that can be the reason for a fault, numbered as ``fault.part``.
 
-    These places are the candidates, then the links, then, for each pair of a point and a wall, the base at
+    These parts are the candidates, then the links, then, for each pair of a point and a wall, the base at
     this wall.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))

@@ -18,7 +18,7 @@ from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.stick_slip import CHANGE_DTYPE
 from chain_impact.results.result import Result
-from chain_impact.scene.candidates import places
+from chain_impact.scene.candidates import parts_in_words
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import InputCourse
 from chain_impact.variables.indices import HEAD, WORD, log_words
@@ -320,8 +320,8 @@ class Instance:
     @property
     def place(self) -> str:
         """The words for the reason of a refusal, such as a point and a wall; "" if there is none."""
-        number = int(self.record["fault"]["place"])
-        return places(self.prepared.scene)[number - 1] if number else ""
+        number = int(self.record["fault"]["part"])
+        return parts_in_words(self.prepared.scene)[number - 1] if number else ""
 
     @property
     def contradictions(self) -> list[str]:

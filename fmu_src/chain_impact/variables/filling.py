@@ -21,6 +21,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import Counts
+from chain_impact.kernel.rows.geometry import STOP_CODES
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
@@ -149,7 +150,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
     model["pinned"] = scene.chain.has_base_joint
-    model["driven"], model["followed"] = scene.inputs.on_chain, scene.inputs.joint_targets
+    model["has_inputs"], model["followed"] = scene.inputs.on_chain, scene.inputs.joint_targets
     _fill_motion(d, scene, pairs)
 
     fill_signals(d, scene)
@@ -161,11 +162,10 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     stops = scene.chain.stops
     if stops:
         last = len(pairs) - len(scene.slider_stops)
-        signs = [1 if stop == "joint_min" else -1 for _, stop in stops]
-        d["candidate"]["stop"][last - len(stops) : last] = signs
+        d["candidate"]["stop"][last - len(stops) : last] = [STOP_CODES[stop] for _, stop in stops]
         d["stops"]["law"] = _law_number(scene.stops.model) if scene.stops.model else 0
     for c, stop in enumerate(scene.slider_stops, len(pairs) - len(scene.slider_stops)):
-        d["candidate"]["stop"][c] = 2 if stop == "slider_min" else -2
+        d["candidate"]["stop"][c] = STOP_CODES[stop]
     _fill_materials(d, scene)
 
 

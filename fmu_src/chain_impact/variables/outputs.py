@@ -289,7 +289,7 @@ OUTPUTS = (
         potential  | J | potential energy of gravity, zero at the origin                        |                     | energy
         elastic    | J | energy stored in the contacts and in the springs of joints             |                     | energy
         dissipated | J | energy lost in {losses} since the start                                |                     | energy
-        supplied   | J | energy supplied by the inputs and by drives of joints since the start  |                     | energy | when=driven
+        supplied   | J | energy supplied by the inputs and by drives of joints since the start  |                     | energy | when=supply
         total      | J | kinetic, potential and elastic energy                                  |                     | energy
         friction   | J | energy lost in dry friction since the start, part of energy.dissipated | friction.dissipated | energy | when=friction
         """,

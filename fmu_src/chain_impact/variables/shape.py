@@ -42,7 +42,7 @@ class Shape:
         friction_joints: the joints with dry friction.
         inputs: which inputs the scene asks for.
         outputs: which outputs the scene asks for.
-        driven: whether inputs or drives may supply energy.
+        has_supply: whether inputs or drives may supply energy.
         moving_walls: the names of the walls that inputs move.
         own_stop_law: whether stops have another law than walls.
         signals: the driven inputs, one row for each.
@@ -62,7 +62,7 @@ class Shape:
     friction_joints: tuple[int, ...]
     inputs: Inputs
     outputs: Outputs
-    driven: bool
+    has_supply: bool
     moving_walls: tuple[str, ...]
     own_stop_law: bool
     signals: tuple[Driven, ...]
@@ -112,7 +112,7 @@ class Shape:
             "law": bool(self.pairs or (self.stops and not self.own_stop_law) or self.slider_stops),
             "contact_friction": self.contact_friction,
             "friction": has_friction,
-            "driven": self.driven,
+            "supply": self.has_supply,
         }
         without = () if self.contact_friction else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
         statuses = {code: text for code, text in STATUS_TEXT.items() if code not in without}
@@ -176,7 +176,7 @@ def shape_of(scene: Scene) -> Shape:
         friction_joints=scene.friction_joints,
         inputs=scene.inputs,
         outputs=scene.outputs,
-        driven=scene.is_driven,
+        has_supply=scene.is_driven,
         moving_walls=scene.moving_walls,
         own_stop_law=scene.stops.model is not None,
         signals=driven_by(scene),

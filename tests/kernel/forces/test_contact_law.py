@@ -323,7 +323,7 @@ def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(given,
     wall = d.candidate.wall[kinds[1]]
     d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
     assert start_laws(d) == (OK if refused is None else status.STATIC_BELOW_SLIDING)
-    assert d.fault.place == (0 if refused is None else 1 + kinds[refused])
+    assert d.fault.part == (0 if refused is None else 1 + kinds[refused])
 
 
 @pytest.mark.parametrize(
@@ -356,7 +356,7 @@ def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_
 @FRICTION
 def test_a_wall_with_friction_of_its_own_has_a_law_of_its_own(given, name):
     d, (c, *_) = given
-    assert own_law.origin(d, c) == -1
+    assert own_law.origin(d, c) == own_law.OF_CONTACT
     d.walls[name][d.candidate.wall[c]] = 0.0
     assert own_law.origin(d, c) == d.candidate.wall[c]
 

@@ -152,7 +152,7 @@ def twins(monkeypatch):
     blank = record_of(scene)
     for name in ("links", "candidates", "candidate"):
         t._record[name] = blank._record[name]
-    t.model.pinned, t.model.driven = d.model.pinned, d.model.driven
+    t.model.pinned, t.model.has_inputs = d.model.pinned, d.model.has_inputs
     return d, t
 
 

@@ -35,19 +35,24 @@ from chain_impact.kernel.chain.state import ANGLES, omega_at
 from chain_impact.kernel.functions import has_dual_rule
 
 
+def first_joint(d):
+    """Return the index of the first link with a proximal joint: 0, or 1 if the base is free."""
+    return 0 if d.model.pinned else 1
+
+
 def joint_damping(d, i):
     """Return the damping c_i [N·m·s/rad] of joint i; 0 if the torque is at its limit or the base is free."""
-    return d.inputs.joint_damping[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
+    return d.inputs.joint_damping[i] if i >= first_joint(d) and d.drive.mode[i] == 0 else 0.0
 
 
 def spring_stiffness(d, i):
     """Return the stiffness k_i [N·m/rad] of joint i; 0 if the torque is at its limit or the base is free."""
-    return d.inputs.joint_stiffness[i] if (i > 0 or d.model.pinned) and d.drive.mode[i] == 0 else 0.0
+    return d.inputs.joint_stiffness[i] if i >= first_joint(d) and d.drive.mode[i] == 0 else 0.0
 
 
 def joint_armature(d, i):
     """Return the armature I_a [kg·m²] of the drive in joint i; 0 at a free base, which has no joint."""
-    return d.model.joint_armature[i] if i > 0 or d.model.pinned else 0.0
+    return d.model.joint_armature[i] if i >= first_joint(d) else 0.0
 
 
 def joint_resistance(d, i, time):
@@ -94,7 +99,7 @@ def wanted_torque(d, y, i):
 
     It is u_i − c_i (ω_i − ω_{i−1} − ω_t) − k_i φ_i, with the target ω_t of the relative angular velocity.
     """
-    if i == 0 and not d.model.pinned:
+    if i < first_joint(d):
         return 0.0
     inputs, first = d.inputs, omega_at(d.links)
     turning = y[first + i] - (y[first + i - 1] if i > 0 else 0.0)

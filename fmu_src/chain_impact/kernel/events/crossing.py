@@ -22,7 +22,7 @@ from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import TRIES, interpolate, next_guess, rate_bounds, rate_bounds_along
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
-from chain_impact.kernel.rows.geometry import at_joint, normal
+from chain_impact.kernel.rows.geometry import at_joint, at_wall, normal
 from chain_impact.kernel.status import count_other_work, work_exceeded
 
 FINEST = 1e-15  # finest resolution of the search, as a fraction of a step
@@ -259,7 +259,7 @@ def bound_curvature(d):
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
-        if d.channels > 0 and d.candidate.stop[c] == 0:
+        if d.channels > 0 and at_wall(d, c):
             speed, push = given_bounds(d, c)
             # a channel is a function of time: in the step's variable, ġ has the derivative p times the
             # channel's acceleration, with p = dt/ds

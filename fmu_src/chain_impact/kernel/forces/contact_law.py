@@ -24,8 +24,9 @@ from chain_impact.kernel.forces.laws import (
     is_impulsive,
     wall_friction,
 )
+from chain_impact.kernel.functions import copy_row
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.rows.geometry import at_joint
+from chain_impact.kernel.rows.geometry import at_joint, at_wall
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     FRICTION_WITH_RIGID_WALLS,
@@ -42,6 +43,8 @@ from chain_impact.kernel.status import (
 # a force K δⁿ of 1e-10 N is left out for K = 1e8; round-off of positions is about 1e-15. Without this margin,
 # the solver would search every step of a point that slides along a wall at zero clearance for an onset.
 HARMLESS = 1e-12
+# origins of laws that are no walls, see ``origin``
+OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with such a law
 
 
@@ -60,15 +63,16 @@ def origin(d, c):
     """Return a number for the origin of the law of candidate c.
 
     Returns:
-        The number of the wall if the wall has its own material; −1 for the material of `contact`; −2 for a
-        stop in a joint; −3 for an end of the slider's line, which has no friction.
+        The number of the wall if the wall has its own material; OF_CONTACT for the material of `contact`;
+        OF_JOINTS for a stop in a joint; OF_SLIDER for an end of the slider's line, which has no friction.
     """
-    if d.candidate.stop[c] != 0:
-        return -2 if at_joint(d, c) else -3
+    if not at_wall(d, c):
+        return OF_JOINTS if at_joint(d, c) else OF_SLIDER
     wall = d.candidate.wall[c]
     walls = d.walls
-    collides = walls.stiffness[wall] > 0.0 or walls.restitution[wall] >= 0.0
-    return wall if collides or walls.friction[wall] >= 0.0 or walls.static_friction[wall] >= 0.0 else -1
+    own = walls.stiffness[wall] > 0.0 or walls.restitution[wall] >= 0.0
+    own = own or walls.friction[wall] >= 0.0 or walls.static_friction[wall] >= 0.0
+    return wall if own else OF_CONTACT
 
 
 def update_laws(d):
@@ -85,7 +89,7 @@ def update_laws(d):
             set_parameters(d, c)
             note_kind(d, c)
         else:
-            copy_law(d.law, first, c)
+            copy_row(d.law, first, c)  # setting the law again would take longer
     return OK
 
 
@@ -136,7 +140,7 @@ def given_stiffness(d, c):
     """Return the given stiffness K [N/mⁿ] of candidate c; for a stop, K of the contact at the lever arm."""
     if at_joint(d, c):
         return d.given.stop_stiffness / power(d.model.size, d.stops.exponent + 1.0)
-    if d.candidate.stop[c] != 0:
+    if not at_wall(d, c):
         return d.given.stiffness
     stiffness = d.walls.stiffness[d.candidate.wall[c]]
     return stiffness if stiffness > 0.0 else d.given.stiffness
@@ -146,7 +150,7 @@ def given_restitution(d, c):
     """Return the given restitution of candidate c."""
     if at_joint(d, c):
         return in_use(d.given.stop_restitution, d.given.restitution)
-    if d.candidate.stop[c] != 0:
+    if not at_wall(d, c):
         return d.given.restitution
     restitution = d.walls.restitution[d.candidate.wall[c]]
     return restitution if restitution >= 0.0 else d.given.restitution
@@ -154,7 +158,7 @@ def given_restitution(d, c):
 
 def given_friction(d, c):
     """Return the given coefficients of sliding and of static friction of candidate c; 0 for a stop."""
-    if d.candidate.stop[c] != 0:
+    if not at_wall(d, c):
         return 0.0, 0.0
     given, walls, wall = d.given, d.walls, d.candidate.wall[c]
     return wall_friction(
@@ -214,17 +218,6 @@ def derive_damping(d, c):
             law.rate_exponent[c] = RATE_EXPONENTS[number - 1]
         law.approach_only[c] = APPROACH_ONLY[number - 1]
         law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
-
-
-def copy_law(law, source, c):
-    """Copy the law of candidate ``source`` to candidate c; setting it again would take longer."""
-    law.number[c], law.exponent[c] = law.number[source], law.exponent[source]
-    law.stiffness[c], law.restitution[c] = law.stiffness[source], law.restitution[source]
-    law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]
-    law.rate_exponent[c], law.damping_factor[c] = law.rate_exponent[source], law.damping_factor[source]
-    law.minimum_impact_speed[c] = law.minimum_impact_speed[source]
-    law.harmless_depth[c] = law.harmless_depth[source]
-    law.friction[c], law.static_friction[c] = law.friction[source], law.static_friction[source]
 
 
 def set_parameters(d, c):

@@ -22,6 +22,7 @@ modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody 
 Contacts.
 """
 
+from chain_impact.kernel.chain.joints import first_joint
 from chain_impact.kernel.rows.geometry import (
     add_along,
     farthest,
@@ -90,7 +91,7 @@ def list_friction(d):
             d.element.index[friction.count] = d.touch.active_index[k]
             friction.count += 1
     friction.contact_count = friction.count
-    for i in range(0 if d.model.pinned else 1, d.links if d.model.has_joint_friction else 0):
+    for i in range(first_joint(d), d.links if d.model.has_joint_friction else 0):
         if d.model.joint_friction[i] > 0.0:
             e = d.candidates + i
             d.element.index[friction.count] = e

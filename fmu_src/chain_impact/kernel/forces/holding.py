@@ -32,6 +32,7 @@ from chain_impact.kernel.rows.constraints import (
 from chain_impact.kernel.rows.geometry import (
     along,
     any_sticking,
+    at_wall,
     clearance,
     constraint,
     constraint_acceleration,
@@ -183,7 +184,7 @@ def power_of_motion(d, y, rate):
     power, fx, fy = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.candidate.stop[c] == 0:
+        if at_wall(d, c):
             force = d.touch.force[c]
             power += force * d.shift.rate[c]
             fx, fy = fx + force * d.candidate.normal_x[c], fy + force * d.candidate.normal_y[c]
@@ -212,7 +213,7 @@ def work_of_impulses(d):
     for k in range(constraint_rows(d)):
         sticks = k >= d.touch.active_count
         e = d.element.stuck[k - d.touch.active_count] if sticks else d.touch.active_index[k]
-        if e < d.candidates and d.candidate.stop[e] == 0:
+        if e < d.candidates and at_wall(d, e):
             _, nx, ny = constraint(d, k)
             impulse = rigid.impulse[k]
             if k < d.touch.compliant_count:

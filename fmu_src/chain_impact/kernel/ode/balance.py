@@ -32,7 +32,7 @@ tolerance.
 
 import math
 
-from chain_impact.kernel.chain.joints import spring_stiffness, stretch
+from chain_impact.kernel.chain.joints import joint_armature, spring_stiffness, stretch
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
@@ -101,7 +101,7 @@ def start_balance(d, time):
         reach += model.length[i]
         # E₁, twice the kinetic energy of the stretched chain: twice ½ m (s + Σ L)² + ½ I, summed over its
         # links
-        square += model.mass[i] * reach * reach + (model.inertia[i] + model.joint_armature[i])
+        square += model.mass[i] * reach * reach + (model.inertia[i] + joint_armature(d, i))
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
     balance.unit_scale = balance.weight * reach + model.energy
@@ -293,7 +293,7 @@ def scales(d, y):
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
-    if d.model.has_springs:
+    if d.model.has_joint_springs:
         for i in range(d.links):
             moment = spring_stiffness(d, i) * abs(stretch(d, y, i))
             scale += moment

@@ -57,7 +57,6 @@ from chain_impact.kernel.ode.extended import (
 )
 from chain_impact.kernel.ode.friction_work import keep_friction, settle_friction, work_along
 from chain_impact.kernel.ode.radau import (
-    COMPLEX_EIGENVALUES,
     END_WEIGHTS,
     ITERATIONS,
     NODES,
@@ -65,13 +64,14 @@ from chain_impact.kernel.ode.radau import (
     RADAU_STAGES,
     REAL_EIGENVALUE,
     START_WEIGHTS,
-    lagrange,
+    shift_of,
     simplified_newton,
 )
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.status import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
+WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
 # how far beyond a step its polynomial is used with degree 5, 4 and 3, in step lengths; farther, degree 1
 FORETOLD = (1.2, 2.0, 3.0)
@@ -125,12 +125,6 @@ def solve(d, h, size):
 def set_residual(d, i, j, residual):
     """Set component j of the i-th right-hand side of the linear systems to ``residual``."""
     d.implicit.parts[i, j] = residual
-
-
-def shift_of(pair, h):
-    """Return the complex shift [s] of a pair of eigenvalues, for a step of size h."""
-    real, imaginary = COMPLEX_EIGENVALUES[pair]
-    return complex(h * real, h * imaginary)
 
 
 def can_extrapolate(d):
@@ -374,6 +368,15 @@ def keep_clearances(d):
         # 8/729 F₅ + 8/2187 F₆ is the change of the output at one third, 8/729 F₅ + 16/2187 F₆ at two thirds
         dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)
         dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
+
+
+def lagrange(first, m, x):
+    """Return at x the m-th Lagrange polynomial on the points of WITH_START from index ``first`` on."""
+    value = 1.0
+    for k in range(first, RADAU_STAGES + 1):
+        if k != m:
+            value *= (x - WITH_START[k]) / (WITH_START[m] - WITH_START[k])
+    return value
 
 
 def interpolated(d, j, theta):

@@ -14,6 +14,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.functions import has_dual_rule
+from chain_impact.kernel.rows.geometry import at_wall
 
 # p, q of the basis functions θᵖ (1−θ)^q, which F₀ to F₆ multiply
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
@@ -179,7 +180,7 @@ def list_quadratures(d):
             integrate(d, d.candidates + d.element.index[k])
         if d.friction.count > 0:
             integrate(d, d.candidates + d.elements)
-        if d.loads > 0 and d.model.driven:
+        if d.loads > 0 and d.model.has_inputs:
             for j in range(2):
                 integrate(d, d.candidates + d.elements + 1 + j)
 
@@ -239,7 +240,7 @@ def settle_impulses(d):
         if fallen > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
             # the stops of all joints have the same wall number, but are different walls
-            if k >= d.touch.compliant_count and d.candidate.stop[c] == 0:
+            if k >= d.touch.compliant_count and at_wall(d, c):
                 take_impulse(d, d.candidate.wall[c], fallen)
 
 

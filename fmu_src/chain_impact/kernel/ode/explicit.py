@@ -28,7 +28,6 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_
 from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
 from chain_impact.kernel.status import count_evaluations
 
-EXPLICIT_ORDER = 8
 # number of stages of a step; stage 12 is the rate at the end of the step, stages 13 to 15 are for dense
 # output
 STEP_STAGES = 12

@@ -25,7 +25,6 @@ import math
 from chain_impact.kernel.functions import sequence
 from chain_impact.kernel.mathematics.powers import power
 
-RADAU_ORDER = 9
 RADAU_STAGES = 5
 PAIRS = 2  # number of pairs of complex eigenvalues
 
@@ -87,17 +86,13 @@ LEFT_Q = tuple(
 ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
 LEFT_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
 DIVERGES = 0.95  # the convergence rate θ above which the iteration is given up
-WITH_START = (0.0, *NODES)
 FARTHEST = 1e20  # the largest correction, relative to the tolerance; beyond this the iteration has failed
 
 
-def lagrange(first, m, x):
-    """Return at x the m-th Lagrange polynomial on the points of WITH_START from index ``first`` on."""
-    value = 1.0
-    for k in range(first, RADAU_STAGES + 1):
-        if k != m:
-            value *= (x - WITH_START[k]) / (WITH_START[m] - WITH_START[k])
-    return value
+def shift_of(pair, h):
+    """Return the complex shift [s] of a pair of eigenvalues, for a step of size h."""
+    real, imaginary = COMPLEX_EIGENVALUES[pair]
+    return complex(h * real, h * imaginary)
 
 
 def _transformed(i):

@@ -40,14 +40,13 @@ def model_dtype(links: int) -> np.dtype:
         ("joint_max", REAL, (links,)),  # rad, upper stop of the joint's own angle; ∞: no stop
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
         ("pinned", INTEGER),  # 1: link 1 hangs in a joint at the base, which cannot move or slides
-        ("driven", INTEGER),  # 1: inputs act on the chain in flight
+        ("has_inputs", INTEGER),  # 1: inputs act on the chain in flight
         ("followed", INTEGER),  # 1: all joints have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
         # ---- derived at initialization
         ("center_of_mass", REAL, (links,)),  # m from the proximal joint
         ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
-        ("has_dampers", INTEGER),  # 1: some joint has damping
-        ("has_springs", INTEGER),  # 1: some joint has a spring
+        ("has_joint_springs", INTEGER),  # 1: some joint has a spring
         ("has_springs_or_dampers", INTEGER),  # 1: some joint, or the slider, has damping or a spring
         ("has_stops", INTEGER),  # 1: some joint has a stop
         ("has_joint_friction", INTEGER),  # 1: some joint has dry friction
@@ -295,7 +294,7 @@ def candidate_dtype(candidates: int) -> np.dtype:
         ("point", INTEGER),
         # index of the wall in WALLS, or 4 plus the index in `walls`; stops have the numbers after the walls
         ("wall", INTEGER),
-        ("stop", INTEGER),  # ±1: at joint_min, joint_max; ±2: at slider_min, slider_max; 0: at a wall
+        ("stop", INTEGER),  # which stop: AT_WALL or a value of STOP_CODES (rows/geometry.py)
         # ---- derived at initialization
         # index of the place of the point, of the stop's joint (N plus the joint's number), or of the site (N
         # plus the site's number)

@@ -83,7 +83,7 @@ def fault_dtype() -> np.dtype:
     """Return the layout of the reason for a refusal."""
     # number of the part that is the reason: first the candidates, from 1, then the links, then the base at
     # the wall of each candidate; 0: none
-    return record(("place", INTEGER))
+    return record(("part", INTEGER))
 
 
 @written_by("status.py", status="status.py")

@@ -37,6 +37,11 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 OVERLAP = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The inward normals of the box's walls."""
+STOP_CODES = {"joint_min": 1, "joint_max": -1, "slider_min": 2, "slider_max": -2}
+"""Name of a stop → the value of candidate.stop; its sign is the side of the stop, see ``side``."""
+JOINT_MIN, JOINT_MAX, SLIDER_MIN, SLIDER_MAX = STOP_CODES.values()
+STOP_COUNT = len(STOP_CODES)
+AT_WALL = 0  # value of candidate.stop for a candidate that is no stop
 
 
 def place_walls(d):
@@ -47,7 +52,7 @@ def place_walls(d):
         d.candidate.radius[c] = d.contact.radius if point <= d.links else d.site.radius[point - d.links - 1]
         if at_joint(d, c):
             place_stop(d, c)
-        elif d.candidate.stop[c] != 0:
+        elif not at_wall(d, c):
             place_end(d, c)
         elif wall < len(WALLS):
             place_side(d, c, wall)
@@ -80,24 +85,59 @@ def place_stop(d, c):
     """Set the normal and the offset of candidate c, a stop, at the place of its joint."""
     candidate, joint = d.candidate, d.candidate.point[c]
     candidate.place[c] = d.links + joint
-    candidate.normal_x[c], candidate.normal_y[c] = float(candidate.stop[c]), 0.0
-    limit = d.model.joint_min[joint - 1] if candidate.stop[c] > 0 else d.model.joint_max[joint - 1]
+    candidate.normal_x[c], candidate.normal_y[c] = side(d, c), 0.0
+    limit = d.model.joint_min[joint - 1] if candidate.stop[c] == JOINT_MIN else d.model.joint_max[joint - 1]
     candidate.offset[c], candidate.radius[c] = candidate.normal_x[c] * d.model.size * limit, 0.0
 
 
 def place_end(d, c):
     """Set the normal and the offset of candidate c, an end of the slider's line, which the base touches."""
     candidate, slider, origin = d.candidate, d.slider, d.initial.position
-    sign = 1.0 if candidate.stop[c] > 0 else -1.0
-    limit = slider.min if candidate.stop[c] > 0 else slider.max
+    sign, limit = side(d, c), slider.min if candidate.stop[c] == SLIDER_MIN else slider.max
     candidate.normal_x[c], candidate.normal_y[c] = sign * slider.ux, sign * slider.uy
     candidate.radius[c] = 0.0
     candidate.offset[c] = sign * (slide_along(d, origin[0], origin[1]) + limit)
 
 
+def at_wall(d, c):
+    """Return whether candidate c is at a wall, not at a stop of a joint or of the slider."""
+    return d.candidate.stop[c] == AT_WALL
+
+
 def at_joint(d, c):
     """Return whether candidate c is a stop of a joint."""
-    return abs(d.candidate.stop[c]) == 1
+    return d.candidate.stop[c] == JOINT_MIN or d.candidate.stop[c] == JOINT_MAX
+
+
+def side(d, c):
+    """Return the direction of the normal of a stop: 1.0 at a lower limit, −1.0 at an upper limit."""
+    return 1.0 if d.candidate.stop[c] > AT_WALL else -1.0
+
+
+def first_stop(d, c):
+    """Return the first stop of the joint to which stop c belongs: c, or the candidate before c."""
+    candidate = d.candidate
+    second = (
+        c > 0
+        and candidate.stop[c] == JOINT_MAX
+        and candidate.stop[c - 1] == JOINT_MIN
+        and candidate.point[c - 1] == candidate.point[c]
+    )
+    return c - 1 if second else c
+
+
+def candidate_within_bounds(d, c):
+    """Return whether the stop, the point, the place and the wall of candidate c are within their bounds."""
+    # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
+    least, most = 1 if at_joint(d, c) else 0, len(WALLS) + d.candidates - 1
+    if not at_wall(d, c):
+        most += STOP_COUNT
+    return (
+        SLIDER_MAX <= d.candidate.stop[c] <= SLIDER_MIN
+        and least <= d.candidate.point[c] <= d.links + d.sites
+        and 0 <= d.candidate.place[c] <= 2 * d.links + d.sites
+        and 0 <= d.candidate.wall[c] <= most
+    )
 
 
 def normal(d, c):
@@ -294,7 +334,7 @@ def faces_base(d, c):
 
     Wall and base can meet if one of the two moves.
     """
-    first = d.candidate.stop[c] == 0 and d.candidate.point[c] == d.candidate.point[0]
+    first = at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]
     return first and (d.model.base_moves or d.shift.channel[c] >= 0)
 
 

@@ -101,7 +101,7 @@ int allowed(const Instance *instance, const char *call, unsigned phases);
 int given(const Instance *instance, const char *call, const char *name, const void *argument);
 const char *when(const Instance *instance); /* the present phase in words */
 typedef struct { char text[1000]; } Sentence;
-/* sentence of a status, with words for its place */
+/* sentence of a status, with words for the part of the scene that is the reason */
 Sentence reason(const Table *table, const Word *record, int status);
 typedef struct { char text[32]; } Number;
 Number number(double value); /* the fewest digits from which the same number is read */

@@ -78,13 +78,13 @@ Number rounded(double value) {
 }
 
 Sentence reason(const Table *table, const Word *record, int status) {
-    const int64_t *statuses = in_table(table, table->statuses_at), *places = in_table(table, table->places_at);
+    const int64_t *statuses = in_table(table, table->statuses_at), *parts = in_table(table, table->parts_at);
     int known = status >= 0 && status < table->status_count;
     const char *what = known ? text_of(table, statuses[status]) : "unknown status";
-    int64_t place = record[table->place_word].integer; /* places count from 1 */
-    int placed = place >= 1 && place <= table->place_count;
+    int64_t part = record[table->part_word].integer; /* parts count from 1 */
+    int named = part >= 1 && part <= table->part_count;
     Sentence sentence;
-    snprintf(sentence.text, sizeof sentence.text, placed ? "%s: %s" : "%s", what,
-             placed ? text_of(table, places[place - 1]) : "");
+    snprintf(sentence.text, sizeof sentence.text, named ? "%s: %s" : "%s", what,
+             named ? text_of(table, parts[part - 1]) : "");
     return sentence;
 }

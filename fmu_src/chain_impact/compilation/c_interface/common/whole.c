@@ -56,11 +56,11 @@ int is_whole(const Table *table) {
     if (table->texts_at < (int64_t)sizeof *table || (uint64_t)table->texts_at > table->size) return 0;
     if (!lies_in(table, table->variables_at, table->variable_count, sizeof(Variable)) ||
         !lies_in(table, table->statuses_at, table->status_count, sizeof(int64_t)) ||
-        !lies_in(table, table->places_at, table->place_count, sizeof(int64_t)) ||
+        !lies_in(table, table->parts_at, table->part_count, sizeof(int64_t)) ||
         !lies_in(table, table->record_at, table->record_size, 1))
         return 0;
     if (!is_word(table, table->time_word) || !is_word(table, table->changed_word) ||
-        !is_word(table, table->tolerance_word) || !is_word(table, table->place_word))
+        !is_word(table, table->tolerance_word) || !is_word(table, table->part_word))
         return 0;
     if (table->contradiction_word != 0 && (!is_word(table, table->contradiction_word) ||
                                            !is_word(table, table->contradiction_word + 3)))
@@ -69,5 +69,5 @@ int is_whole(const Table *table) {
     for (int64_t i = 0; i < table->variable_count; i++)
         if (!is_variable(table, variables + i)) return 0;
     return are_texts(table, table->statuses_at, table->status_count) &&
-           are_texts(table, table->places_at, table->place_count) && is_record(table);
+           are_texts(table, table->parts_at, table->part_count) && is_record(table);
 }

@@ -53,7 +53,7 @@ function factsOf({ file: { chain, inputs, outputs, stops: { model } }, pairs, sl
     law: hasContacts || (stops.length > 0 && !model),
     contact_friction: rubs,
     friction: hasFriction,
-    driven: anyOnChain(inputs) || inputs.wall_motion.length > 0 || hasLimits,
+    supply: anyOnChain(inputs) || inputs.wall_motion.length > 0 || hasLimits,
   };
 }
 

@@ -1,7 +1,7 @@
 // The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
 
 import { anyOnChain, range } from "./elements.js";
-import { BOX_WALLS, STOPS } from "./geometry.js";
+import { BOX_WALLS } from "./geometry.js";
 import { putSignals } from "./signals.js";
 
 /** Return the index of a word in a record of these sizes: a constant, and a slope for each count and for the index. */
@@ -43,10 +43,10 @@ export function recordOf(kit, parts, rows, values, byName) {
   put("regularized", SHARED.kernel.NO_CONTACT);
   each("candidate_point", candidates.map(([point]) => point));
   each("candidate_wall", candidates.map(([, wall]) => wall));
-  stops.forEach(([, stop], k) => put("candidate_stop", stop === STOPS[0] ? 1 : -1, pairs.length + k));
-  sliderStops.forEach((stop, k) => put("candidate_stop", stop === "slider_min" ? 2 : -2, pairs.length + stops.length + k));
+  const allStops = [...stops.map(([, stop]) => stop), ...sliderStops];
+  allStops.forEach((stop, k) => put("candidate_stop", SHARED.kernel.STOP_CODES[stop], pairs.length + k));
   put("pinned", Number(chain.base !== "free"));
-  put("driven", Number(anyOnChain(inputs)));
+  put("has_inputs", Number(anyOnChain(inputs)));
   put("followed", Number(inputs.joint_targets));
   put("base_moves", Number(inputs.base_motion));
   put("follows", 1);
