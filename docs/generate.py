@@ -1,8 +1,7 @@
 """Fill the tables of the docs from the code: ``python docs/generate.py``.
 
 The script replaces the text between ``<!-- generated: name -->`` and ``<!-- end -->`` in a page by the result
-of the function ``name`` in TABLES. It also writes the JSON schema of scene files, ``scene.schema.json``, and
-the header with what Python shares with C, ``shared.h``.
+of the function ``name`` in TABLES. It also writes the JSON schema of scene files, ``scene.schema.json``.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import c_header
 from command_help import command_line
 from markdown_text import code, table
 from scene_page import scene_reference
@@ -26,7 +24,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.fmu.planted_faults import FAULTS, FOUND, WHOLE
+from tests.helpers.tools.planted_faults import FAULTS, FOUND, WHOLE
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
@@ -231,7 +229,6 @@ def write() -> None:
         text = page.read_text(encoding="utf-8")
         page.write_text(filled(text), encoding="utf-8")
     SCHEMA.write_text(schema_text(), encoding="utf-8")
-    c_header.FILE.write_text(c_header.header(), encoding="utf-8")
 
 
 if __name__ == "__main__":

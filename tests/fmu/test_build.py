@@ -26,9 +26,9 @@ from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.importer import Instance
 from tests.fmu.interface import description
-from tests.fmu.planted_faults import XML, edited, spoiled
 from tests.fmu.scenes import KINDS
 from tests.helpers.tools.binaries import binary
+from tests.helpers.tools.planted_faults import XML, edited, spoiled
 
 every_model = pytest.mark.parametrize("model", model_names())
 FMIS = {"native": 2, "fmi3": 3}

@@ -14,7 +14,7 @@ from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.references import EXACT, FILE, ROWS, check_references, reference
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.prepared import PreparedScene
-from tests.fmu.planted_faults import spoiled
+from tests.helpers.tools.planted_faults import spoiled
 
 every_model = pytest.mark.parametrize("model", model_names())
 

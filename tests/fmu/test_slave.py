@@ -18,8 +18,8 @@ from chain_impact.fmu.pythonfmu_target import slave_source
 from chain_impact.fmu.references import FILE
 from tests.fmu.clean import importing
 from tests.fmu.importer import MESSAGES, Instance, refused
-from tests.fmu.planted_faults import spoiled
 from tests.fmu.zig import zig
+from tests.helpers.tools.planted_faults import spoiled
 
 in_python = {"kinds": "pythonfmu"}
 HERE = Path(__file__).parent

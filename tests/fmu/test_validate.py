@@ -14,7 +14,9 @@ from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.validate import validation
 from chain_impact.scene.reading import SceneError
 from chain_impact.system import HOST
-from tests.fmu.planted_faults import (
+from tests.fmu.standard import co_simulation_functions
+from tests.fmu.zig import zig
+from tests.helpers.tools.planted_faults import (
     BINARIES,
     BINARY,
     FAULTS,
@@ -27,8 +29,6 @@ from tests.fmu.planted_faults import (
     said,
     spoiled,
 )
-from tests.fmu.standard import co_simulation_functions
-from tests.fmu.zig import zig
 from tests.tiers import needs_compilers
 
 # --- sound FMUs ------------------------------------------------------------------------------------------

@@ -95,6 +95,16 @@ def test_no_folders_of_the_pages_need_each_other_and_each_script_says_what_it_is
     graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
 
 
+def test_docs_and_benchmarks_need_the_helpers_of_the_tests_only_and_no_helper_needs_them():
+    """Tests of the docs import both; so the arrows go one way."""
+    scripts = [file for folder in ("docs", "benchmarks") for file in (ROOT / folder).glob("*.py")]
+    needed = {name for file in scripts for name in imported(file) if name.split(".")[0] == "tests"}
+    assert {name for name in needed if not name.startswith("tests.helpers")} == set()
+    own = {file.stem for file in scripts}
+    helpers = (ROOT / "tests" / "helpers").rglob("*.py")
+    assert {name for file in helpers for name in imported(file)} & own == set()
+
+
 def test_only_the_lowering_imports_numba():
     """An installation with prebuilt kernels needs no compiler."""
     compilers = ("numba", "llvmlite")

@@ -10,6 +10,7 @@ import zipfile
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
+import c_header
 import pytest
 
 import chain_impact
@@ -17,6 +18,10 @@ from chain_impact.cli import parser
 from tests.helpers.tools.sources import check_sources
 
 PACKAGING = Path(__file__).parents[2] / "packaging"
+
+
+def test_the_header_of_the_c_interface_is_up_to_date():
+    assert c_header.FILE.read_text(encoding="utf-8") == c_header.header(), "run: python packaging/c_header.py"
 
 
 def loaded(name):

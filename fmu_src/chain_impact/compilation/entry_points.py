@@ -1,24 +1,8 @@
-"""The C functions of a kernel.
+"""The C functions of a kernel, in numba's types; signatures.py has their signatures.
 
-    int32 initialize(instance*, double time)
-    int32 advance(instance*, double time)
-    int32 advance_awhile(instance*, double time)
-    int32 advance_to_onset(instance*, double time)
-    int32 event_update(instance*)
-    int32 observe(instance*)
-    int32 sound(instance*)
-    int32 follow(instance*)
-    int64 record_words(instance*)
-    int64 trajectory(instance*, const double* times, int64 count, const int64* spans, int64 span_count,
-                     double* rows, int64 columns, int32 of_state)
-    int64 run_each(instance*, const int64* places, int64 parameters, const double* values,
-                   const double* stops, int64 runs, const int64* output_indices, int64 columns,
-                   double* rows, int32 continuing)
-
-kernel/entry.py and kernel/advance.py describe these functions. In a kernel that carries derivatives, the
-functions also advance the tangent instances, records of dual numbers that follow the instance in memory: the
-kernel calls the hooks, which are C functions, too, and are linked to the kernel (kernel/hooks.py,
-kernel/tangent/entry.py).
+In a kernel that carries derivatives, the functions also advance the tangent instances, records of dual
+numbers that follow the instance in memory: the kernel calls the hooks, which are C functions, too, and are
+linked to the kernel (kernel/hooks.py, kernel/tangent/entry.py).
 """
 
 from __future__ import annotations
@@ -30,6 +14,7 @@ from numba import float64, int32, int64, types
 
 from chain_impact.compilation.functions import HOOK_SIGNATURES
 from chain_impact.compilation.record_type import INSTANCE, matrix, vector
+from chain_impact.compilation.signatures import SIGNATURES, Signature
 from chain_impact.kernel import entry, hooks
 from chain_impact.kernel.advance import advance_to_onset, event_update
 from chain_impact.kernel.entry import sound
@@ -39,6 +24,10 @@ from chain_impact.kernel.tangent.duals import words
 from chain_impact.kernel.tangent.entry import HOOKS
 
 _HOOKS: dict[Any, Any] = HOOKS
+_TYPES = {
+    **{"int32": int32, "int64": int64, "double": float64, "record*": INSTANCE},
+    **{"double*": types.CPointer(float64), "int64*": types.CPointer(int64)},
+}
 Entries = dict[str, tuple[Any, Callable[..., Any]]]
 """C functions: name → (signature, function)."""
 
@@ -86,19 +75,23 @@ def hook_entries() -> Entries:
 
 def entry_points() -> Entries:
     """Return the C functions of the kernel."""
-    reals, indices = types.CPointer(float64), types.CPointer(int64)
-    runs = (INSTANCE, indices, int64, reals, reals, int64, indices, int64, reals, int32)
-    return {
-        "initialize": (int32(INSTANCE, float64), initialize),
-        "advance": (int32(INSTANCE, float64), entry.advance_to),
-        "advance_awhile": (int32(INSTANCE, float64), entry.advance_awhile),
-        "advance_to_onset": (int32(INSTANCE, float64), advance_to_onset),
-        "event_update": (int32(INSTANCE), event_update),
-        "observe": (int32(INSTANCE), entry.observe_now),
-        "sound": (int32(INSTANCE), sound),
-        "follow": (int32(INSTANCE), follow),
-        "trajectory": (int64(INSTANCE, reals, int64, indices, int64, reals, int64, int32), trajectory),
-        "run_each": (int64(*runs), run_each),
+    functions: dict[str, Callable[..., Any]] = {
+        "initialize": initialize,
+        "advance": entry.advance_to,
+        "advance_awhile": entry.advance_awhile,
+        "advance_to_onset": advance_to_onset,
+        "event_update": event_update,
+        "observe": entry.observe_now,
+        "sound": sound,
+        "follow": follow,
         # the C interface calls this function to check the size of a record that it reads from a file
-        "record_words": (int64(INSTANCE), record_words),
+        "record_words": record_words,
+        "trajectory": trajectory,
+        "run_each": run_each,
     }
+    return {name: (_kind(signature), functions[name]) for name, signature in SIGNATURES.items()}
+
+
+def _kind(signature: Signature) -> Any:
+    """Return numba's type of a function."""
+    return _TYPES[signature.result](*(_TYPES[kind] for kind in signature.arguments.values()))

@@ -10,7 +10,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[1]
 MAKERS = (
     *("affine", "browser", "collecting", "compilers", "dual_numbers", "entry_points", "functions"),
-    *("law", "law_file", "law_syntax", "lower", "record_type"),
+    *("law", "law_file", "law_syntax", "lower", "record_type", "signatures"),
 )
 """The modules of this folder that make code. The other modules find, store and describe kernels."""
 COMPILED = (

@@ -43,7 +43,7 @@ HEAD = {
     **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),
     "record_size": "q",
 }
-"""Field of the head of the table → format. docs/generate.py writes both structures for C, in shared.h."""
+"""Field of the head of the table → format. packaging/c_header.py writes both for C."""
 CHECKED_FROM = struct.calcsize("<" + "".join(HEAD[name] for name in ("magic", "size", "checksum")))
 Rows = Sequence[tuple[list[Any], int]]
 """A row of the table for each variable, with the number of values of the variable."""

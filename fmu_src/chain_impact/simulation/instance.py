@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from chain_impact.compilation import signatures
 from chain_impact.compilation.compilers import Sizes
 from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
@@ -383,15 +384,7 @@ def sizes_of(block: np.ndarray) -> tuple[int, ...]:
 
 
 def load_kernel(library: Path) -> ctypes.CDLL:
-    """Return a compiled kernel, loaded, with the types of its C functions (compilation/entry_points.py)."""
+    """Return a compiled kernel, loaded, with the types of its C functions (compilation/signatures.py)."""
     kernel = ctypes.CDLL(str(library))
-    pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
-    kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
-    kernel.advance_awhile.argtypes = [pointer, real]
-    kernel.observe.argtypes = kernel.follow.argtypes = kernel.sound.argtypes = [pointer]
-    rows = (pointer, pointer, integer, pointer, integer, pointer, integer)
-    runs = (pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
-    kernel.trajectory.argtypes = [*rows, ctypes.c_int32]
-    kernel.run_each.argtypes = [*runs, ctypes.c_int32]
-    kernel.trajectory.restype = kernel.run_each.restype = integer
+    signatures.declare(kernel)
     return kernel

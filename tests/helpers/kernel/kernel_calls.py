@@ -5,7 +5,6 @@ This is the only module of the tests that uses private attributes of ``Instance`
 
 from __future__ import annotations
 
-from ctypes import c_double, c_void_p
 from typing import Any
 
 import numpy as np
@@ -30,12 +29,12 @@ def advance_awhile(instance: Instance, time: float) -> int:
 
 def advance_to_onset(instance: Instance, time: float) -> int:
     """Advance to a time [s], or to the first onset before it, which is then due; return the status."""
-    return int(instance._kernel.advance_to_onset(c_void_p(instance._address), c_double(time)))
+    return int(instance._kernel.advance_to_onset(instance._address, time))
 
 
 def event_update(instance: Instance) -> int:
     """Apply the onset that is due, and return the status."""
-    return int(instance._kernel.event_update(c_void_p(instance._address)))
+    return int(instance._kernel.event_update(instance._address))
 
 
 def move(instance: Instance, memory: Any) -> None:

@@ -3,7 +3,7 @@
    The interface is the same for every scene. It reads the data of a scene from resources/model.bin, which
    chain_impact/fmu/table.py writes: the word of the record for each value reference, when a variable may be set and
    in which range, the texts, and the record with the start values. All numbers are little-endian. shared.h has the
-   structures of this file. */
+   structures of this file and the functions of the kernel. */
 #ifndef instance_h
 #define instance_h
 
@@ -11,8 +11,6 @@
 #include <stdint.h>
 
 #include "shared.h"
-
-typedef union { double real; int64_t integer; } Word;
 
 /* The states of an instance: 4.2.4 of FMI 2.0, without the states of unfinished asynchronous steps, and 2.3 and 4.2
    of FMI 3.0. EVENT is event mode. */
@@ -113,15 +111,5 @@ int is_whole(const Table *table); /* whole.c: whether all places in the table ar
 uint32_t checksum(const void *bytes, size_t size); /* CRC-32, as in zlib and PNG */
 static inline const void *in_table(const Table *table, int64_t place) { return (const char *)table + place; }
 const char *text_of(const Table *table, int64_t place);
-
-/* the kernel, chain_impact/compilation/entry_points.py */
-extern int32_t initialize(Word *record, double time);
-extern int32_t advance(Word *record, double time);
-extern int32_t advance_awhile(Word *record, double time);
-extern int32_t advance_to_onset(Word *record, double time);
-extern int32_t event_update(Word *record);
-extern int32_t observe(Word *record);
-extern int32_t sound(Word *record);
-extern int64_t record_words(Word *record); /* number of words of a record with the sizes at its start */
 
 #endif

@@ -1,4 +1,4 @@
-"""The header shared.h of the C interface: the structures and numbers that C shares with Python."""
+"""Write shared.h of the C interface, all that C shares with Python: ``python packaging/c_header.py``."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from chain_impact.compilation.compilers import INTERFACE
+from chain_impact.compilation.signatures import declarations
 from chain_impact.fmu.table import HEAD, KINDS, MAGIC, TYPES, VARIABLE
 from chain_impact.kernel.forces.inputs import AT_ONCE
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
@@ -20,7 +21,7 @@ C_TYPES = {"d": "double", "q": "int64_t", "Q": "uint64_t", "i": "int32_t"}
 def header() -> str:
     """Return the text of the header."""
     parts = [
-        "/* Structures and numbers that Python shares with C. docs/generate.py writes this file. */",
+        "/* What Python shares with C. packaging/c_header.py writes this file. */",
         "#ifndef shared_h\n#define shared_h\n\n#include <stdint.h>",
         "/* fmu/table.py: values of Variable.type and Variable.kind; an enumeration is an integer */\n"
         + f"{_indices(TYPES)}\n{_indices(KINDS)}",
@@ -33,6 +34,8 @@ def header() -> str:
         f"enum {{ PAUSED = {PAUSED}, ONSET_DUE = {ONSET_DUE} }};",
         "/* kernel/forces/inputs.py: the value of given.changed with which the solver re-initializes */\n"
         f"enum {{ AT_ONCE = {AT_ONCE} }};",
+        "/* compilation/signatures.py: the functions of the kernel */\n"
+        f"typedef union {{ double real; int64_t integer; }} Word;\n{declarations()}",
         "#endif\n",
     ]
     return "\n\n".join(parts)
@@ -51,3 +54,7 @@ def _field(name: str, kind: str) -> str:
     if text := re.fullmatch(r"(\d+)s", kind):
         return f"char {name}[{text[1]}]"
     return f"{C_TYPES[kind]} {name}"
+
+
+if __name__ == "__main__":
+    FILE.write_text(header(), encoding="utf-8")

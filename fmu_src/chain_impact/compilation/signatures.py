@@ -1,0 +1,69 @@
+"""The C functions of a kernel: the table of their signatures.
+
+numba's types (entry_points.py), the declarations for ctypes and those for the C interface of FMUs follow from
+the table. kernel/entry.py and kernel/advance.py describe the functions.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import textwrap
+from typing import Any, NamedTuple
+
+_TABLE = """
+int32 initialize(record* d, double time)
+int32 advance(record* d, double time)
+int32 advance_awhile(record* d, double time)
+int32 advance_to_onset(record* d, double time)
+int32 event_update(record* d)
+int32 observe(record* d)
+int32 sound(record* d)
+int32 follow(record* d)
+int64 record_words(record* d)
+int64 trajectory(record* d, double* times, int64 count, int64* spans, int64 span_count, double* rows,
+                 int64 columns, int32 of_state)
+int64 run_each(record* d, int64* places, int64 parameters, double* values, double* stops, int64 runs,
+               int64* output_indices, int64 columns, double* rows, int32 continuing)
+"""
+
+
+class Signature(NamedTuple):
+    """The type of a function's result, and the arguments: name → type."""
+
+    result: str
+    arguments: dict[str, str]
+
+
+def _signature(result: str, arguments: str) -> Signature:
+    pairs = (argument.split() for argument in arguments.split(","))
+    return Signature(result, {name: kind for kind, name in pairs})
+
+
+SIGNATURES = {
+    name: _signature(result, arguments)
+    for result, name, arguments in re.findall(r"(\w+) (\w+)\((.*?)\)", _TABLE, re.DOTALL)
+}
+"""Name of each function → its signature."""
+WIDTH = 110  # characters of a line of C
+_OF_CTYPES = {"int32": ctypes.c_int32, "int64": ctypes.c_int64, "double": ctypes.c_double}
+_OF_C = {"int32": "int32_t ", "int64": "int64_t ", "double": "double "}
+_OF_C |= {"record*": "Word *", "double*": "double *", "int64*": "int64_t *"}
+
+
+def declare(library: Any) -> None:
+    """Declare the functions of a library that ctypes has loaded; a pointer is given as an address."""
+    for name, (result, arguments) in SIGNATURES.items():
+        function = getattr(library, name)
+        function.restype = _OF_CTYPES[result]
+        function.argtypes = [_OF_CTYPES.get(kind, ctypes.c_void_p) for kind in arguments.values()]
+
+
+def declarations() -> str:
+    """Return the declarations in C; ``Word`` is the type of the numbers in a record."""
+    lines = []
+    for name, (result, arguments) in SIGNATURES.items():
+        given = ", ".join(f"{_OF_C[kind]}{argument}" for argument, kind in arguments.items())
+        line = f"extern {_OF_C[result]}{name}({given});"
+        lines += textwrap.wrap(line, WIDTH, subsequent_indent="    ")
+    return "\n".join(lines)
