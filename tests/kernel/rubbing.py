@@ -75,7 +75,7 @@ def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray
 
 def mobility(scene: Scene, d: Plain, y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return M⁻¹ Jᵀ and W = J M⁻¹ Jᵀ of gradients; a pinned base does not move."""
-    free = slice(2, None) if d.model.pinned else slice(None)
+    free = slice(2, None) if d.model.has_base_joint else slice(None)
     response = np.zeros(rows.T.shape)
     mass = mass_matrix(scene, y[2 : d.links + 2])
     response[free] = np.linalg.solve(mass[free, free], rows[:, free].T)

@@ -42,7 +42,7 @@ def free_motion(rng: np.random.Generator, d: Plain, *, speed: float = 2.0, bend:
     parts[0, :half] = rng.uniform(-2.0, 2.0, half)
     parts[1, :half] = rng.uniform(-speed, speed, half)
     parts[2, :half] = 0.5 * rng.uniform(-bend, bend, half)
-    if d.model.pinned:
+    if d.model.has_base_joint:
         parts[:, :2] = 0.0
     parts[0, half : 2 * half], parts[1, half : 2 * half] = parts[1, :half], 2.0 * parts[2, :half]
     parts[0, sundman_u_at(n)], parts[1, time_at(n)] = 1.0, 1.0

@@ -70,7 +70,7 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
     assert model.reach == pytest.approx(sum(lengths), rel=1e-14)
     assert model.energy == pytest.approx(mass * max(lengths) ** 2, rel=1e-14)
     assert model.gravity_size == pytest.approx(math.sqrt(2.3**2 + 9.81**2), rel=1e-14)
-    assert model.middle == (0 if base == "pinned" else count // 2)
+    assert model.meeting_joint == (0 if base == "pinned" else count // 2)
 
 
 @BASES

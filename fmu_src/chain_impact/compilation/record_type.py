@@ -35,7 +35,7 @@ from chain_impact.compilation.affine import SAMPLES, Affine, affine
 from chain_impact.compilation.dual_numbers import DUAL
 from chain_impact.kernel import functions
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
-from chain_impact.kernel.record.fields import GIVEN, REAL, is_table
+from chain_impact.kernel.record.fields import REAL, SETTABLE, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
@@ -348,7 +348,7 @@ def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments:
 @lower_builtin(duals.copy_given, Record, Record, types.Integer)
 def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     when = signature.args[2].literal_value
-    _copy_fields(context, builder, arguments[:2], lambda path: GIVEN.get(path[0]) == when)
+    _copy_fields(context, builder, arguments[:2], lambda path: SETTABLE.get(path[0]) == when)
     return context.get_dummy_value()
 
 

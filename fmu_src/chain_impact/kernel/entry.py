@@ -57,7 +57,7 @@ def sound(d):
 def within_bounds(d):
     """Return whether every index of the record is within its bounds."""
     laws = LAW_COUNT + present()
-    fits = within(d.model.middle, 0, d.links)
+    fits = within(d.model.meeting_joint, 0, d.links)
     fits = fits and within(d.step.regularized, NO_CONTACT, d.candidates - 1)
     fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
     fits = fits and within(d.step.method, EXPLICIT, IMPLICIT)

@@ -15,7 +15,7 @@ from chain_impact.kernel.chain.joints import (
     stretch,
 )
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
-from chain_impact.kernel.chain.sites import carry_sites
+from chain_impact.kernel.chain.sites import carry_sites, joint_place
 from chain_impact.kernel.chain.slider import (
     carriage_energy,
     slider_force,
@@ -228,7 +228,7 @@ def joint_moments(d, y):
 def add_place_moments(d):
     """Add to both links of each joint the moments of stops and dry friction, from the loads at its place."""
     for i in range(d.links):
-        torque = d.model.size * d.work.load.x[d.links + 1 + i]
+        torque = d.model.size * d.work.load.x[joint_place(d, i)]
         d.work.moment[i] += torque
         if i > 0:
             d.work.moment[i - 1] -= torque

@@ -144,7 +144,7 @@ def derive_chain(d):
     model = d.model
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
     # the same choice of the middle joint as in `accelerations`
-    model.middle = 0 if model.pinned else len(model.length) // 2
+    model.meeting_joint = 0 if model.has_base_joint else len(model.length) // 2
     model.size, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
         c = in_use(model.given_center_of_mass[i], middle(model.length[i]))

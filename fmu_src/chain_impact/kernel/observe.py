@@ -71,15 +71,7 @@ def fill_motion(d, theta):
     fill_state(d, theta)
     true_rate(d, y, rate)
     accelerate_points(d, y, rate)
-    for k in range(n + 1):
-        out.point_acceleration[k, 0], out.point_acceleration[k, 1] = (
-            work.acceleration.x[k],
-            work.acceleration.y[k],
-        )
-    for s in range(d.sites):
-        k, place = n + 1 + s, site_place(d, s)
-        out.point_acceleration[k, 0] = work.acceleration.x[place]
-        out.point_acceleration[k, 1] = work.acceleration.y[place]
+    fill_points(d, work.acceleration, out.point_acceleration)
     for i in range(n):
         out.angular_acceleration[i] = rate[omega_at(n) + i]
     if d.slides:
@@ -89,6 +81,15 @@ def fill_motion(d, theta):
         fill_friction(d)
     if d.loads > 0:
         fill_loads(d, y, rate)
+
+
+def fill_points(d, vectors, out):
+    """Fill the rows of ``out`` with the ``vectors`` of the points 0…N and of the sites."""
+    for k in range(d.links + 1):
+        out[k, 0], out[k, 1] = vectors.x[k], vectors.y[k]
+    for s in range(d.sites):
+        k, place = d.links + 1 + s, site_place(d, s)
+        out[k, 0], out[k, 1] = vectors.x[place], vectors.y[place]
 
 
 def fill_state(d, theta):
@@ -103,13 +104,8 @@ def fill_state(d, theta):
         project_state(d, y)
     ensure_inputs(d, y)
     work = d.work
-    for k in range(n + 1):
-        out.point_position[k, 0], out.point_position[k, 1] = work.position.x[k], work.position.y[k]
-        out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[k], work.velocity.y[k]
-    for s in range(d.sites):
-        k, place = n + 1 + s, site_place(d, s)
-        out.point_position[k, 0], out.point_position[k, 1] = work.position.x[place], work.position.y[place]
-        out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[place], work.velocity.y[place]
+    fill_points(d, work.position, out.point_position)
+    fill_points(d, work.velocity, out.point_velocity)
     angle, turning = 0.0, 0.0
     for i in range(n):
         out.angle[i] = y[ANGLES + i]

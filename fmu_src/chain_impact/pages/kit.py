@@ -50,7 +50,7 @@ PATHS: dict[str, DataPath] = {
     "site_link": ("site", "link", AT),
     "site_corner": ("site", "corner", AT),
     "regularized": ("step", "regularized"),
-    **{key: ("model", key) for key in ("pinned", "has_inputs", "followed", "base_moves")},
+    **{key: ("model", key) for key in ("has_base_joint", "has_inputs", "followed", "base_moves")},
     **{f"candidate_{key}": ("candidate", AT, key) for key in ("point", "wall", "stop")},
     "follows": ("motion", "follows"),
     "belt": ("motion", "belt", AT),

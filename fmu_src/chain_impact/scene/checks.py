@@ -54,7 +54,7 @@ def check_masses(chain: Chain) -> None:
     """
     columns = {name: [getattr(link, name) for link in chain.links] for name in _MASSES}
     massless = chain.slider is not None and chain.slider.mass == 0.0
-    first, last = loose_links(SimpleNamespace(pinned=chain.has_base_joint, **columns), massless)
+    first, last = loose_links(SimpleNamespace(has_base_joint=chain.has_base_joint, **columns), massless)
     if first < 0:
         return
     if first == last:

@@ -149,7 +149,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     model = d["model"]
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
-    model["pinned"] = scene.chain.has_base_joint
+    model["has_base_joint"] = scene.chain.has_base_joint
     model["has_inputs"], model["followed"] = scene.inputs.on_chain, scene.inputs.joint_targets
     _fill_motion(d, scene, pairs)
 

@@ -31,7 +31,7 @@ def sprung(request):
 
 def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     links, d, _ = sprung
-    held = [1.0 if i > 0 or d.model.pinned else 0.0 for i in range(d.links)]
+    held = [1.0 if i > 0 or d.model.has_base_joint else 0.0 for i in range(d.links)]
     own = [
         (link.joint_stiffness * one, link.joint_damping * one) for link, one in zip(links, held, strict=True)
     ]
@@ -47,7 +47,7 @@ def test_springs_store_half_the_stiffness_times_the_square_of_their_stretch(spru
     relative = np.diff(angles, prepend=0.0) - [link.joint_rest_angle for link in links]
     np.testing.assert_allclose([stretch(d, y, i) for i in range(d.links)], relative, rtol=0, atol=1e-15)
     stiffness = np.array([link.joint_stiffness for link in links])
-    stiffness[0] *= d.model.pinned
+    stiffness[0] *= d.model.has_base_joint
     assert spring_energy(d, y) == pytest.approx(0.5 * stiffness @ relative**2, rel=1e-14, abs=1e-300)
 
 
@@ -56,7 +56,7 @@ def test_they_are_slack_at_their_rest_angles_and_do_not_feel_the_chain_turn(spru
     y[2 : d.links + 2] = np.cumsum([link.joint_rest_angle for link in links])
     assert spring_energy(d, y) == pytest.approx(0.0, abs=1e-28)
     y[2 : d.links + 2] += 0.7
-    turned = 0.5 * links[0].joint_stiffness * 0.7**2 * d.model.pinned
+    turned = 0.5 * links[0].joint_stiffness * 0.7**2 * d.model.has_base_joint
     assert spring_energy(d, y) == pytest.approx(turned, rel=1e-13, abs=1e-28)
 
 

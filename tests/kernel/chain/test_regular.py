@@ -48,7 +48,7 @@ def chain_of(shapes, pinned):
         name: [getattr(link, name) for link in links(shapes)]
         for name in ("length", "center_of_mass", "center_of_mass_offset", "inertia")
     }
-    return SimpleNamespace(pinned=pinned, **columns)
+    return SimpleNamespace(has_base_joint=pinned, **columns)
 
 
 @pytest.mark.full("more cases", but=5)

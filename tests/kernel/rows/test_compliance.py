@@ -90,7 +90,7 @@ def test_it_gives_way_as_assembled(case, resist, time):
     """
     scene, d, angles, _, jacobian, rng = made(case, resist)
     count, active, across = d.links, len(jacobian), relative_motion(d.links)
-    assert d.model.has_springs_or_dampers == (resist and (count > 1 or d.model.pinned))
+    assert d.model.has_springs_or_dampers == (resist and (count > 1 or d.model.has_base_joint))
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
     compliance.factorize_contacts(d, response.HELD, impedance)
     compliance.solve_contacts(d, response.HELD, impulse, d.rigid.change)
@@ -103,7 +103,7 @@ def test_it_gives_way_as_assembled(case, resist, time):
     with_joints = d.model.has_springs_or_dampers or d.model.has_stops
     response.factorize(d, d.work.link, d.work, response.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
-    joints[0] *= d.model.pinned  # a free base is no joint
+    joints[0] *= d.model.has_base_joint  # a free base is no joint
     geometry.clear_loads_of(d, d.work.load)
     for k in range(active):
         geometry.add_along(geometry.normal(d, d.touch.active_index[k]), d.work.load, impulse[k])
@@ -112,7 +112,7 @@ def test_it_gives_way_as_assembled(case, resist, time):
     compliance.solve_space(d, d.work.link, d.work, response.SHIFTED, change)
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
-    resistance[0] *= d.model.pinned
+    resistance[0] *= d.model.has_base_joint
     stiff = mass_matrix(scene, angles) + added + across.T @ np.diag(resistance) @ across
     expected = solved(d, stiff, work + across.T @ joints)
     np.testing.assert_allclose(change, expected, rtol=0, atol=1e-9)

@@ -133,7 +133,11 @@ def differenced(d, y, change):
 def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(stopped):
     """g = s (ψ − joint_min) or s (joint_max − ψ); its rate equals a difference along the motion."""
     d, y = stopped
-    size, angles, joints = d.model.size, np.diff(y[2:5], prepend=0.0), [1, 2, 3] if d.model.pinned else [2, 3]
+    size, angles, joints = (
+        d.model.size,
+        np.diff(y[2:5], prepend=0.0),
+        [1, 2, 3] if d.model.has_base_joint else [2, 3],
+    )
     assert lever(d, 0) == 1.0
     assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
     for c in stops_of(d):
@@ -177,7 +181,7 @@ def assert_adjoint(d, rows, change):
 def any_change(d):
     """Return some change of the coordinates, along which the points and joints move."""
     change = np.random.default_rng(8).normal(size=d.links + 2)
-    change[: 2 * d.model.pinned] = 0.0
+    change[: 2 * d.model.has_base_joint] = 0.0
     kinematics.move_points(d, d.work.link, change, d.work.motion)
     return change
 

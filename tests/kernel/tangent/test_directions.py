@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, model_names
-from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START, GIVEN
+from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START, SETTABLE
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import duals
 from chain_impact.variables.prepared import PreparedScene
@@ -44,7 +44,7 @@ PARTS = [name for name in instance_dtype(2, 2, 4).names if instance_dtype(2, 2, 
 
 
 def declared(when):
-    return {part for part in PARTS if GIVEN.get(part) == when}
+    return {part for part in PARTS if SETTABLE.get(part) == when}
 
 
 def reals(record):
@@ -78,10 +78,10 @@ def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
         for part in PARTS:
             if any(number != 0.0 for number in reals(instance[part])):
                 found.add(part)
-    assert found == set(GIVEN) == declared(AT_START) | declared(AT_ANY_TIME)
+    assert found == set(SETTABLE) == declared(AT_START) | declared(AT_ANY_TIME)
 
 
 def test_every_parameter_with_derivatives_is_in_a_declared_part():
     for name in model_names():
         prepared = PreparedScene(load_scene(name))
-        assert {variable.record_path[0] for variable in prepared.varied_by(["*"])} <= set(GIVEN)
+        assert {variable.record_path[0] for variable in prepared.varied_by(["*"])} <= set(SETTABLE)

@@ -152,7 +152,7 @@ def twins(monkeypatch):
     blank = record_of(scene)
     for name in ("links", "candidates", "candidate"):
         t._record[name] = blank._record[name]
-    t.model.pinned, t.model.has_inputs = d.model.pinned, d.model.has_inputs
+    t.model.has_base_joint, t.model.has_inputs = d.model.has_base_joint, d.model.has_inputs
     return d, t
 
 

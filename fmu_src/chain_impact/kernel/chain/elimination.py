@@ -149,7 +149,7 @@ def accelerations(d, y, rate):
             to other loads.
     """
     # In the first call the middle joint is a constant, for which the compiler makes faster code.
-    if d.model.pinned:
+    if d.model.has_base_joint:
         arms(d, y, rate, 0)
     else:
         arms(d, y, rate, d.links // 2)
@@ -181,7 +181,7 @@ def arms(d, y, rate, middle):
         push_y = d.work.load.y[0] + m * d.model.gravity[1] - by
         along = (d.work.thrust + ux * push_x + uy * push_y) / inertia_along(d, axx, axy, ayy)
         ax, ay = along * ux, along * uy
-    elif middle > 0 or not d.model.pinned:
+    elif middle > 0 or not d.model.has_base_joint:
         axx, axy, ayy = axx + cxx, axy + cxy, ayy + cyy
         bx, by = bx + dx - d.work.load.x[middle], by + dy - d.work.load.y[middle]
         determinant = axx * ayy - axy * axy

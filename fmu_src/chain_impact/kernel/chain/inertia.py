@@ -90,7 +90,7 @@ def loose_links(chain, free_base):
         beside = abs(chain.center_of_mass_offset[i]) > near
         at_proximal = abs(chain.center_of_mass[i]) <= near and not beside
         at_distal = abs(chain.length[i] - chain.center_of_mass[i]) <= near and not beside
-        if at_proximal or (i == 0 and (free_base or not chain.pinned)):
+        if at_proximal or (i == 0 and (free_base or not chain.has_base_joint)):
             begin = i
         if begin >= 0 and (i == count - 1 or at_distal):
             return begin, i

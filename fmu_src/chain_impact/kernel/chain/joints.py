@@ -37,7 +37,7 @@ from chain_impact.kernel.functions import has_dual_rule
 
 def first_joint(d):
     """Return the index of the first link with a proximal joint: 0, or 1 if the base is free."""
-    return 0 if d.model.pinned else 1
+    return 0 if d.model.has_base_joint else 1
 
 
 def joint_damping(d, i):
@@ -147,15 +147,15 @@ def joint_bound(d):
         if i + 1 < d.links:
             c += joint_damping(d, i + 1)
             k += spring_stiffness(d, i + 1)
-        damping = max(damping, over(2.0 * c, d.model.inertia[i]))
-        stiffness = max(stiffness, over(2.0 * k, d.model.inertia[i]))
+        damping = max(damping, rate_of(2.0 * c, d.model.inertia[i]))
+        stiffness = max(stiffness, rate_of(2.0 * k, d.model.inertia[i]))
     if d.slides:
-        damping = max(damping, over(slider_damping(d), d.slider.mass))
-        stiffness = max(stiffness, over(slider_stiffness(d), d.slider.mass))
+        damping = max(damping, rate_of(slider_damping(d), d.slider.mass))
+        stiffness = max(stiffness, rate_of(slider_stiffness(d), d.slider.mass))
     return damping + math.sqrt(stiffness)
 
 
-def over(resistance, inertia):
+def rate_of(resistance, inertia):
     """Return ``resistance``/``inertia`` for two numbers that are not negative; 0/0 = 0."""
     if inertia > 0.0:
         return resistance / inertia

@@ -8,7 +8,14 @@ link, and y is 0. So all other modules treat a stop like a wall at a point. The 
 """
 
 from chain_impact.kernel.chain.motion import move_with
-from chain_impact.kernel.chain.sites import accelerate_sites, clear_sites, place_sites, turn_sites
+from chain_impact.kernel.chain.sites import (
+    accelerate_sites,
+    clear_sites,
+    joint_place,
+    place_sites,
+    site_place,
+    turn_sites,
+)
 from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sine, direction
@@ -110,7 +117,7 @@ def place_joints(d, values, first, vectors):
     """
     before, size = 0.0, d.model.size
     for i in range(d.links):
-        vectors.x[d.links + 1 + i] = size * (values[first + i] - before)
+        vectors.x[joint_place(d, i)] = size * (values[first + i] - before)
         before = values[first + i]
 
 
@@ -139,7 +146,7 @@ def zero(d, vectors):
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
     if d.model.has_joint_places:
-        for k in range(d.links + 1, 2 * d.links + 1):
+        for k in range(joint_place(d, 0), joint_place(d, d.links)):
             vectors.x[k], vectors.y[k] = 0.0, 0.0
     clear_sites(d, vectors)
 
@@ -190,9 +197,9 @@ def largest(d, vectors):
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
     if d.model.has_joint_places:
-        for k in range(d.links + 1, 2 * d.links + 1):
+        for k in range(joint_place(d, 0), joint_place(d, d.links)):
             most = max(most, abs(vectors.x[k]))
-    for k in range(2 * d.links + 1, 2 * d.links + 1 + d.sites):
+    for k in range(site_place(d, 0), site_place(d, d.sites)):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
     return most
 

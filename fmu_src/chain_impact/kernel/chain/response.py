@@ -38,7 +38,7 @@ pivoting is needed: the argument of every s is below 61°, so all quadratic form
 """
 
 from chain_impact.kernel.chain.elimination import arm, hinge, inertia_along
-from chain_impact.kernel.chain.sites import has_link_moments, site_arm, site_place
+from chain_impact.kernel.chain.sites import has_link_moments, joint_place, site_arm, site_place
 from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.functions import has_complex_rule, inlined
 
@@ -93,7 +93,7 @@ def no_impedance(d, impedance):
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
     if d.model.has_joint_places:
-        for k in range(d.links + 1, 2 * d.links + 1):
+        for k in range(joint_place(d, 0), joint_place(d, d.links)):
             impedance.xx[k] = 0.0
     for s in range(d.sites):
         k = site_place(d, s)
@@ -111,7 +111,7 @@ def factorize(d, links, space, row, coupled):
         row: the row of ``factors`` that is set.
         coupled: whether joints may transmit moments; otherwise κ and μ are zero, and are not read.
     """
-    n, middle, impedance = d.links, d.model.middle, space.impedance
+    n, middle, impedance = d.links, d.model.meeting_joint, space.impedance
     space.factors.coupled[row] = 1 if coupled else 0
     axx, axy, ayy, ex, ey, p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     cxx, cxy, cyy, fx, fy, q = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -168,7 +168,7 @@ def set_middle(d, factors, row, axx, axy, ayy):
         mobility[row, 0], mobility[row, 1] = ux * ux * inverse, ux * uy * inverse
         mobility[row, 2] = uy * uy * inverse
         return
-    scale = 0.0 if d.model.pinned else reciprocal(axx * ayy - axy * axy)
+    scale = 0.0 if d.model.has_base_joint else reciprocal(axx * ayy - axy * axy)
     mobility[row, 0], mobility[row, 1], mobility[row, 2] = ayy * scale, -axy * scale, axx * scale
 
 
@@ -225,7 +225,7 @@ def solve(d, links, space, row, change):
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
             [rad/s]; for forces, the accelerations. Later entries of the array are not changed.
     """
-    n, middle, load, coupled = d.links, d.model.middle, space.load, space.factors.coupled[row] != 0
+    n, middle, load, coupled = d.links, d.model.meeting_joint, space.load, space.factors.coupled[row] != 0
     bx, by, t = 0.0, 0.0, 0.0
     cx, cy, u = 0.0, 0.0, 0.0
     for k in range(n - middle):

@@ -14,8 +14,14 @@ from chain_impact.kernel.functions import inlined
 
 
 @inlined
+def joint_place(d, i):
+    """Return the index of the joint of link i among all places: the joints come after the N + 1 points."""
+    return d.links + 1 + i
+
+
+@inlined
 def site_place(d, s):
-    """Return the index of site s among all places: the sites come after the N + 1 points and the N joints."""
+    """Return the index of site s among all places: the sites come after the points and the joints."""
     return 2 * d.links + 1 + s
 
 
@@ -60,7 +66,7 @@ def accelerate_sites(d, y, rate, first, acceleration):
 
 def clear_sites(d, vectors):
     """Set the vectors of all sites to zero."""
-    for k in range(2 * d.links + 1, 2 * d.links + 1 + d.sites):
+    for k in range(site_place(d, 0), site_place(d, d.sites)):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
 
 

@@ -8,7 +8,7 @@ back.
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.motion import move
-from chain_impact.kernel.events.crossing import given_bounds
+from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.ode.dense import TRIES, fraction
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
@@ -19,7 +19,7 @@ from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, count_other_work, r
 def end_at_base(d):
     """End the last step where a wall reaches the base, if one does. The next step then cannot begin."""
     reached = d.step.end
-    for c in range(d.candidates if d.model.pinned and not d.slides else 0):
+    for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
         if faces_base(d, c):
             reached = meeting(d, c, reached)
     if reached < d.step.end:
@@ -32,7 +32,7 @@ def end_at_base(d):
 def check_base(d):
     """Return BASE_BEYOND_WALL if a pinned base is beyond a wall at the end of the last step, else OK."""
     move(d, d.step.end)
-    for c in range(d.candidates if d.model.pinned and not d.slides else 0):
+    for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
         # if ``end_at_base`` has ended the step, the clearance is −OVERLAP up to round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
@@ -48,7 +48,7 @@ def room_at(d, c, time):
 
 def meeting(d, c, until):
     """Return the time [s] at which the wall of candidate c meets the base; ``until`` if this is later."""
-    _, push = given_bounds(d, c)
+    _, push = prescribed_bounds(d, c)
     a, b = d.step.start, until
     at_a, at_b = room_at(d, c, a), room_at(d, c, b)
     while at_a >= 0.0 and not work_exceeded(d):

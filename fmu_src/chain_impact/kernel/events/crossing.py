@@ -260,7 +260,7 @@ def bound_curvature(d):
         c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
         if d.channels > 0 and at_wall(d, c):
-            speed, push = given_bounds(d, c)
+            speed, push = prescribed_bounds(d, c)
             # a channel is a function of time: in the step's variable, ġ has the derivative p times the
             # channel's acceleration, with p = dt/ds
             v, a = v + speed, a + p * push
@@ -305,7 +305,7 @@ def motion_bounds(d, c, along_x, along_y):
     return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
 
 
-def given_bounds(d, c):
+def prescribed_bounds(d, c):
     """Return the part of given motions in bounds on |ġ| and |g̈| in the last step, for candidate c.
 
     g is the clearance.

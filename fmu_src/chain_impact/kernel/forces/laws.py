@@ -26,7 +26,8 @@ from chain_impact.kernel.mathematics.exponentials import exp, expm1
 from chain_impact.kernel.mathematics.logarithms import log, log1p
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
-DEPTH_FACTORS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ "}
+# how powers of a quantity are written; other powers are written as δ^1.2
+DEPTHS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ ", 1.0: "δ", 1.5: "δ√δ"}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 
@@ -73,13 +74,14 @@ class ContactLaw:
         if self.rate_exponent is None:
             return FAMILY_FORCE
         rate = "max(0, δ̇)" if self.approach_only else "δ̇"
-        spring = "Kδ" if self.exponent == 1.0 else "Kδ√δ"
-        return f"{spring} + d {DEPTH_FACTORS[self.rate_exponent]}{rate}"
+        spring = "δⁿ" if self.exponent is None else DEPTHS.get(self.exponent, f"δ^{self.exponent:g}")
+        return f"K{spring} + d {DEPTHS.get(self.rate_exponent, f'δ^{self.rate_exponent:g} ')}{rate}"
 
     @property
     def damping(self) -> str:
         """How the damping d follows from f, as text."""
-        return "–" if self.impulsive else DAMPINGS[self.mass_power]
+        power = self.mass_power
+        return "–" if self.impulsive else DAMPINGS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
 
     @property
     def continuous(self) -> bool:

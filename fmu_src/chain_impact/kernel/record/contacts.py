@@ -5,7 +5,7 @@ import numpy as np
 from chain_impact.kernel.chain.state import coordinate_count
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
-from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
+from chain_impact.kernel.record.fields import INTEGER, REAL, record, table, written_by
 
 # number of changes between sticking and sliding, for each element, that the log can store until they are
 # collected
@@ -14,6 +14,53 @@ CHANGES_OF_EACH = 4
 # candidate
 LOG_SIZE = 32
 LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may request fewer
+
+
+@written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
+def candidate_dtype(candidates: int) -> np.dtype:
+    """Return the layout of the candidates: first pairs of a point and a wall, then stops in joints.
+
+    variables/filling.py sets the values that are not derived.
+    """
+    return table(
+        candidates,
+        # number of the point, 0…N; N+1…N+P for sites; for a stop the number of its joint, 1…N
+        ("point", INTEGER),
+        # index of the wall in WALLS, or 4 plus the index in `walls`; stops have the numbers after the walls
+        ("wall", INTEGER),
+        ("stop", INTEGER),  # which stop: AT_WALL or a value of STOP_CODES (rows/geometry.py)
+        # ---- derived at initialization
+        # index of the place of the point, of the stop's joint (N plus the joint's number), or of the site (N
+        # plus the site's number)
+        ("place", INTEGER),
+        ("radius", REAL),  # m, radius of the point
+        ("normal_x", REAL),  # x of the inward normal n of the wall
+        ("normal_y", REAL),
+        ("offset", REAL),  # m, offset of the wall: n·p for the points p on the wall
+    )
+
+
+@written_by("forces/contact_law.py")
+def law_dtype(candidates: int) -> np.dtype:
+    """Return the layout of the contact law of each candidate."""
+    return table(
+        candidates,
+        ("same_as", INTEGER),  # the first candidate with the same law
+        ("number", INTEGER),  # number of the law, from 1; 0: not set yet
+        ("stiffness", REAL),  # N/m^exponent
+        ("exponent", REAL),
+        ("restitution", REAL),
+        ("minimum_impact_speed", REAL),  # m/s
+        ("friction", REAL),  # coefficient of sliding friction
+        # coefficient of static friction, not less than the coefficient of sliding friction
+        ("static_friction", REAL),
+        # ---- derived from the parameters
+        ("damping_factor", REAL),  # factor f(e) of the damping; λ of the Hunt–Crossley family
+        ("rate_exponent", REAL),  # exponent p of the penetration in the damping d δᵖ δ̇
+        ("approach_only", INTEGER),  # 1: damped during compression only
+        ("impulsive", INTEGER),  # 1: the wall is rigid, with impulses instead of a force law
+        ("harmless_depth", REAL),  # m, depth in the wall up to which a point counts as apart
+    )
 
 
 def constraint_count(candidates: int, elements: int) -> int:

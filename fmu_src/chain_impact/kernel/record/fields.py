@@ -28,18 +28,18 @@ def written_by(*owners, **fields):
 
 
 AT_START, AT_ANY_TIME = 0, 1
-GIVEN: dict[str, int] = {}
+SETTABLE: dict[str, int] = {}
 """Part of the record that the scene or an importer gives → when the given values apply."""
 
 
-def given(when: int):
+def settable(when: int):
     """Declare that the scene or an importer gives a part of the record, and when the values apply.
 
     ``copy_given`` in kernel/tangent/duals.py copies each of these parts for derivatives.
     """
 
     def declare(layout):
-        GIVEN[layout.__name__.removesuffix("_dtype")] = when
+        SETTABLE[layout.__name__.removesuffix("_dtype")] = when
         return layout
 
     return declare

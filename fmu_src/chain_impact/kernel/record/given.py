@@ -8,15 +8,15 @@ from chain_impact.kernel.record.fields import (
     AT_START,
     INTEGER,
     REAL,
-    given,
     record,
+    settable,
     table,
     written_by,
 )
 from chain_impact.kernel.rows.geometry import WALLS
 
 
-@given(AT_START)
+@settable(AT_START)
 @written_by("initialize.py")
 def model_dtype(links: int) -> np.dtype:
     """Return the layout of the chain and its box; variables/filling.py sets all values but derived ones."""
@@ -39,7 +39,7 @@ def model_dtype(links: int) -> np.dtype:
         ("joint_min", REAL, (links,)),  # rad, lower stop of the joint's own angle; −∞: no stop
         ("joint_max", REAL, (links,)),  # rad, upper stop of the joint's own angle; ∞: no stop
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
-        ("pinned", INTEGER),  # 1: link 1 hangs in a joint at the base, which cannot move or slides
+        ("has_base_joint", INTEGER),  # 1: a joint connects link 1 with the base, which is pinned or slides
         ("has_inputs", INTEGER),  # 1: inputs act on the chain in flight
         ("followed", INTEGER),  # 1: all joints have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
@@ -62,7 +62,7 @@ def model_dtype(links: int) -> np.dtype:
         ("distal_inertia", REAL, (links,)),  # kg·m², inertia about the distal joint
         ("first_site", INTEGER, (links + 1,)),  # first site of each link; entry N is the number of sites
         # joint at which the two arms of the elimination meet; for a pinned chain, the base
-        ("middle", INTEGER),
+        ("meeting_joint", INTEGER),
         ("gravity_size", REAL),  # m/s²
         ("reach", REAL),  # m, length of the stretched chain
         ("size", REAL),  # m, length of the longest link: the absolute scale of positions
@@ -72,7 +72,7 @@ def model_dtype(links: int) -> np.dtype:
     )
 
 
-@given(AT_START)
+@settable(AT_START)
 @written_by("forces/contact_law.py")
 def contact_dtype() -> np.dtype:
     """Return the layout of the contact data that all walls share; the rest of the law is in `given`.
@@ -90,7 +90,7 @@ def contact_dtype() -> np.dtype:
     )
 
 
-@given(AT_START)
+@settable(AT_START)
 @written_by("initialize.py", restitution="forces/contact_law.py")
 def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints.
@@ -109,7 +109,7 @@ def stops_dtype() -> np.dtype:
     )
 
 
-@given(AT_START)
+@settable(AT_START)
 @written_by("initialize.py", mode="events/saturation.py")
 def slider_dtype() -> np.dtype:
     """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py.
@@ -133,7 +133,7 @@ def slider_dtype() -> np.dtype:
     )
 
 
-@given(AT_START)
+@settable(AT_START)
 @written_by()
 def initial_dtype(links: int) -> np.dtype:
     """Return the layout of the initial values, which variables/filling.py sets."""
@@ -146,7 +146,7 @@ def initial_dtype(links: int) -> np.dtype:
     )
 
 
-@given(AT_START)
+@settable(AT_START)
 @written_by()
 def solver_dtype() -> np.dtype:
     """Return the layout of the settings of the solver, which variables/filling.py sets."""
@@ -176,7 +176,7 @@ def course_dtype(links: int) -> np.dtype:
     )
 
 
-@given(AT_ANY_TIME)
+@settable(AT_ANY_TIME)
 @written_by(changed="forces/inputs.py", course="forces/inputs.py")
 def given_dtype(links: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
@@ -228,7 +228,7 @@ def inputs_dtype(links: int) -> np.dtype:
     )
 
 
-@given(AT_ANY_TIME)
+@settable(AT_ANY_TIME)
 @written_by("forces/inputs.py")
 def motion_dtype(channels: int) -> np.dtype:
     """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py.
@@ -282,31 +282,7 @@ def moved_dtype(channels: int) -> np.dtype:
     )
 
 
-@written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
-def candidate_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the candidates: first pairs of a point and a wall, then stops in joints.
-
-    variables/filling.py sets the values that are not derived.
-    """
-    return table(
-        candidates,
-        # number of the point, 0…N; N+1…N+P for sites; for a stop the number of its joint, 1…N
-        ("point", INTEGER),
-        # index of the wall in WALLS, or 4 plus the index in `walls`; stops have the numbers after the walls
-        ("wall", INTEGER),
-        ("stop", INTEGER),  # which stop: AT_WALL or a value of STOP_CODES (rows/geometry.py)
-        # ---- derived at initialization
-        # index of the place of the point, of the stop's joint (N plus the joint's number), or of the site (N
-        # plus the site's number)
-        ("place", INTEGER),
-        ("radius", REAL),  # m, radius of the point
-        ("normal_x", REAL),  # x of the inward normal n of the wall
-        ("normal_y", REAL),
-        ("offset", REAL),  # m, offset of the wall: n·p for the points p on the wall
-    )
-
-
-@given(AT_START)
+@settable(AT_START)
 @written_by("initialize.py")
 def site_dtype(sites: int) -> np.dtype:
     """Return the layout of the sites, points fixed to links beside the joints, in the order of the links.
@@ -346,30 +322,7 @@ def shift_dtype(candidates: int) -> np.dtype:
     )
 
 
-@written_by("forces/contact_law.py")
-def law_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the contact law of each candidate."""
-    return table(
-        candidates,
-        ("same_as", INTEGER),  # the first candidate with the same law
-        ("number", INTEGER),  # number of the law, from 1; 0: not set yet
-        ("stiffness", REAL),  # N/m^exponent
-        ("exponent", REAL),
-        ("restitution", REAL),
-        ("minimum_impact_speed", REAL),  # m/s
-        ("friction", REAL),  # coefficient of sliding friction
-        # coefficient of static friction, not less than the coefficient of sliding friction
-        ("static_friction", REAL),
-        # ---- derived from the parameters
-        ("damping_factor", REAL),  # factor f(e) of the damping; λ of the Hunt–Crossley family
-        ("rate_exponent", REAL),  # exponent p of the penetration in the damping d δᵖ δ̇
-        ("approach_only", INTEGER),  # 1: damped during compression only
-        ("impulsive", INTEGER),  # 1: the wall is rigid, with impulses instead of a force law
-        ("harmless_depth", REAL),  # m, depth in the wall up to which a point counts as apart
-    )
-
-
-@given(AT_ANY_TIME)
+@settable(AT_ANY_TIME)
 @written_by()
 def walls_dtype(candidates: int) -> np.dtype:
     """Return the layout of the walls at any angle, at most C, and of the materials of all walls.

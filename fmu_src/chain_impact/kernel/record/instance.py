@@ -17,6 +17,7 @@ channels, sites and signals follow.
 import numpy as np
 
 from chain_impact.kernel.record.contacts import (
+    candidate_dtype,
     changes_dtype,
     drive_dtype,
     element_dtype,
@@ -24,6 +25,7 @@ from chain_impact.kernel.record.contacts import (
     friction_dtype,
     impact_dtype,
     latest_dtype,
+    law_dtype,
     peaks_dtype,
     quadrature_dtype,
     rigid_dtype,
@@ -33,12 +35,10 @@ from chain_impact.kernel.record.contacts import (
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 from chain_impact.kernel.record.given import (
-    candidate_dtype,
     contact_dtype,
     given_dtype,
     initial_dtype,
     inputs_dtype,
-    law_dtype,
     model_dtype,
     motion_dtype,
     moved_dtype,

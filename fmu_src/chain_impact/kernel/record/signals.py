@@ -3,10 +3,10 @@
 import numpy as np
 
 from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
-from chain_impact.kernel.record.fields import AT_START, INTEGER, REAL, given, record, written_by
+from chain_impact.kernel.record.fields import AT_START, INTEGER, REAL, record, settable, written_by
 
 
-@given(AT_START)
+@settable(AT_START)
 @written_by("chain/signals.py")
 def signal_dtype(signals: int) -> np.dtype:
     """Return the layout of the signals, one row for each driven input, see kernel/chain/signals.py.
@@ -48,7 +48,7 @@ def signal_dtype(signals: int) -> np.dtype:
     )
 
 
-@given(AT_START)
+@settable(AT_START)
 @written_by("chain/signals.py")
 def knot_dtype(knots: int) -> np.dtype:
     """Return the layout of the knots of all signals, the starts of the polynomials.

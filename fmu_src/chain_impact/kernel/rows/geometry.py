@@ -25,6 +25,7 @@ F.
 from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
 from chain_impact.kernel.chain.kinematics import clear_joints, largest, polar, zero
 from chain_impact.kernel.chain.motion import fastest_wall
+from chain_impact.kernel.chain.sites import joint_place, site_place
 from chain_impact.kernel.chain.slider import slide_along, slider_resistance
 from chain_impact.kernel.chain.state import ANGLES
 
@@ -135,7 +136,7 @@ def candidate_within_bounds(d, c):
     return (
         SLIDER_MAX <= d.candidate.stop[c] <= SLIDER_MIN
         and least <= d.candidate.point[c] <= d.links + d.sites
-        and 0 <= d.candidate.place[c] <= 2 * d.links + d.sites
+        and 0 <= d.candidate.place[c] < site_place(d, d.sites)
         and 0 <= d.candidate.wall[c] <= most
     )
 
@@ -156,7 +157,7 @@ def tangent(d, e):
         return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
     if d.slides and e == d.candidates + d.links:
         return 0, d.slider.ux, d.slider.uy
-    return d.links + 1 + e - d.candidates, 1.0, 0.0
+    return joint_place(d, e - d.candidates), 1.0, 0.0
 
 
 def constraint_rows(d):
@@ -244,7 +245,7 @@ def to_joints(d, load):
     """Add the forces at the joints' places, as moments, to the moments in the joints."""
     if d.model.has_joint_places:
         for i in range(d.links):
-            load.joint[i] += d.model.size * load.x[d.links + 1 + i]
+            load.joint[i] += d.model.size * load.x[joint_place(d, i)]
 
 
 def join(d, impedance, time):
@@ -257,7 +258,7 @@ def join(d, impedance, time):
         for i in range(d.links):
             impedance.joint[i] = joint_armature(d, i) + joint_resistance(d, i, time)
             if d.model.has_joint_places:
-                impedance.joint[i] += square * impedance.xx[d.links + 1 + i]
+                impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
     if d.slides:
         add_impedance((0, d.slider.ux, d.slider.uy), impedance, slider_resistance(d, time))
 
@@ -298,9 +299,9 @@ def speed_bound(d, vectors):
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
     if d.model.has_stops:
-        for k in range(d.links + 1, 2 * d.links + 1):
+        for k in range(joint_place(d, 0), joint_place(d, d.links)):
             most = max(most, abs(vectors.x[k]))
-    for k in range(2 * d.links + 1, 2 * d.links + 1 + d.sites):
+    for k in range(site_place(d, 0), site_place(d, d.sites)):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
     return most
 

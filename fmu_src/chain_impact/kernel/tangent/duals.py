@@ -10,7 +10,7 @@ compiled versions of these functions are in compilation/record_type.py.
 
 import numpy as np
 
-from chain_impact.kernel.record.fields import GIVEN
+from chain_impact.kernel.record.fields import SETTABLE
 
 # [1/s] the least rate of which a reciprocal is computed: 1 divided by a smaller rate may overflow
 LEAST_RATE = 1e-300
@@ -112,6 +112,6 @@ def copy_given(d, t, when):
 
     ``when`` is AT_START or AT_ANY_TIME, as the layout of each part declares (record/fields.py).
     """
-    for part, applies in GIVEN.items():
+    for part, applies in SETTABLE.items():
         if applies == when:
             copy_values(getattr(d, part), getattr(t, part))

@@ -45,7 +45,7 @@ export function recordOf(kit, parts, rows, values, byName) {
   each("candidate_wall", candidates.map(([, wall]) => wall));
   const allStops = [...stops.map(([, stop]) => stop), ...sliderStops];
   allStops.forEach((stop, k) => put("candidate_stop", SHARED.kernel.STOP_CODES[stop], pairs.length + k));
-  put("pinned", Number(chain.base !== "free"));
+  put("has_base_joint", Number(chain.base !== "free"));
   put("has_inputs", Number(anyOnChain(inputs)));
   put("followed", Number(inputs.joint_targets));
   put("base_moves", Number(inputs.base_motion));
