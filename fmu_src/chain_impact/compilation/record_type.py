@@ -293,20 +293,15 @@ def _type_of_copy_row(_context: Any) -> Any:
 @lower_builtin(functions.copy_row, Record, types.Integer, types.Integer)
 def _copy_row(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, *numbers = arguments
-    columns = [signature.args[0].field(name) for name in signature.args[0].field().fields]
-    source, row = (
-        context.cast(builder, number, kind, types.int64)
-        for number, kind in zip(numbers, signature.args[1:], strict=True)
-    )
-    for column in columns:
-        first = _address(context, builder, instance, column)
-
-        def entry(number: ir.Value, first: ir.Value = first, stride: int = column.stride) -> ir.Value:
-            return cgutils.pointer_add(
-                builder, first, builder.mul(number, cgutils.intp_t(stride)), first.type
-            )
-
-        builder.store(builder.load(entry(source)), entry(row))
+    table, *kinds = signature.args
+    rows = [context.cast(builder, *pair, types.int64) for pair in zip(numbers, kinds, strict=True)]
+    for name in table.field().fields:
+        column = table.field(name)
+        first, stride = _address(context, builder, instance, column), cgutils.intp_t(column.stride)
+        source, target = (
+            cgutils.pointer_add(builder, first, builder.mul(row, stride), first.type) for row in rows
+        )
+        builder.store(builder.load(source), target)
     return context.get_dummy_value()
 
 

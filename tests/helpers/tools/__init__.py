@@ -6,5 +6,6 @@
 - ``binaries``: symbols and libraries of a shared library; ``registers``: floating-point registers
 - ``page_data``: the data inside a page; ``refusal``: the message of an error; ``reprs``: the size of a repr
 - ``measurements``: results with noise, as measurements for fits
+- ``planted_faults``: faults of FMUs, and FMUs that contain them
 - ``cpu_profile``: a plug-in for pytest that prints CPU seconds of each test
 """

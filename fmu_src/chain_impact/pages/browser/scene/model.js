@@ -2,8 +2,8 @@
 // `kit.py`.
 
 import { mapped } from "../base/mapped.js";
-import { filled, instances, ownersOf, partsOf, range } from "./elements.js";
 import { pointText, sumOf, wallsAt } from "./geometry.js";
+import { filled, ownersOf, partsOf, range, rowsOfOwners } from "./owners.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, signalOwners, withOutputs } from "./signals.js";
 
@@ -77,7 +77,7 @@ export function describe(kit, file, command) {
   const { sizes, stops, wallNames, existingWalls, facts } = parts;
   const pointNames = parts.sites.flatMap(({ name }, s) => (name ? [[sizes.links + 1 + s, name]] : []));
   const owners = ownersOf(parts);
-  const all = (groups) => instances(groups, owners, facts).filter(({ has }) => has);
+  const all = (groups) => rowsOfOwners(groups, owners, facts).filter(({ has }) => has);
   const [motions, settable] = [all(kit.still), all(kit.inputs)];
   const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
   const byName = new Map([...settable, ...motions].map((row) =>
@@ -85,7 +85,7 @@ export function describe(kit, file, command) {
   const drivenInputs = withOutputs(parts.driven, byName, file.signals);
   const driving = drivenRows(drivenInputs);
   const isFree = ({ name }) => !driving.has(name);
-  const rows = instances(kit.parameters, { ...owners, ...signalOwners(drivenInputs, byName) }, facts);
+  const rows = rowsOfOwners(kit.parameters, { ...owners, ...signalOwners(drivenInputs, byName) }, facts);
   const values = valuesOf(file, rows);
   const record = recordOf(kit, { ...parts, driven: drivenInputs }, rows, values, byName);
   const reals = new Float64Array(record.buffer);

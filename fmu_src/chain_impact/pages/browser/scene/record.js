@@ -1,6 +1,6 @@
 // The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
 
-import { anyOnChain, range } from "./elements.js";
+import { anyOnChain, range } from "./owners.js";
 import { BOX_WALLS } from "./geometry.js";
 import { putSignals } from "./signals.js";
 

@@ -122,7 +122,7 @@ export function filled(text, { n, of, name }) {
 }
 
 /** Return the rows of templates for every owner of their kind, and whether the owner meets their conditions. */
-export function instances(groups, owners, facts) {
+export function rowsOfOwners(groups, owners, facts) {
   return groups.flatMap(({ of, rows }) => owners[of].flatMap((owner) => {
     const known = { ...facts, ...owner };
     return rows.map((row) => ({ ...row, of, owner, name: filled(row.name, owner), has: row.when.every((fact) => known[fact]) }));
