@@ -21,13 +21,13 @@ from chain_impact.simulation.simulate import simulate
 
 PICTURE = Path(__file__).parent / "images" / "restitution.png"
 SAMPLES = np.linspace(0.005, 1.0, 200)
-EXACT = "zhang_sharf"
+EXACT_LAW = "zhang_sharf"
 NAMED = {
     "hunt_crossley": "much used",
     "lankarani_nikravesh": "much used",
     "flores": "much used",
     "kelvin_voigt": "much used",
-    EXACT: "exact",
+    EXACT_LAW: "exact",
     "gharib_hurmuzlu": "differs most",
 }
 # duration of a free impact, relative to the elastic contact time, at which the simulation stops
@@ -76,7 +76,7 @@ def groups() -> dict[str, list[ContactLaw]]:
 
 def look(names: list[str], colours: dict[str, str]) -> dict[str, object]:
     """Return the style of the curve of some laws."""
-    if EXACT in names:
+    if EXACT_LAW in names:
         return {"color": BLACK, "linewidth": 3.5, "zorder": 2}
     colour = next((colours[name] for name in names if name in colours), GREY)
     return {
@@ -88,7 +88,7 @@ def look(names: list[str], colours: dict[str, str]) -> dict[str, object]:
 
 def draw(path: Path) -> None:
     """Draw the realised restitution on the left, and its error on the right."""
-    colours = dict(zip((name for name in NAMED if name != EXACT), PALETTE, strict=False))
+    colours = dict(zip((name for name in NAMED if name != EXACT_LAW), PALETTE, strict=False))
     near = total = 0
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(10.5, 4.4), dpi=DPI, layout="constrained")

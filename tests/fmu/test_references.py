@@ -11,7 +11,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.fmu.build import build_fmu
-from chain_impact.fmu.references import EXACT, FILE, ROWS, check_references, reference
+from chain_impact.fmu.references import FILE, REFERENCE_TOLERANCE, ROWS, check_references, reference
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.tools.planted_faults import spoiled
@@ -58,7 +58,7 @@ def test_every_model_keeps_to_its_reference_which_is_small(fmus, model):
 def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, model):
     """The other method is the explicit one, with the reference's tolerance and its own steps."""
     columns = table_of(native[model])
-    exact = simulate(load_scene(model), tolerance=EXACT, method="explicit")
+    exact = simulate(load_scene(model), tolerance=REFERENCE_TOLERANCE, method="explicit")
     recorded = exact
     compared = [name for name in columns if name in recorded.columns]
     assert len(compared) > 8

@@ -11,7 +11,7 @@ from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.shape import OWNERS, shape_of
+from chain_impact.variables.shape import OWNERS_OF, shape_of
 
 EVERYTHING = load_scene("four_link_box").with_values(
     {
@@ -39,7 +39,7 @@ KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.ki
 def test_what_a_row_names_is_there(kind):
     """Its owner, conditions, texts, limits, magnitude and the variable whose derivative it is."""
     shape = shape_of(CART if kind.of == "slider" else EVERYTHING)
-    (owner, *_) = OWNERS[kind.of](shape)
+    (owner, *_) = OWNERS_OF[kind.of](shape)
     known = shape.known() | owner
     assert all(isinstance(known[condition], bool) for condition in kind.when)
     assert known.get(kind.tunable or ALWAYS) in (True, False)

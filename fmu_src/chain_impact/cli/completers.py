@@ -92,9 +92,9 @@ def outputs(source: str) -> Offer:
 
 def rankable(source: str) -> Offer:
     """Return the quantities that ``--rank`` accepts."""
-    from chain_impact.results.ranking import JOINT_FORCE, LARGEST
+    from chain_impact.results.ranking import EXTREMES, JOINT_FORCE
 
-    return Offer([*LARGEST, JOINT_FORCE, *outputs(source).names])
+    return Offer([*EXTREMES, JOINT_FORCE, *outputs(source).names])
 
 
 def laws(source: str) -> Offer:

@@ -13,9 +13,9 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
-    driven,
     ending,
     inputs_of,
+    scene_with,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.system import has_screen
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     file = options.output or DEFAULT
     check_outputs(file, inputs=[options.source])
     inputs = inputs_of(options)
-    scene = driven(options.source, options.set, inputs)
+    scene = scene_with(options.source, options.set, inputs)
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
     if inputs:
         given = {"--inputs": str(inputs[0]), "--interpolation": inputs[1]}

@@ -27,7 +27,7 @@ else:
 
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
-INTERPOLATIONS = ("hold", "linear", "spline")
+OF_TABLES = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
 SETTING = "contact.stiffness=1e9"  # the example in error messages about a setting
 MILLIMETRES = (51, 1500)  # the least and the largest width and height of a picture [mm]
@@ -92,7 +92,7 @@ def add_set(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] = INTERPOLATIONS) -> None:
+def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] = OF_TABLES) -> None:
     """Add ``--inputs``, a table of inputs, and the option for the interpolation between its rows."""
     command.add_argument(
         "--inputs",
@@ -110,7 +110,7 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
 
 def scene_of_options(options: argparse.Namespace) -> Scene:
     """Return the scene of a command, with the settings and the inputs of its options."""
-    return driven(options.source, options.set, inputs_of(options))
+    return scene_with(options.source, options.set, inputs_of(options))
 
 
 def inputs_of(options: argparse.Namespace) -> Inputs | None:
@@ -120,7 +120,7 @@ def inputs_of(options: argparse.Namespace) -> Inputs | None:
     return None if options.inputs is None else (options.inputs, options.interpolation)
 
 
-def driven(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:
+def scene_with(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:
     """Return a scene with settings ``NAME=VALUE``, and with a table of inputs."""
     scene = with_settings(load_scene(source), settings_of(settings))
     return with_inputs(scene, *inputs) if inputs else scene

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from chain_impact.cli.completers import is_fmu
-from chain_impact.cli.options import Inputs, UsageError, driven, settings_of
+from chain_impact.cli.options import Inputs, UsageError, scene_with, settings_of
 from chain_impact.cli.progress import complain, progress
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
@@ -49,7 +49,7 @@ class Source:
 
     def scene(self) -> Scene:
         """Return the scene, with its settings and inputs."""
-        return driven(self.name, self.settings, self.inputs)
+        return scene_with(self.name, self.settings, self.inputs)
 
     def record(self, sensitivities: Sequence[str] = ()) -> Recording:
         """Simulate; by default the ``sensitivities`` are those that the scene asks for."""

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from chain_impact.conversion.differences import SHOWN, Difference, Effect, collected_warnings, of_joint
 from chain_impact.conversion.robot import Body, Joint, Robot, Shape, identifier, outline
-from chain_impact.conversion.urdf_elements import SHAPES, other_elements
+from chain_impact.conversion.urdf_elements import GEOMETRIES, other_elements
 from chain_impact.extras import require
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import SceneError
@@ -169,14 +169,14 @@ def moving_parts(root: Element) -> bytes:
     for part in root:
         if part.tag in ("link", "joint"):
             kept = Element(part.tag, part.attrib)
-            kept.extend(element for element in part if element.tag not in (*SHAPES, "material"))
+            kept.extend(element for element in part if element.tag not in (*GEOMETRIES, "material"))
             bare.append(kept)
     return ElementTree.tostring(bare)
 
 
 def _shapes(link: Element) -> Iterator[Shape]:
     """Yield the shapes of a link, with corners only for those that can touch."""
-    for what in SHAPES:
+    for what in GEOMETRIES:
         for part in link.iter(what):
             geometry = next(iter(part.findall("geometry/*")), None)
             kind, touches = "shape" if geometry is None else geometry.tag, what == "collision"

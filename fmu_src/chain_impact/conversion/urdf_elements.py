@@ -23,7 +23,7 @@ USED = {
     "robot/joint/dynamics": "damping friction",
 }
 """Path of an element that the conversion reads → attributes whose values are in the scene or are reported."""
-SHAPES = ("visual", "collision")
+GEOMETRIES = ("visual", "collision")
 """Elements of a link that are counted and reported together."""
 NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
 """Attributes without effect in any element."""
@@ -47,7 +47,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)
         for path, element in _below(part, f"robot/{part.tag}"):
-            if path not in USED and element.tag not in (*SHAPES, *WITHOUT_EFFECT):
+            if path not in USED and element.tag not in (*GEOMETRIES, *WITHOUT_EFFECT):
                 yield _difference(part, element.tag, MOVES.get(element.tag, ""), _values(element))
             else:
                 yield from _attributes(element, path, part)

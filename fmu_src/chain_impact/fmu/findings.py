@@ -18,7 +18,7 @@ from chain_impact.recording.text import few
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
 """A test run writes this word as its last call. Without it, the process ended before the test did."""
-LARGEST = 2**30
+LARGEST_FILE = 2**30
 """[byte] the largest size of all unpacked files of an FMU; a larger FMU is refused: it could fill the disk.
 
 The check uses the sizes that the zip declares. Python never unpacks more than this.
@@ -76,12 +76,12 @@ def archive_findings(path: Path) -> list[Finding]:
         entries = fmu.infolist()
     findings = [finding for entry in entries for finding in _of_entry(entry)]
     size = sum(entry.file_size for entry in entries)
-    if size > LARGEST:
+    if size > LARGEST_FILE:
         largest = max(entries, key=lambda entry: entry.file_size)
         findings.append(
             Finding(
                 f"has {largest.file_size / 1e9:.3g} GB, and the whole FMU {size / 1e9:.3g} GB: an FMU of "
-                f"more than {LARGEST / 1e9:.3g} GB is not unpacked",
+                f"more than {LARGEST_FILE / 1e9:.3g} GB is not unpacked",
                 largest.filename,
             )
         )

@@ -9,10 +9,10 @@ from typing import Any
 
 from chain_impact.fmu.model_description import array_variables, model_description
 from chain_impact.fmu.table import described
+from chain_impact.scene.numbers import LARGEST_NUMBER
 from chain_impact.system import PLATFORMS
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.variable import LARGEST
 
 
 def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
@@ -31,7 +31,9 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
         description = model_description(prepared, tool, 3)
         kernels = {PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
         time_index = word_index(prepared.start.dtype, ("step", "time"))
-        further = [(["time", "real", time_index, "independent", -LARGEST, LARGEST, "", time_index], 1)]
+        further = [
+            (["time", "real", time_index, "independent", -LARGEST_NUMBER, LARGEST_NUMBER, "", time_index], 1)
+        ]
         further += [(prepared.table_row(array.variable), array.length) for array in array_variables(prepared)]
     files = {
         f"binaries/{platform}/{prepared.scene.name}{library.suffix}": library.read_bytes()

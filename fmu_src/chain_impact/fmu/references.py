@@ -28,15 +28,15 @@ from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
 FILE = "resources/chain_impact_reference.csv"
-EXACT = 1e-12  # solver tolerance of the reference run
+REFERENCE_TOLERANCE = 1e-12  # solver tolerance of the reference run
 ROWS = 100  # approximate number of communication steps in the scene's time
 # if the results up to a time are not reliable, the reference ends at this time / SHORTER instead
 SHORTER = 10
 # A chain amplifies an error with each impact. So the table ends where a second run, at the scene's own
-# tolerance, differs from the reference by more than max(LARGEST, tolerance). The allowed error of a user's
-# result is MARGIN times the largest difference of the second run before this end, and at least LEAST. LARGEST
+# tolerance, differs from the reference by more than max(ASTRAY, tolerance). The allowed error of a user's
+# result is MARGIN times the largest difference of the second run before this end, and at least LEAST. ASTRAY
 # and LEAST are relative to the largest value of all outputs with the same unit.
-LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
+ASTRAY, MARGIN, LEAST = 1e-5, 10.0, 1e-9
 # Outputs are not compared at times closer than this to the onset or end of a contact, because they change too
 # fast there. The limit is relative to the communication step.
 CLOSE = 1e-4
@@ -118,7 +118,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
         _run(
             prepared.scene.with_values({"solver.tolerance": t, "outputs.solver": True}), times, inputs, names
         )
-        for t in (EXACT, tolerance)
+        for t in (REFERENCE_TOLERANCE, tolerance)
     )
     count = min(len(exact), len(usual))
     # a contact that lasts has NaN as its end
@@ -130,9 +130,9 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     until = _agreed_until(contacts["onset"], others["onset"], CLOSE * times[1] / MARGIN)
     rows = np.flatnonzero(apart & (times[:count] < until))
     largest = np.abs(exact[rows]).max(axis=0, initial=0.0)
-    scale = np.array([largest[units == unit].max() for unit in units]) + EXACT
+    scale = np.array([largest[units == unit].max() for unit in units]) + REFERENCE_TOLERANCE
     deviation = np.abs(usual[rows] - exact[rows])
-    astray = (deviation > np.where(whole, 0.0, max(LARGEST, tolerance) * scale)).any(axis=1)
+    astray = (deviation > np.where(whole, 0.0, max(ASTRAY, tolerance) * scale)).any(axis=1)
     rows = rows[: np.argmax(astray)] if astray.any() else rows
     worst = deviation[: len(rows)].max(axis=0, initial=0.0)
     length = rows[-1] + 1 if len(rows) else 1

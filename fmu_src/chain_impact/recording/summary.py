@@ -23,7 +23,7 @@ JOINTS = 8  # the largest number of joints whose forces the text lists
 SHOWN = 3  # the largest number of contacts and joints that the text names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 _QUANTITIES = ("impact_speed", "", "peak_force", "impulse")
-UNITS, STOP_UNITS = (
+COLUMN_UNITS, STOP_COLUMN_UNITS = (
     tuple(unit_at(name, stop=stop) if name else "ms" for name in _QUANTITIES) for stop in (False, True)
 )
 """The columns of the list of impacts, with their units at walls and at stops of joints."""
@@ -98,8 +98,9 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
     columns of loads, the heads have several lines, so that a row fits into 80 characters.
     """
     stopped = result.at_stops
-    kinds = [units for units, there in ((UNITS, not stopped.all()), (STOP_UNITS, stopped.any())) if there]
-    units = [" or ".join(dict.fromkeys(several)) for several in zip(*(kinds or [UNITS]), strict=True)]
+    at_walls, at_stops = not stopped.all(), bool(stopped.any())
+    kinds = [COLUMN_UNITS] * at_walls + [STOP_COLUMN_UNITS] * at_stops
+    units = [" or ".join(dict.fromkeys(several)) for several in zip(*(kinds or [COLUMN_UNITS]), strict=True)]
     value_heads = (f"{name}, {unit}" for name, unit in zip(VALUES, units, strict=True))
     heads = ("time, s", "point", "wall", *value_heads)
     loads = ("joint force, N", "joint") if result.knows_joint_forces else ()

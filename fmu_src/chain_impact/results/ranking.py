@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from chain_impact.pictures.sizes import Size
 
-LARGEST = {
+EXTREMES = {
     "peak_force": ("peak_force", False),
     "max_penetration": ("max_penetration", False),
     "stop.peak_moment": ("peak_force", True),
@@ -268,18 +268,18 @@ relative to which an effect counts as round-off."""
 
 
 def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
-    if name in LARGEST:
-        field, at_stops = LARGEST[name]
+    if name in EXTREMES:
+        field, at_stops = EXTREMES[name]
         return _largest(recording, sensitivities, name, field, at_stops=at_stops)
     if name == JOINT_FORCE:
         return _joint_force(recording, sensitivities)
     if at := re.fullmatch(r"impact\[(\d+)\]\.(\w+)", name):
         return _of_impact(recording, sensitivities, int(at[1]), OF_FMU.get(at[2], at[2]))
     if name not in sensitivities.columns:
-        quantities = (*LARGEST, JOINT_FORCE, *sensitivities.columns)
+        quantities = (*EXTREMES, JOINT_FORCE, *sensitivities.columns)
         near = nearest(name, quantities)
         hint = (
-            f"the nearest is {near}" if near else f"must be an output, {', '.join((*LARGEST, JOINT_FORCE))}"
+            f"the nearest is {near}" if near else f"must be an output, {', '.join((*EXTREMES, JOINT_FORCE))}"
         )
         raise SceneError(
             f"{recording.name}: {name} is no quantity that can be ranked; {hint}, or impact[n].…"

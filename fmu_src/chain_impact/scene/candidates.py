@@ -15,8 +15,7 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
     ``scene.wall_names``); a joint has the number of its link. The stops of a slider belong to point 0.
     """
     pairs, names = point_wall_pairs(scene), scene.wall_names
-    # ``scene.stops`` has values only in a scene with stops
-    joints = [] if scene.stops.exponent is None else stop_pairs(scene)
+    joints = stop_pairs(scene)
     return [*pairs, *joints, *((0, names.index(stop)) for stop in scene.slider_stops)]
 
 
@@ -38,7 +37,7 @@ def parts_in_words(scene: Scene) -> list[str]:
 
 
 def stop_pairs(scene: Scene) -> list[tuple[int, int]]:
-    """Return the stops as pairs (joint, index in ``scene.wall_names``)."""
+    """Return the stops of joints as pairs (joint, index in ``scene.wall_names``)."""
     names = scene.wall_names
     return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 

@@ -75,9 +75,14 @@ class Contents:
         return (
             *WALLS,
             *(wall.name for wall in walls),
-            *(STOPS if self.stops.exponent is not None else ()),
+            *(STOPS if self.has_joint_stops else ()),
             *self.slider_stops,
         )
+
+    @property
+    def has_joint_stops(self) -> bool:
+        """Whether a joint has a stop; only then ``stops`` has values."""
+        return self.stops.exponent is not None
 
     @property
     def slider_stops(self) -> tuple[str, ...]:

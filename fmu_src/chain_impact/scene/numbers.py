@@ -21,7 +21,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
 
 Table = TypeVar("Table")
-LARGEST = sys.float_info.max
+LARGEST_NUMBER = sys.float_info.max
 LINKS = 64  # number of links up to which the fast path applies; a longer chain is read as a whole
 _KEYS: dict[DataPath, tuple[Any, tuple[str, ...]]] = {
     ("contact",): (Contact, ("stiffness", "restitution", "minimum_impact_speed")),
@@ -83,7 +83,7 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
     """Return the given value if it is a finite number or one of the choices; else None."""
     if rule["choices"]:
         return given if isinstance(given, str) else None
-    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST:
+    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST_NUMBER:
         return None
     return float(given)
 

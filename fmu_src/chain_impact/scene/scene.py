@@ -33,7 +33,15 @@ from chain_impact.scene.names import (
     proposed,
 )
 from chain_impact.scene.numbers import with_numbers
-from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
+from chain_impact.scene.reading import (
+    Reader,
+    SceneError,
+    UnknownNameError,
+    as_typed,
+    has_counts,
+    keys_of,
+    shown,
+)
 from chain_impact.scene.tables import Link
 from chain_impact.scene.text_file import text_of
 from chain_impact.scene.warning import warn
@@ -261,7 +269,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[DataPat
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """Return the scene with any values changed; all of the scene's data are read again."""
     data, paths = _plain(scene), [path for path, _ in values]
-    if JOINT_ANGLES in paths and completion.ANGLES not in above(paths):
+    if JOINT_ANGLES_PATH in paths and completion.ANGLES not in above(paths):
         del data["initial"]["angles"]
     # if one value of a derived list is given, the whole list becomes given
     without_derived(data, scene.derived_paths, kept=above(paths))
@@ -278,7 +286,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     return replace(changed, has_joint_angles=kept or changed.has_joint_angles)
 
 
-JOINT_ANGLES = ("initial", "joint_angles")
+JOINT_ANGLES_PATH = ("initial", "joint_angles")
 """The key for joint angles, which can replace the key for absolute angles."""
 
 

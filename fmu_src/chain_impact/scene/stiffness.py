@@ -6,7 +6,7 @@ import warnings
 from chain_impact.scene.reading import SceneWarning
 
 INCOMPRESSIBLE = 0.5  # Poisson's ratio of an incompressible material, the largest possible ratio
-LARGEST = 1.0  # [m] radius of the parts of large machines; a larger number is probably in mm
+LARGEST_RADIUS = 1.0  # [m] radius of the parts of large machines; a larger number is probably in mm
 SOFTEST = 1e3  # [Pa] Young's modulus of very soft gels; a smaller number is probably in GPa
 
 
@@ -41,7 +41,7 @@ def sphere_plane_stiffness(
         if value < SOFTEST:
             hint = f"{name} = {value:g} Pa is softer than a gel: is it in GPa?"
             warnings.warn(hint, SceneWarning, stacklevel=2)
-    if radius > LARGEST:
+    if radius > LARGEST_RADIUS:
         warnings.warn(f"radius = {radius:g} m: is it in mm?", SceneWarning, stacklevel=2)
     compliance = (1.0 - poisson_1**2) / young_1 + (1.0 - poisson_2**2) / young_2
     return 4.0 / 3.0 * math.sqrt(radius) / compliance

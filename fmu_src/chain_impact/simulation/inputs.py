@@ -47,7 +47,7 @@ SAME_TIME = 1e-12
 LISTED = 8  # largest number of names that the sentence of an error lists
 NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
-AT_START, NEVER = np.zeros(1, int), np.zeros(1, bool)
+FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
 COURSE = "course"
 """The field of the record with the coefficients of motions."""
 
@@ -146,7 +146,7 @@ def input_course(
     run = times if begins else np.union1d(0.0, times)
     if not inputs:
         asked = np.ones(len(run), bool) if begins else np.isin(run, times)
-        return InputCourse(run, asked, (), NOTHING, AT_START, NEVER, NEVER)
+        return InputCourse(run, asked, (), NOTHING, FIRST_ROW, NEVER, NEVER)
     paths = {variable.name: variable.record_path for variable in prepared.inputs}
     for name in inputs:
         if name not in paths:

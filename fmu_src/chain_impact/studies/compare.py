@@ -25,13 +25,12 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.compare_text import report
 from chain_impact.studies.law_change import (
-    EXACT,
+    EXACT_LAW,
     LOSSLESS,
     OVERLAPS,
     contact_at,
     first_number,
     keeps_exponents,
-    law_names,
     law_values,
     stiffened,
     with_law,
@@ -170,7 +169,7 @@ def compare(
 
     for law in at_home:
         run(law, None)
-    preferred = dict.fromkeys([EXACT, scene.contact.model, *at_home])
+    preferred = dict.fromkeys([EXACT_LAW, scene.contact.model, *at_home])
     firsts = {law: first_of(law_runs[law].result) for law in preferred if law in law_runs}
     reference = next((law for law, first in firsts.items() if first is not None), None)
     if reference is None:
@@ -195,7 +194,7 @@ def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached
     A run that is already in ``runs`` is not repeated.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
-    lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT))
+    lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT_LAW))
     return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
 
 
@@ -215,7 +214,7 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     Raises:
         UnknownNameError: when no law has an id.
     """
-    names = law_names(scene)
+    names = scene.law_names
     for law in laws or ():
         if law not in names:
             listed = "`chain-impact info --list laws` lists them"

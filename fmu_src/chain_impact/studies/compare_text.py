@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.impact_units import unit_at
 from chain_impact.recording.text import Table, prefixed
-from chain_impact.studies.law_change import EXACT, first_place
+from chain_impact.studies.law_change import EXACT_LAW, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
 # the largest difference from the prescribed restitution with which a law realises it, relative to the
@@ -115,8 +115,8 @@ def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
     """Return words that name one of several laws that realise the restitution, with the reason."""
     if len(near) < 2:  # noqa: PLR2004
         return ""
-    if EXACT in near:
-        return f"; take {EXACT}, which gives any free impact exactly e"
+    if EXACT_LAW in near:
+        return f"; take {EXACT_LAW}, which gives any free impact exactly e"
     e = comparison.contact.restitution
     best = min(near, key=lambda law: abs(comparison[law].restitution - e))
     return f"; take {best}, which is the nearest here"
@@ -131,5 +131,5 @@ def _reach(comparison: LawRuns) -> str:
     )
     return (
         "this impact is not free: other forces act while it lasts, and the less the stiffer the contact is; "
-        f"e′ without losses, about the most that is reached, and with e = {e:g} under {EXACT}: {values}"
+        f"e′ without losses, about the most that is reached, and with e = {e:g} under {EXACT_LAW}: {values}"
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,18 +14,12 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.scene.tables import Contact
 
-EXACT = "zhang_sharf"
+EXACT_LAW = "zhang_sharf"
 """The law with which the other laws are compared, if it allows the scene's restitution."""
 LOSSLESS = "hertz"
 """The law without losses; with it a free impact (only contact forces act) has the restitution 1."""
 OVERLAPS = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
-
-
-def law_names(scene: Scene) -> list[str]:
-    """Return the ids of all laws that a scene can have."""
-    user_law = Path(scene.contact.law_file).stem
-    return [*CONTACT_LAWS, user_law] if user_law else list(CONTACT_LAWS)
 
 
 def needed_exponent(law: str, exponent: float) -> float:

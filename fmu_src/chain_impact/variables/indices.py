@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.instance import STATE_OUTPUTS, instance_dtype
 from chain_impact.scene.names import DataPath
-from chain_impact.variables.listing import SHAPES, outputs_of
+from chain_impact.variables.listing import KEPT_SHAPES, outputs_of
 from chain_impact.variables.shape import Shape
 from chain_impact.variables.variable import Variable
 
@@ -123,7 +123,7 @@ def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.n
     return np.array([*row, *sorted(word for word, _ in stepwise.values())], np.int64)
 
 
-@lru_cache(SHAPES)
+@lru_cache(KEPT_SHAPES)
 def output_indices(shape: Shape, counts: Counts) -> OutputIndices:
     """Return the indices of the outputs for all scenes of a shape.
 

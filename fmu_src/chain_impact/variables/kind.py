@@ -48,7 +48,7 @@ class Kind:
     Attributes:
         name: the template of the variables' names.
         terminal: the first part of the name, if the variables with this part form a terminal in FMI 3.0.
-        of: the kind of owner that has such a variable: a key of ``shape.OWNERS``; "one" if the scene has
+        of: the kind of owner that has such a variable: a key of ``shape.OWNERS_OF``; "one" if the scene has
             one such variable.
         heading: see ``Heading``.
         text: the rest of the description, a template.

@@ -18,11 +18,11 @@ from chain_impact.scene.scene import Scene
 from chain_impact.variables.kind import Block, Kind, filled
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
-from chain_impact.variables.shape import OWNERS, Owner, Shape, shape_of
+from chain_impact.variables.shape import OWNERS_OF, Owner, Shape, shape_of
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 
-SHAPES = 64  # the number of shapes of scenes whose lists of outputs are kept
+KEPT_SHAPES = 64  # the number of shapes of scenes whose lists of outputs are kept
 BEHIND = "behind"
 """The field with the tangent instances, records of dual numbers that follow an instance in memory
 (prepared.py)."""
@@ -70,7 +70,7 @@ def all_outputs(scene: Scene) -> dict[str, Variable]:
     return outputs_of(shape_of(scene))
 
 
-@lru_cache(SHAPES)
+@lru_cache(KEPT_SHAPES)
 def outputs_of(shape: Shape) -> dict[str, Variable]:
     """Return the outputs of all scenes of a shape.
 
@@ -135,7 +135,7 @@ def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Owner, 
     """Yield each kind with each owner that meets its conditions, and with the words of scene and owner."""
     scene = shape.known()
     for of, kinds in blocks:
-        for owner in OWNERS[of](shape):
+        for owner in OWNERS_OF[of](shape):
             tables = {**scene, **owner}
             for kind in kinds:
                 if all(tables[condition] for condition in kind.when):

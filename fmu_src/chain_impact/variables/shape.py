@@ -168,7 +168,7 @@ def shape_of(scene: Scene) -> Shape:
         slider_stops=scene.slider_stops,
         slider_rubs=scene.chain.slider is not None and scene.chain.slider.friction > 0.0,
         pairs=tuple(point_wall_pairs(scene)),
-        stops=() if scene.stops.exponent is None else tuple(stop_pairs(scene)),
+        stops=tuple(stop_pairs(scene)),
         wall_names=scene.wall_names,
         lines=tuple(wall.name for wall in scene.walls),
         materials=tuple(scene.contact.wall),
@@ -273,7 +273,7 @@ def _steps(shape: Shape) -> Iterable[Owner]:
         knot += signal.knots
 
 
-OWNERS: dict[str, Callable[[Shape], Iterable[Owner]]] = {
+OWNERS_OF: dict[str, Callable[[Shape], Iterable[Owner]]] = {
     "one": lambda _: [{}],
     "link": _links,
     "point": _points,

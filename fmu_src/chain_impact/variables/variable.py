@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from chain_impact.scene.limits import Derived, allowed
 from chain_impact.scene.names import DataPath
+from chain_impact.scene.numbers import LARGEST_NUMBER
 from chain_impact.variables.kind import Kind, filled
 
-LARGEST = sys.float_info.max
 OBSERVED = ("output",), ("latest",)
 """Parts of the record that the kernel fills when an output is read.
 
@@ -162,7 +161,7 @@ def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
     importer reads the first of them, and writes a new value to both.
     """
     kind = variable.variability if variable.causality == "parameter" else variable.causality
-    low, high = -LARGEST, LARGEST
+    low, high = -LARGEST_NUMBER, LARGEST_NUMBER
     if variable.items:
         low, high = 1, len(variable.items)
     elif variable.above is not None:

@@ -25,7 +25,8 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-LARGEST = 700.0  # the exponential of a larger number is infinite, so an interval ends at infinity there
+# the exponential of a larger number is infinite, so an interval ends at infinity there
+LARGEST_LOGARITHM = 700.0
 FEW = 10  # the estimated standard deviation of a column with fewer values is rough; a remark says so
 # if the data last longer than this number of times the scene's stop time, their times are probably not in
 # seconds
@@ -259,7 +260,7 @@ def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[flo
     """
     ends = np.array([coordinate - half, coordinate + half])
     if parameter.logarithmic:
-        ends[np.abs(ends) > LARGEST] *= math.inf
+        ends[np.abs(ends) > LARGEST_LOGARITHM] *= math.inf
     low, high = (min(max(parameter.value(end), parameter.low), parameter.high) for end in ends.tolist())
     return low, high
 

@@ -24,8 +24,9 @@ ROWS = 3
 # number; one number for the first trial, one for the second
 FAR = (0.01, 0.0025)
 # A second trial is made if the mean square of the residuals with all data is at least WORSE times that with
-# early data. A mean square less than EXACT counts as EXACT, so that round-off causes no second trial.
-WORSE, EXACT = 1.2, 1e-6
+# early data. A mean square less than LEAST_SQUARE counts as LEAST_SQUARE, so that round-off
+# causes no second trial.
+WORSE, LEAST_SQUARE = 1.2, 1e-6
 MANY = 20  # with fewer values, a mean square is too random to be compared
 GROWTH = 1.1  # the smallest growth factor of the horizon in a step
 ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that ends a rough search and a fine search
@@ -96,7 +97,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
         whole = result.best
         if len(problem.names) == 1 or np.allclose(sigma, present, rtol=SETTLED, atol=0.0):
             break
-    worse = _squares(whole, early) / max(best, EXACT)
+    worse = _squares(whole, early) / max(best, LEAST_SQUARE)
     return Found(result, sigma, (*horizons[:-1], last), worse)
 
 

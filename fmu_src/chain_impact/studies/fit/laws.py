@@ -10,7 +10,7 @@ from chain_impact.progress import Progress
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit
-from chain_impact.studies.law_change import first_number, law_names, law_values, needed_exponent
+from chain_impact.studies.law_change import first_number, law_values, needed_exponent
 
 # number of decimals to which the criterion is rounded; laws with the same rounded criterion keep their order,
 # with the scene's own law first
@@ -33,7 +33,7 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
         SceneError: when no law can be fitted.
     """
     contact = scenes[0].contact
-    laws = [contact.model, *(law for law in law_names(scenes[0]) if law != contact.model)]
+    laws = [contact.model, *(law for law in scenes[0].law_names if law != contact.model)]
     first, ranking = None, []
     for k, law in enumerate(laws):
         fitted, note = None, ""

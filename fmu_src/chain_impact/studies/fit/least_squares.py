@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact.studies.fit.problem import Evaluation
 
-EXACT = 1e-14  # a smaller relative step, or a smaller gradient, is round-off and ends the search
+SMALLEST_CHANGE = 1e-14  # a smaller relative step, or a smaller gradient, is round-off and ends the search
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,8 @@ def minimize(
         bounds=[ends[moved] for ends in bounds],
         x_scale="jac",
         ftol=enough,
-        xtol=EXACT,
-        gtol=EXACT,
+        xtol=SMALLEST_CHANGE,
+        gtol=SMALLEST_CHANGE,
         max_nfev=most,
     )
     return Search(model(solution.x), bool(solution.status > 0), int(solution.nfev))

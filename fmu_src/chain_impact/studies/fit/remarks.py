@@ -19,7 +19,7 @@ SMALL = 1e-3
 VISIBLE = 0.01
 # if the mean square of the residuals, in standard deviations, is less than this number, the data come from a
 # simulation: then a very small χ² needs no remark
-EXACT = 1e-6
+SIMULATED = 1e-6
 IMPROBABLE = 1e-3  # the probability of a χ², or of the largest residual, below which a remark follows
 # a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; random
 # residuals exceed it in 2 % of all cases
@@ -93,7 +93,7 @@ def unusual(result: Estimates) -> Iterator[str]:
     # If σ is given for all columns, χ² has `least` degrees of freedom. Otherwise other columns may determine
     # some of the parameters; then the number is between `least` and `most`, and each test uses the safe one.
     most = most if result.estimated else least
-    if least <= 0 or total < EXACT * least:
+    if least <= 0 or total < SIMULATED * least:
         return
     what = f"χ² is {total:.4g} for {most} degrees of freedom, p < {IMPROBABLE:g}"
     if exceeded(total, most) < IMPROBABLE:
