@@ -67,7 +67,7 @@ ALIKE = {
     "initial angle and angular velocity of link i, absolute, from +x": (
         *("initial.angle[i]", "initial.angular_velocity[i]"),
     ),
-    "position, velocity and acceleration of the base": INPUTS_OF["base_motion"],
+    "position, velocity and acceleration of the base": tuple(INPUTS_OF["base_motion"]),
     "angle that the spring follows, and angular velocity that the damper follows": (
         *("joint[i].target_angle", "joint[i].target_velocity"),
     ),

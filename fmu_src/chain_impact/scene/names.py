@@ -114,20 +114,25 @@ def path_text(path: DataPath) -> str:
     )
 
 
-INPUTS_OF = {
-    "joint_torques": ("joint[{n}].torque",),
-    "joint_targets": (
-        *("joint[{n}].target_angle", "joint[{n}].target_velocity"),
-        *("slider.target_position", "slider.target_velocity"),
-    ),
-    "slider_force": ("slider.force",),
-    "tip_force": ("tip.force.x", "tip.force.y"),
-    "base_motion": tuple(f"base.{prefix}{axis}" for prefix in ("", "v", "a") for axis in AXES),
-    "wall_motion": tuple(
-        f"wall.{{name}}.{key}" for key in ("displacement", "velocity", "acceleration", "belt_speed")
-    ),
+INPUTS_OF: dict[str, dict[str, str]] = {
+    "joint_torques": {"joint[{n}].torque": "N.m"},
+    "joint_targets": {
+        **{"joint[{n}].target_angle": "rad", "joint[{n}].target_velocity": "rad/s"},
+        **{"slider.target_position": "m", "slider.target_velocity": "m/s"},
+    },
+    "slider_force": {"slider.force": "N"},
+    "tip_force": {f"tip.force.{axis}": "N" for axis in AXES},
+    "base_motion": {
+        f"base.{prefix}{axis}": unit
+        for prefix, unit in (("", "m"), ("v", "m/s"), ("a", "m/s2"))
+        for axis in AXES
+    },
+    "wall_motion": {
+        **{"wall.{name}.displacement": "m", "wall.{name}.velocity": "m/s"},
+        **{"wall.{name}.acceleration": "m/s2", "wall.{name}.belt_speed": "m/s"},
+    },
 }
-"""Key of `[inputs]` → templates of the names of its inputs; {n} stands for a number, {name} for a wall."""
+"""Key of `[inputs]` → its inputs: template of the name → unit; {n} stands for a number, {name} for a wall."""
 
 
 def is_like(name: str, template: str) -> bool:

@@ -38,7 +38,6 @@ from chain_impact.scene.reading import (
     SceneError,
     UnknownNameError,
     as_typed,
-    has_counts,
     keys_of,
     shown,
 )

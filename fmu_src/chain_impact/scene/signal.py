@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from chain_impact.scene.limits import NO_KEY, quantity
-from chain_impact.scene.names import AXES, is_like, nearest
+from chain_impact.scene.names import INPUTS_OF, is_like, nearest
 
 FORMS = ("constant", "sine", "ramp", "steps", "table")
 """The forms of signals, in the order of their numbers in the kernel."""
@@ -13,22 +13,7 @@ SHAPES = ("smooth", "linear", "trapezoid")
 """The shapes of ramps, in the order of their numbers in the kernel."""
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")
-_UNITS = {
-    "joint[{n}].torque": "N.m",
-    "joint[{n}].target_angle": "rad",
-    "joint[{n}].target_velocity": "rad/s",
-    "slider.force": "N",
-    "slider.target_position": "m",
-    "slider.target_velocity": "m/s",
-    **{f"tip.force.{axis}": "N" for axis in AXES},
-    **{f"base.{axis}": "m" for axis in AXES},
-    **{f"base.v{axis}": "m/s" for axis in AXES},
-    **{f"base.a{axis}": "m/s2" for axis in AXES},
-    "wall.{name}.displacement": "m",
-    "wall.{name}.velocity": "m/s",
-    "wall.{name}.acceleration": "m/s2",
-    "wall.{name}.belt_speed": "m/s",
-}
+_UNITS = {template: unit for inputs in INPUTS_OF.values() for template, unit in inputs.items()}
 
 
 def unit_of(name: str) -> str:

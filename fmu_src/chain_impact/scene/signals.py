@@ -5,7 +5,7 @@ kernel/chain/signals.py computes their values.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import chain, count
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.names import AXES, input_asked, input_key, nearest
+from chain_impact.scene.names import INPUTS_OF, input_asked, input_key, nearest
 from chain_impact.scene.reading import SceneError, refusal
 from chain_impact.scene.signal import FORMS, Samples, Signal
 from chain_impact.scene.signal_values import is_motion, knots_of
@@ -215,21 +215,16 @@ def how_asked(scene: Contents, name: str) -> str:
 
 def inputs_of(scene: Contents) -> Iterator[str]:
     """Yield the names of the inputs that the scene asks for, with or without a signal that drives them."""
-    asked, slides = scene.inputs, scene.chain.base == "slider"
-    joints = range(1 if scene.chain.has_base_joint else 2, len(scene.chain.links) + 1)
-    for n in joints:
-        yield from (f"joint[{n}].torque",) * asked.joint_torques
-        if asked.joint_targets:
-            yield from (f"joint[{n}].target_angle", f"joint[{n}].target_velocity")
-    if slides and asked.slider_force:
-        yield "slider.force"
-    if slides and asked.joint_targets:
-        yield from ("slider.target_position", "slider.target_velocity")
-    if asked.tip_force:
-        yield from (f"tip.force.{axis}" for axis in AXES)
-    if asked.base_motion:
-        yield from (f"base.{prefix}{axis}" for prefix in ("", "v", "a") for axis in AXES)
-    for wall in scene.moving_walls:
-        yield from (
-            f"wall.{wall}.{key}" for key in ("displacement", "velocity", "acceleration", "belt_speed")
-        )
+    templates = [name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) for name in names]
+    first, slides = 1 if scene.chain.has_base_joint else 2, scene.chain.base == "slider"
+    owners: dict[str, Sequence[dict[str, Any]]] = {
+        "joint[{n}]": [{"n": n} for n in range(first, len(scene.chain.links) + 1)],
+        "slider": [{}] * slides,
+        "tip": [{}],
+        "base": [{}],
+        "wall": [{"name": wall} for wall in scene.moving_walls],
+    }
+    for head, words in owners.items():
+        of_head = [template for template in templates if template.startswith(f"{head}.")]
+        for word in words:
+            yield from (template.format(**word) for template in of_head)

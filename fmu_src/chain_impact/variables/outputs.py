@@ -7,7 +7,8 @@ the nominal magnitude, and further attributes. A row with {axis} stands for two 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import Any
 
 from chain_impact.scene.names import AT, AXES, INPUTS_OF
@@ -35,7 +36,7 @@ def _block(
     of: str,
     prefix: str,
     rows: str,
-    names: Sequence[str] = (),
+    names: Mapping[str, str] = MappingProxyType({}),
     array: bool = False,
     **other: Any,
 ) -> Block:
@@ -46,13 +47,14 @@ def _block(
         of: the kind of owner.
         prefix: the first part of the names.
         rows: the rows of the table. The index of the owner is appended to each field without an index.
-        names: the full names, if the rows have no names.
+        names: full name → unit, if the rows have no names and no units; only names with the prefix count.
         array: whether the values of all owners form an array, named after the owner and the row.
         other: attributes that all kinds have; see also ``block``.
     """
-    kinds = []
-    for number, (name, unit, text, field, nominal, more, axis) in enumerate(_rows(rows)):
-        member = names[number].removeprefix(f"{prefix}.") if names else name
+    kinds, head = [], f"{prefix}."
+    given = [(name.removeprefix(head), unit) for name, unit in names.items() if name.startswith(head)]
+    for number, (name, its_unit, text, field, nominal, more, axis) in enumerate(_rows(rows)):
+        member, unit = given[number] if given else (name, its_unit)
         steps = [int(step) if step.isdecimal() else step for step in (field or member).split(".")]
         index = [] if of in ("one", "slider") or AT in steps or NEXT in steps else [AT]
         attributes: dict[str, Any] = {"array": f"{of}.{member}" if array else "", "nominal": nominal}
@@ -90,7 +92,7 @@ INPUTS = (
         part="given",
         of="joint",
         prefix="joint[{n}]",
-        rows=" | N.m | torque on link {n} from {before} | joint_torque",
+        rows=" | | torque on link {n} from {before} | joint_torque",
         names=INPUTS_OF["joint_torques"],
         when=("inputs.joint_torques",),
         causality="input",
@@ -100,10 +102,10 @@ INPUTS = (
         of="joint",
         prefix="joint[{n}]",
         rows="""
-        | rad   | angle that the spring of joint {n} follows            | joint_target_angle
-        | rad/s | angular velocity that the damper of joint {n} follows | joint_target_velocity
+        | | angle that the spring of joint {n} follows            | joint_target_angle
+        | | angular velocity that the damper of joint {n} follows | joint_target_velocity
         """,
-        names=INPUTS_OF["joint_targets"][:2],
+        names=INPUTS_OF["joint_targets"],
         when=("inputs.joint_targets",),
         causality="input",
     ),
@@ -111,7 +113,7 @@ INPUTS = (
         part="given",
         of="slider",
         prefix="slider",
-        rows=" | N | force on the carriage, along the line | slider_force",
+        rows=" | | force on the carriage, along the line | slider_force",
         names=INPUTS_OF["slider_force"],
         heading=SLIDER,
         when=("inputs.slider_force",),
@@ -122,10 +124,10 @@ INPUTS = (
         of="slider",
         prefix="slider",
         rows="""
-        | m   | position that the spring of the slider follows | slider_target_position
-        | m/s | velocity that the damper of the slider follows | slider_target_velocity
+        | | position that the spring of the slider follows | slider_target_position
+        | | velocity that the damper of the slider follows | slider_target_velocity
         """,
-        names=INPUTS_OF["joint_targets"][2:],
+        names=INPUTS_OF["joint_targets"],
         heading=SLIDER,
         when=("inputs.joint_targets",),
         causality="input",
@@ -134,7 +136,7 @@ INPUTS = (
         part="given",
         of="one",
         prefix="tip",
-        rows=" | N | {axis} of the force on the tip | tip_force.{j}",
+        rows=" | | {axis} of the force on the tip | tip_force.{j}",
         names=INPUTS_OF["tip_force"],
         when=("inputs.tip_force",),
         causality="input",
@@ -144,9 +146,9 @@ INPUTS = (
         of="one",
         prefix="base",
         rows="""
-        | m    | {axis} of the position of the base     | position.{j}
-        | m/s  | {axis} of the velocity of the base     | velocity.{j}
-        | m/s2 | {axis} of the acceleration of the base | acceleration.{j}
+        | | {axis} of the position of the base     | position.{j}
+        | | {axis} of the velocity of the base     | velocity.{j}
+        | | {axis} of the acceleration of the base | acceleration.{j}
         """,
         names=INPUTS_OF["base_motion"],
         when=("inputs.base_motion",),
@@ -157,10 +159,10 @@ INPUTS = (
         of="moving wall",
         prefix="wall.{name}",
         rows="""
-        | m    | its displacement along its inward normal n | position
-        | m/s  | its velocity along its inward normal n     | velocity
-        | m/s2 | its acceleration along its inward normal n | acceleration
-        | m/s  | speed of its belt along t = (n_y, -n_x)    | velocity.{next}
+        | | its displacement along its inward normal n | position
+        | | its velocity along its inward normal n     | velocity
+        | | its acceleration along its inward normal n | acceleration
+        | | speed of its belt along t = (n_y, -n_x)    | velocity.{next}
         """,
         names=INPUTS_OF["wall_motion"],
         heading=WALL,
