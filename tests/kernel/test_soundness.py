@@ -59,7 +59,7 @@ def test_each_candidate_has_a_law_once_a_run_has_started(d):
 
 # lower and upper bound of each index of a chain of N links with C candidates and 7 impacts
 BOUNDS = {
-    ("model", "middle"): (0, 3),
+    ("model", "meeting_joint"): (0, 3),
     ("step", "regularized"): (NO_CONTACT, 15),
     ("step", "method"): (EXPLICIT, IMPLICIT),
     ("step", "last_method"): (EXPLICIT, IMPLICIT),

@@ -85,6 +85,13 @@ def dual(number: float, *slopes: float) -> Dual:
 class Duals(SimpleNamespace):
     """A record or a table of dual numbers."""
 
+    def __getitem__(self, row: int) -> dict[str, Any]:
+        return {name: column[row] for name, column in vars(self).items()}
+
+    def __setitem__(self, row: int, values: dict[str, Any]) -> None:
+        for name, column in vars(self).items():
+            column[row] = values[name]
+
     def clear(self) -> None:
         for own in vars(self).values():
             if isinstance(own, Duals):
