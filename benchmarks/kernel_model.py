@@ -359,7 +359,7 @@ def digest(*sources: Path) -> str:
 
 def built(links: int) -> Path:
     """Return the library for a number of links, compiled if it is not cached."""
-    here, exact = Path(__file__), ready.exact(links)
+    here, exact = Path(__file__), ready.exact_sizes(links)
     name = f"{here.stem}-{digest(here)}"
     program = f"import sys; sys.path.insert(0, {str(here.parent)!r}); import kernel_model; "
 

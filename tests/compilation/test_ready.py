@@ -86,7 +86,7 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
     found = ready.find(ready.library_name(None, "linux64", what=ready.DERIVATIVES))
     assert found.read_text() == "kernel for None and derivatives for None"
     assert kernel_library(4, derivatives=True) == found
-    assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "kernel for None"
+    assert ready.find(ready.library_name(ready.exact_sizes(64), "linux64")).read_text() == "kernel for None"
     assert ready.find(ready.library_name(3, "linux64")) is None
     assert kernel_library(4) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
     assert ready.find(ready.library_name(None, "win64")) is None

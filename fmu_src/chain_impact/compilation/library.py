@@ -43,7 +43,7 @@ def kernel_library(
         raise BuildError(nowhere())
     law = _law(law_file) if law_file else None
     kind = DERIVATIVES if derivatives else KERNEL
-    exact = ready.exact(links, kind)
+    exact = ready.exact_sizes(links, kind)
     name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
     existing = cache.find(name) if law else ready.best(links, platform, kind) or cache.find(name)
     if existing:

@@ -59,7 +59,7 @@ def for_release() -> bool:
     return os.environ.get(RELEASE) == "1"
 
 
-def exact(wanted: Sizes, kind: str = KERNEL) -> Sizes:
+def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
     """Return the sizes of the kernel that runs a chain with the ``wanted`` sizes.
 
     A number of links is returned if a special kernel for it exists; else None, for the kernel for any number

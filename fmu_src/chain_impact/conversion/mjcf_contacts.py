@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect
-from chain_impact.conversion.robot import Plane, Shape, identifier, outline
+from chain_impact.conversion.robot import LinkShape, Plane, identifier, outline
 
 BITS = 16  # MuJoCo writes an excluded pair of bodies as one number: (first << BITS) + second
 
@@ -100,14 +100,14 @@ class Contacts:
                 touching=None if ours else touching,
             )
 
-    def shapes(self, b: int) -> list[Shape]:
+    def shapes(self, b: int) -> list[LinkShape]:
         """Return the shapes of body ``b``, except planes that become walls."""
         model = self.model
         return [
             self._shape(g) for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g)
         ]
 
-    def _shape(self, g: int) -> Shape:
+    def _shape(self, g: int) -> LinkShape:
         model, kinds = self.model, self.mujoco.mjtGeom
         kind = kinds(model.geom_type[g])
         rotation = np.zeros(9)
@@ -122,7 +122,7 @@ class Contacts:
         else:  # for an ellipsoid the box that encloses it
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
-        return Shape(
+        return LinkShape(
             kind=word,
             touches=any(self._touch(g, other) for other in range(model.ngeom) if other != g),
             name=identifier(name, "geom") if name else "",

@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.conversion.flat import Plan, near
 from chain_impact.conversion.joints import PARALLEL
-from chain_impact.conversion.robot import Shape
+from chain_impact.conversion.robot import LinkShape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
 """The kinds of shapes that points can replace, because the shape is the convex hull of balls or discs."""
@@ -30,7 +30,7 @@ class Ball(NamedTuple):
     name: str
 
 
-def balls_of(shape: Shape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
+def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
     """Yield the balls whose convex hull is the projection of a shape onto the plane of the motion."""
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius

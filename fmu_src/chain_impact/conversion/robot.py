@@ -63,7 +63,7 @@ class Joint:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shape:
+class LinkShape:
     """A shape of a body, which may touch other shapes or is only visible.
 
     Attributes:
@@ -133,7 +133,7 @@ class Body:
     inertia: np.ndarray
     joints: Sequence[Joint] = ()
     frames: Sequence[tuple[str, np.ndarray]] = ()
-    shapes: Sequence[Shape] = ()
+    shapes: Sequence[LinkShape] = ()
     borne: float = 0.0
 
 

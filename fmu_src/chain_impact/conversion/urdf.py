@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from chain_impact.conversion.differences import SHOWN, Difference, Effect, collected_warnings, of_joint
-from chain_impact.conversion.robot import Body, Joint, Robot, Shape, identifier, outline
+from chain_impact.conversion.robot import Body, Joint, LinkShape, Robot, identifier, outline
 from chain_impact.conversion.urdf_elements import GEOMETRIES, other_elements
 from chain_impact.extras import require
 from chain_impact.recording.text import few
@@ -174,7 +174,7 @@ def moving_parts(root: Element) -> bytes:
     return ElementTree.tostring(bare)
 
 
-def _shapes(link: Element) -> Iterator[Shape]:
+def _shapes(link: Element) -> Iterator[LinkShape]:
     """Yield the shapes of a link, with corners only for those that can touch."""
     for what in GEOMETRIES:
         for part in link.iter(what):
@@ -182,7 +182,9 @@ def _shapes(link: Element) -> Iterator[Shape]:
             kind, touches = "shape" if geometry is None else geometry.tag, what == "collision"
             outline = _outline(geometry, part.find("origin")) if touches and geometry is not None else {}
             name = part.get("name")
-            yield Shape(kind=kind, touches=touches, name=identifier(name, "shape") if name else "", **outline)
+            yield LinkShape(
+                kind=kind, touches=touches, name=identifier(name, "shape") if name else "", **outline
+            )
 
 
 def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:

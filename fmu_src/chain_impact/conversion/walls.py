@@ -14,7 +14,7 @@ from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.flat import TINY, Plan
 from chain_impact.conversion.joints import PARALLEL, Chosen, above
 from chain_impact.conversion.points import OUTLINED, Ball, balls_of, outermost, reach, tables_of
-from chain_impact.conversion.robot import Plane, Robot, Shape
+from chain_impact.conversion.robot import LinkShape, Plane, Robot
 from chain_impact.kernel.rows.geometry import NORMALS, OVERLAP, WALLS
 
 Points = list[dict[str, Any]]
@@ -128,7 +128,7 @@ class Walls:
         ends = {end for i in bare for end in (i, i + 1)}
         return {"points": sorted(ends - ({0} if self.chosen.base == "pinned" else set()))}
 
-    def _is_point(self, shape: Shape) -> bool:
+    def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
 
         Its kind is in ``OUTLINED``, and it can touch a wall or, without walls, anything.

@@ -11,7 +11,8 @@ from chain_impact.recording.course import Rerun
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.reading import matching
-from chain_impact.variables.prepared import PreparedScene, of_series
+from chain_impact.variables.hints import of_series
+from chain_impact.variables.prepared import PreparedScene
 
 # WITHIN: the number of additional times within an impact; FOLLOWED: the largest number of impacts that get
 # them

@@ -26,7 +26,7 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import matching
 from chain_impact.system import written_whole
-from chain_impact.variables.prepared import output_hint
+from chain_impact.variables.hints import output_hint
 
 ROWS_AT_ONCE = 10_000  # the number of rows that are written at a time
 _NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")

@@ -19,7 +19,8 @@ from chain_impact.results.pictured import Pictured
 from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, matching
-from chain_impact.variables.prepared import PreparedScene, of_series
+from chain_impact.variables.hints import of_series
+from chain_impact.variables.prepared import PreparedScene
 
 if TYPE_CHECKING:
     import pandas

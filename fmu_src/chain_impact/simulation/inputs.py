@@ -222,8 +222,8 @@ def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
 
 def _hint(prepared: PreparedScene, name: Any) -> str:
     """Return a hint for a name that is no input: what drives or makes it, or which inputs exist."""
-    if name in prepared.driven:
-        return f"signal.{prepared.driven[name]} drives it"
+    if name in prepared.signals_by_input:
+        return f"signal.{prepared.signals_by_input[name]} drives it"
     other = not isinstance(name, str) or name.startswith(("joint", "tip"))
     how = None if other else input_asked(name)
     return f"{how} makes it" if how else inputs_text(variable.name for variable in prepared.inputs)

@@ -6,7 +6,7 @@ record (kernel/record/). It makes new instances, whose records hold the paramete
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -23,6 +23,7 @@ from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.signals import driven_by
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
+from chain_impact.variables.hints import Hint, of_series, output_hint, parts_hint
 from chain_impact.variables.indices import (
     WORD,
     OutputIndices,
@@ -43,9 +44,6 @@ SAME = (
 )
 """The attributes that do not depend on numbers of the scene."""
 NAMED = 64  # the largest number of selections of outputs whose indices are kept
-
-Hint = Callable[[str], str | None]
-"""A function that returns a hint for an unknown name; None if none is known."""
 
 
 class PreparedScene:
@@ -107,7 +105,7 @@ class PreparedScene:
         return list(inputs(self.scene))
 
     @cached_property
-    def driven(self) -> dict[str, str]:
+    def signals_by_input(self) -> dict[str, str]:
         """The inputs that signals drive: the name of the input → the name of the signal."""
         return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
 
@@ -349,36 +347,3 @@ def kernel_size(scene: Scene) -> int:
 def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
     """Return the prepared form of a scene; a prepared scene is returned unchanged."""
     return source if isinstance(source, PreparedScene) else PreparedScene(source)
-
-
-def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
-    """Return a hint for a name that is no output: it is an input or a parameter; None if it is neither.
-
-    ``how`` are words for what makes an input an output.
-    """
-    if matches(name, inputs):
-        return f"it is an input{how and f'; {how} makes it an output'}"
-    if matches(name, parameters):
-        return "parameters are no outputs: they stay constant during a run"
-    return None
-
-
-def parts_hint(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint for the name of a vector: "there are force.x, force.y"; None for any other name."""
-    parts = [one for one in names if one.startswith(f"{name}.")]
-    return f"there are {', '.join(parts[:3])}" if parts else None
-
-
-def of_series(hint: Hint) -> Hint:
-    """Return a function that gives hints for names that are no time series.
-
-    For outputs that change only at events, it says where the result has them; else it returns what ``hint``
-    returns.
-    """
-
-    def found(name: str) -> str | None:
-        if name.startswith(("impact.", "impact[", "solver.")):
-            return "impacts are in result.impacts, counts of the solver in result.statistics"
-        return hint(name)
-
-    return found

@@ -1,0 +1,43 @@
+"""Hints in the messages on names that are no outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable
+
+from chain_impact.scene.reading import matches
+
+Hint = Callable[[str], str | None]
+"""A function that returns a hint for an unknown name; None if none is known."""
+
+
+def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
+    """Return a hint for a name that is no output: it is an input or a parameter; None if it is neither.
+
+    ``how`` are words for what makes an input an output.
+    """
+    if matches(name, inputs):
+        return f"it is an input{how and f'; {how} makes it an output'}"
+    if matches(name, parameters):
+        return "parameters are no outputs: they stay constant during a run"
+    return None
+
+
+def parts_hint(name: str, names: Iterable[str]) -> str | None:
+    """Return a hint for the name of a vector: "there are force.x, force.y"; None for any other name."""
+    parts = [one for one in names if one.startswith(f"{name}.")]
+    return f"there are {', '.join(parts[:3])}" if parts else None
+
+
+def of_series(hint: Hint) -> Hint:
+    """Return a function that gives hints for names that are no time series.
+
+    For outputs that change only at events, it says where the result has them; else it returns what ``hint``
+    returns.
+    """
+
+    def found(name: str) -> str | None:
+        if name.startswith(("impact.", "impact[", "solver.")):
+            return "impacts are in result.impacts, counts of the solver in result.statistics"
+        return hint(name)
+
+    return found
