@@ -142,15 +142,9 @@ class Contents:
 
     @property
     def friction_joints(self) -> tuple[int, ...]:
-        """The numbers of the joints with dry friction.
-
-        A joint has the number of its link, a free base has no joint 1.
-        """
-        joints = []
-        for joint, link in enumerate(self.chain.links, 1):
-            if link.joint_friction > 0.0 and (joint > 1 or self.chain.has_base_joint):
-                joints.append(joint)
-        return tuple(joints)
+        """The numbers of the joints with dry friction."""
+        links = self.chain.links
+        return tuple(joint for joint in self.chain.joints if links[joint - 1].joint_friction > 0.0)
 
     @property
     def is_driven(self) -> bool:

@@ -216,10 +216,9 @@ def how_asked(scene: Contents, name: str) -> str:
 def inputs_of(scene: Contents) -> Iterator[str]:
     """Yield the names of the inputs that the scene asks for, with or without a signal that drives them."""
     templates = [name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) for name in names]
-    first, slides = 1 if scene.chain.has_base_joint else 2, scene.chain.base == "slider"
     owners: dict[str, Sequence[dict[str, Any]]] = {
-        "joint[{n}]": [{"n": n} for n in range(first, len(scene.chain.links) + 1)],
-        "slider": [{}] * slides,
+        "joint[{n}]": [{"n": n} for n in scene.chain.joints],
+        "slider": [{}] * (scene.chain.base == "slider"),
         "tip": [{}],
         "base": [{}],
         "wall": [{"name": wall} for wall in scene.moving_walls],

@@ -172,6 +172,11 @@ class Chain:
         return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
 
     @property
+    def joints(self) -> range:
+        """The numbers of the joints, which are the numbers of their links; a free base has no joint 1."""
+        return range(1 if self.has_base_joint else 2, len(self.links) + 1)
+
+    @property
     def stops(self) -> tuple[tuple[int, str], ...]:
         """The existing stops as pairs: the number of the joint's link, and ``joint_min`` or ``joint_max``."""
         links = enumerate(self.links, 1)

@@ -28,6 +28,7 @@ class Shape:
 
     Attributes:
         links: the number of links.
+        joints: the numbers of the joints, as ``Chain.joints``.
         sites: the points of links: the indices of the link and of the point in it, its name, and whether
             it is a corner of a box.
         base: the kind of the chain's base.
@@ -49,6 +50,7 @@ class Shape:
     """
 
     links: int
+    joints: range
     sites: tuple[tuple[int, int, str, bool], ...]
     base: str
     slider_stops: tuple[str, ...]
@@ -66,11 +68,6 @@ class Shape:
     moving_walls: tuple[str, ...]
     own_stop_law: bool
     signals: tuple[Driven, ...]
-
-    @property
-    def joints(self) -> range:
-        """The numbers of the joints, which are the numbers of their links; a free base has no joint 1."""
-        return range(2 if self.base == "free" else 1, self.links + 1)
 
     @property
     def ground(self) -> str:
@@ -159,6 +156,7 @@ def shape_of(scene: Scene) -> Shape:
     """Return the shape of a scene."""
     return Shape(
         links=len(scene.chain.links),
+        joints=scene.chain.joints,
         sites=tuple(
             (i, j, site.name, j < link.corners)
             for i, link in enumerate(scene.chain.links)
