@@ -56,6 +56,13 @@ class Columns:
     def __init__(self, columns: dict[str, Any]) -> None:
         self.__dict__.update(columns)
 
+    def __getitem__(self, row: int) -> dict[str, Any]:
+        return {name: column[row] for name, column in vars(self).items()}
+
+    def __setitem__(self, row: int, values: dict[str, Any]) -> None:
+        for name, column in vars(self).items():
+            column[row] = values[name]
+
 
 def fallen(model: str, method: str) -> Scene:
     """Return two links that fall on a floor and come to rest there, one of them beside a slope."""

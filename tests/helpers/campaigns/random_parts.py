@@ -52,12 +52,12 @@ class Draw:
 class Shapes:
     """The data of a chain that ``loose_links`` uses."""
 
-    def __init__(self, links: list[dict[str, Any]], pinned: bool) -> None:
+    def __init__(self, links: list[dict[str, Any]], has_base_joint: bool) -> None:
         self.length, self.center_of_mass, self.center_of_mass_offset, self.inertia = (
             [link[key] for link in links]
             for key in ("length", "center_of_mass", "center_of_mass_offset", "inertia")
         )
-        self.pinned = pinned
+        self.has_base_joint = has_base_joint
 
 
 def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float = 0.25) -> Scene:
