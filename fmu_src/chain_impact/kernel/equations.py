@@ -58,7 +58,7 @@ def other_energy(d, y):
 
 
 def stored_energy(d, y):
-    """Return the elastic energy [J] of the active contacts, for the located points, and of the springs."""
+    """Return the elastic energy [J] of active contacts, for located points, and of springs in no drive."""
     energy = spring_energy(d, y) if d.model.has_joint_springs else 0.0
     if d.slides:
         energy += slider_spring_energy(d, y)
@@ -71,7 +71,7 @@ def stored_energy(d, y):
 
 
 def mechanical_energy(d, y):
-    """Return kinetic and potential energy [J] of the chain, for the located points."""
+    """Return kinetic and potential energy [J] of chain, armatures and carriage, for the located points."""
     n = d.links
     kinetic, potential = 0.0, 0.0
     for i in range(n):
@@ -141,7 +141,7 @@ def true_rate(d, y, rate):
 
 
 def constrain(d, y, rate):
-    """Add to a rate ẏ the effects of constraints and of given motions of base and walls."""
+    """Add to a rate ẏ the effects of constraints, and the power of moving base, walls and belts."""
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
         rate[dissipated_at(d.links)] += static_power(d)
@@ -155,7 +155,10 @@ def free_rate(d, y, rate):
 
 
 def loaded_rate(d, y, dissipated, rate):
-    """Set rate = f(y) for the loads in the record; the argument ``dissipated`` is the contacts' power [W]."""
+    """Set rate = f(y) for the loads in the record.
+
+    ``dissipated`` is the power [W] that contacts and sliding friction dissipate.
+    """
     n = d.links
     supplied = 0.0
     if d.model.has_springs_or_dampers or d.model.has_inputs or d.model.has_joint_places:

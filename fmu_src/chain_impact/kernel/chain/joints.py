@@ -156,7 +156,7 @@ def joint_bound(d):
 
 
 def rate_of(resistance, inertia):
-    """Return ``resistance``/``inertia`` for two numbers that are not negative; 0/0 = 0."""
+    """Return ``resistance``/``inertia`` for two numbers that are not negative; 0/0 = 0, else x/0 = ∞."""
     if inertia > 0.0:
         return resistance / inertia
     return math.inf if resistance > 0.0 else 0.0

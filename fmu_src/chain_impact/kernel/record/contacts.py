@@ -18,13 +18,14 @@ LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may reque
 
 @written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
 def candidate_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the candidates: first pairs of a point and a wall, then stops in joints.
+    """Return the layout of the candidates: pairs of a point and a wall, stops in joints, stops of the slider.
 
     variables/filling.py sets the values that are not derived.
     """
     return table(
         candidates,
-        # number of the point, 0…N; N+1…N+P for sites; for a stop the number of its joint, 1…N
+        # number of the point, 0…N; N+1…N+P for sites; for a stop in a joint the number of the joint, 1…N; 0
+        # for a stop of the slider
         ("point", INTEGER),
         # index of the wall in WALLS, or 4 plus the index in `walls`; stops have the numbers after the walls
         ("wall", INTEGER),
@@ -42,7 +43,10 @@ def candidate_dtype(candidates: int) -> np.dtype:
 
 @written_by("forces/contact_law.py")
 def law_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the contact law of each candidate."""
+    """Return the layout of the contact law of each candidate.
+
+    For a stop in a joint the law is that of its place, at a lever arm (rows/geometry.py).
+    """
     return table(
         candidates,
         ("same_as", INTEGER),  # the first candidate with the same law

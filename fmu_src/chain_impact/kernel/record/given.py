@@ -39,16 +39,18 @@ def model_dtype(links: int) -> np.dtype:
         ("joint_min", REAL, (links,)),  # rad, lower stop of the joint's own angle; −∞: no stop
         ("joint_max", REAL, (links,)),  # rad, upper stop of the joint's own angle; ∞: no stop
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
-        ("has_base_joint", INTEGER),  # 1: a joint connects link 1 with the base, which is pinned or slides
-        ("has_inputs", INTEGER),  # 1: inputs act on the chain in flight
-        ("followed", INTEGER),  # 1: all joints have servos, whose targets are inputs
+        # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
+        ("has_base_joint", INTEGER),
+        # 1: the chain has inputs other than motions of walls; they act in flight, too
+        ("has_inputs", INTEGER),
+        ("followed", INTEGER),  # 1: all joints, and a slider, have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
         # ---- derived at initialization
         ("center_of_mass", REAL, (links,)),  # m from the proximal joint
         ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
         ("has_joint_springs", INTEGER),  # 1: some joint has a spring
         ("has_springs_or_dampers", INTEGER),  # 1: some joint, or the slider, has damping or a spring
-        ("has_stops", INTEGER),  # 1: some joint has a stop
+        ("has_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
         ("has_joint_friction", INTEGER),  # 1: some joint has dry friction
         ("has_joint_places", INTEGER),  # 1: some joint has a stop or dry friction: all joints have places
         ("has_armatures", INTEGER),  # 1: some joint has an armature
@@ -64,7 +66,7 @@ def model_dtype(links: int) -> np.dtype:
         # joint at which the two arms of the elimination meet; for a pinned chain, the base
         ("meeting_joint", INTEGER),
         ("gravity_size", REAL),  # m/s²
-        ("reach", REAL),  # m, length of the stretched chain
+        ("reach", REAL),  # m, length of the stretched chain, or to a site that is farther from the base
         ("size", REAL),  # m, length of the longest link: the absolute scale of positions
         # J, twice the kinetic energy of the whole mass at one `size` per second, plus that of the armatures
         # at 1 rad/s: the absolute scale of energies
