@@ -102,7 +102,7 @@ def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
     before = page.evaluate("chainImpact.parameters")
     page.get_by_role("button", name="Edit…").click()
     edit(page, "link[2].mass", "heavy")
-    assert refusal(page) == 'Not taken: chain.links[2].mass = "heavy" must be a finite number >\xa00 [kg].'
+    assert refusal(page) == "Not taken: chain.links[2].mass = 'heavy' must be a finite number >\xa00 [kg]."
     assert page.evaluate("chainImpact.parameters") == before
     edit(page, "link[2].mass", "3")
     until(page, "chainImpact.parameters['link[2].mass'] === '3'")
