@@ -194,7 +194,7 @@ def test_contents_that_cannot_be_are_refused_with_the_key_and_what_is_allowed(sc
 
 
 ON_RAIL = [
-    (("contact", "points"), [0], "walls[2] must be left out: no point can reach it"),
+    (("contact", "points"), [0], "must be left out with its wall: no point can reach it"),
     (("initial", "velocity"), [1.0, 0.0], "must be left out for a base on a slider; initial.slider_velocity"),
 ]
 

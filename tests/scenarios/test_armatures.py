@@ -123,5 +123,5 @@ def test_derivatives_with_respect_to_an_armature_are_those_of_differences(method
 
 @pytest.mark.parametrize(("value", "part"), [(-1e-9, ">= 0"), (math.nan, "finite"), ("1", "number")])
 def test_an_armature_is_a_number_that_is_not_negative(value, part):
-    with pytest.raises(SceneError, match=rf"link\[1\].joint_armature.*{part}"):
+    with pytest.raises(SceneError, match=rf"chain.links\[1\].joint_armature.*{part}"):
         driven([ROD | {"joint_armature": value}], {})

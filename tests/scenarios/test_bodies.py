@@ -312,7 +312,7 @@ def test_walls_that_no_point_can_reach_are_none():
     slope = {"name": "slope", "point": [3.0, 0.0], "angle": 1.5}
     shelf = changed(on_rail(points=[]), walls=[*on_rail()["walls"], slope])
     with pytest.raises(
-        SceneError, match=r"walls\[1\]\.name = 'floor' must be left out: no point can reach it"
+        SceneError, match=r"walls\[1\]\.name = 'floor' must be left out with its wall: no point can reach it"
     ):
         scene(shelf)
 

@@ -204,7 +204,10 @@ def test_motions_that_are_not_asked_for_are_refused():
 
 
 BAD_SCENES = {
-    "a free base": ({"base": "free", "inputs": {"base_motion": True}}, "must be false for a free base"),
+    "a free base": (
+        {"base": "free", "inputs": {"base_motion": True}},
+        "must be false: inputs can move a base only",
+    ),
     "no such wall": (
         {"inputs": {"wall_motion": ["y_max"]}},
         "'y_max' is no wall of the scene; must be one of y_min",

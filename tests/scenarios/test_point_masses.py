@@ -94,14 +94,18 @@ def test_a_bob_on_a_stiff_damped_spring_takes_implicit_steps():
 @pytest.mark.parametrize(
     ("base", "links", "reason"),
     [
-        ("pinned", [bob(1.0, 1.0, center_of_mass=0.0)], "link[1].inertia = 0.0 must be > 0"),
-        ("free", [bob(1.0, 1.0)], "link[1].inertia = 0.0 must be > 0"),
+        ("pinned", [bob(1.0, 1.0, center_of_mass=0.0)], "chain.links[1].inertia = 0.0 must be > 0"),
+        ("free", [bob(1.0, 1.0)], "chain.links[1].inertia = 0.0 must be > 0"),
         (
             "free",
             [{"length": 1.0, "mass": 1.0}, bob(1.0, 1.0, center_of_mass=0.0)],
             "0 m of 1 m from the proximal",
         ),
-        ("free", [bob(1.0, 1.0, center_of_mass=0.5)] * 2, "link[1].inertia to link[2].inertia = 0.0"),
+        (
+            "free",
+            [bob(1.0, 1.0, center_of_mass=0.5)] * 2,
+            "chain.links[1].inertia to chain.links[2].inertia = 0.0",
+        ),
     ],
 )
 def test_links_that_could_turn_without_moving_mass_are_refused(base, links, reason):

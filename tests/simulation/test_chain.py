@@ -203,7 +203,7 @@ def test_what_is_set_acts_from_now_on(arm):
         ({TORQUE: math.nan}, "joint[2].torque = nan must be a finite number [N·m]"),
         ({TORQUE: "1"}, "joint[2].torque = '1' must be a finite number [N·m]"),
         ({TORQUE: [1.0, 2.0]}, "joint[2].torque = [1.0, 2.0] must be"),
-        ({TORQUE: True}, "joint[2].torque = True must be"),
+        ({TORQUE: True}, "joint[2].torque = true must be"),
         ({"contact.model": "nobody"}, "contact.model = 'nobody' must be one of 1 (hertz), "),
         ({"contact.model": 1.5}, "contact.model = 1.5 must be one of 1 (hertz), "),
     ],

@@ -139,7 +139,7 @@ def check_reach(scene: Contents) -> None:
     pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
     if out_of_reach and len(scene.walls) > pairs:
         i = [wall.name for wall in scene.walls].index(out_of_reach[0])
-        raise refusal(("walls", i), "out_of_reach")
+        raise refusal(("walls", i, "name"), "out_of_reach", value=shown(out_of_reach[0]))
 
 
 def check_motion(scene: Contents) -> None:

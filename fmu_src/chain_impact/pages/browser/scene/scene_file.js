@@ -287,7 +287,8 @@ function checkReach(file) {
   const { walls } = file;
   const reached = pairsOf(file).map(([, name]) => name);
   if (!reached.length || walls.length <= reached.length) return;
-  refuse(`walls[${walls.findIndex(({ name }) => !reached.includes(name)) + 1}]`, "out_of_reach");
+  const k = walls.findIndex(({ name }) => !reached.includes(name));
+  refuse(`walls[${k + 1}].name`, "out_of_reach", { value: shown(walls[k].name) });
 }
 
 /** Refuse values that a sliding base cannot have, and values that only a sliding base can have. */
