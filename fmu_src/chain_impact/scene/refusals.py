@@ -25,8 +25,8 @@ SENTENCES = {
     "no_wall": "{value}is no wall of the scene; must be one of {walls}",
     "no_walls": "must be left out: the scene has no walls",
     "wall_name": "= {value} must be none of {others}",
-    "out_of_reach": "= {value} must be left out with its wall: no point can reach it: all points that may touch "
-    "slide parallel to it",
+    "out_of_reach": "= {value} must be left out with its wall: no point can reach it: all points that may "
+    "touch slide parallel to it",
     "points": "holds {point}, must hold {first} to {last} with a {base} base, each once",
     "point_names": "has two points with the name {name}",
     "no_stops": "= {value} must be left out: no link has a joint_min or joint_max",
