@@ -224,7 +224,7 @@ def schema_text() -> str:
 
 
 def write() -> None:
-    """Write every page, the schema, and the header."""
+    """Write every page and the schema."""
     for page in sorted(DOCS.rglob("*.md")):
         text = page.read_text(encoding="utf-8")
         page.write_text(filled(text), encoding="utf-8")

@@ -47,6 +47,23 @@ def test_a_changed_file_is_taken_or_refused_as_by_python(script, seed):
         assert_as_python(script, kit, contents)
 
 
+WORDED = [
+    "chain = {links = [{count = 3, length = 1, mass = 1}, {length = 1, mass = 1, height = 0.1}]}",
+    "chain = {base = 'pinned', links = [{length = 1, mass = 1}]}\n[signals.'größe']\ninput = 'tip.force.x'",
+]
+
+
+@pytest.mark.parametrize("text", WORDED, ids=["the second entry is the fourth link", "a signal with an umlaut"])
+def test_a_file_is_refused_as_by_python(script, text):
+    kit = page_contents(load_scene("rod_drop"))["kit"]
+    contents = {"name": "Worded", "initial": {"angles": [0.0] * 4 if "count" in text else [0.0]}}
+    contents |= tomllib.loads(text)
+    if "signals" in contents:
+        contents["inputs"] = {"tip_force": True}
+        contents["signals"]["größe"] |= {"form": "constant", "value": 1.0}
+    assert_as_python(script, kit, contents)
+
+
 def assert_as_python(script, kit, contents):
     scene, refusal = None, ""
     try:

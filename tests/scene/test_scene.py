@@ -125,6 +125,10 @@ def test_an_error_names_the_entry_of_the_file_where_entries_are_not_links():
     )
     message = refusal(parse_scene, text, "f")
     assert message == "f: chain.links[2].length is missing (at line 2)"
+    text = text.replace("{mass = 1.0}", "{mass = 1.0, length = 1.0, joint_min = 0.2, joint_max = 0.1}")
+    text = text.replace("[0.5]", "[0.5, 0.5, 0.5, 0.5]")
+    message = refusal(parse_scene, text, "f")
+    assert message.startswith("f: chain.links[2].joint_max = 0.1 must be > 0.2")
 
 
 def test_a_chain_has_at_most_a_thousand_links():

@@ -56,7 +56,7 @@ def refused(*signals, scene=ARM):
         ),
         ("tip.force.x", SINE + "value = 1.0", "signals.a.value must be left out"),
         ("tip.force.x", 'form = "sine"\nfrequency = 5.0', "signals.a.amplitude is missing"),
-        ("tip.force.x", STEPS.replace("0.3]", "0.0]", 1), "signals.a.times[2] = 0 must be > 0 [s]"),
+        ("tip.force.x", STEPS.replace("0.3]", "0.0]", 1), "signals.a.times[2] = 0.0 must be > 0.0 [s]"),
         (
             "tip.force.x",
             STEPS.replace("[0.0, 1.0]", "[0.0]"),

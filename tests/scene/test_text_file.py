@@ -162,3 +162,11 @@ def test_a_step_longer_than_the_simulation_is_allowed_and_pointed_at():
     hint += ": there are two rows only, the start and the end"
     assert [(str(one.message), one.filename) for one in caught] == [(hint, __file__)]
     assert scene.simulation.step_size == 5.0
+
+
+def test_a_tab_behind_a_comma_and_marks_in_quotes_separate_no_columns(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text('time,\tq\n0,\t1\n')
+    assert read_table(path).names == ("time", "q")
+    path.write_text('time,"q; rad"\n0,1\n')
+    assert read_table(path).names == ("time", "q; rad")

@@ -88,7 +88,7 @@ class LinkShape:
 
 
 def outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray | None]:
-    """Return corners, radius and disc, see ``Shape``, of a shape about its centre.
+    """Return corners, radius and disc, see ``LinkShape``, of a shape about its centre.
 
     Args:
         kind: sphere, capsule or cylinder; any other kind is replaced by a box.

@@ -22,9 +22,9 @@ LISTED, FEW = 30, 10  # the largest number of impacts in a list, and in a short 
 JOINTS = 8  # the largest number of joints whose forces the text lists
 SHOWN = 3  # the largest number of contacts and joints that the text names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
-_QUANTITIES = ("impact_speed", "", "peak_force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
-    tuple(unit_at(name, stop=stop) if name else "ms" for name in _QUANTITIES) for stop in (False, True)
+    (unit_at("impact_speed", stop=stop), "ms", *(unit_at(name, stop=stop) for name in ("peak_force", "impulse")))
+    for stop in (False, True)
 )
 """The columns of the list of impacts, with their units at walls and at stops of joints."""
 NONE = "—"  # the text for a number that does not exist

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import operator
+from bisect import bisect_right
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate, pairwise
 from typing import Any
@@ -30,6 +31,15 @@ def of_every_link(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterato
                 yield from (("chain", "links", i, key) for i in links[entry])
             case _:
                 yield path
+
+
+def of_entry(path: DataPath, data: Mapping[str, Any]) -> DataPath:
+    """Return the path in the data of a file for a path in the scene, where each link has its own entry."""
+    match path:
+        case "chain", "links", int(i), *following:
+            counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
+            return ("chain", "links", bisect_right([*accumulate(counts)], i), *following)
+    return path
 
 
 def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[DataPath] = ()) -> None:

@@ -273,7 +273,7 @@ class Reader:
             return f"{what}; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
         if near := nearest(name, self._keys(), at_least=ALIKE):
             return f"{what}; the nearest key is {self._keys()[near]}"
-        return f"{what}; the keys here are {', '.join(here)}"
+        return f"{self.label((*path, name))} {sentence('unknown', keys=', '.join(here))}"
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
         """Return advice on one table where a list of tables must be: where its other keys belong."""

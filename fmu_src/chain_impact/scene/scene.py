@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.scene import checks, completion, drawing, scene_text, shapes
 from chain_impact.scene.contents import Contents, named_point_hint
-from chain_impact.scene.derived import above, of_every_link, rule_at, rule_of, without_derived
+from chain_impact.scene.derived import above, of_entry, of_every_link, rule_at, rule_of, without_derived
 from chain_impact.scene.limits import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
@@ -33,14 +33,7 @@ from chain_impact.scene.names import (
     proposed,
 )
 from chain_impact.scene.numbers import with_numbers
-from chain_impact.scene.reading import (
-    Reader,
-    SceneError,
-    UnknownNameError,
-    as_typed,
-    keys_of,
-    shown,
-)
+from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
 from chain_impact.scene.tables import Link
 from chain_impact.scene.text_file import text_of
 from chain_impact.scene.warning import warn
@@ -161,17 +154,21 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     def label(path: DataPath) -> str:
         return path_text(path) if by_path else name_of(shapes.among_all_points(path, data), names)
 
+    def in_data(path: DataPath) -> DataPath:
+        return path
+
     try:
         reader = Reader(Scene, label)
         scene: Scene = reader.read(data)
         scene = replace(scene, derived_paths=tuple(sorted(of_every_link(reader.derived, data))))
+        in_data = functools.partial(of_entry, data=data)
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
-        text = str(error)
+        text, path = str(error), in_data(error.path)
         if error.path and text.startswith(written := path_text(error.path)):
-            text = label(error.path) + text.removeprefix(written)
-        raise SceneError(f"{source}: {text}", error.path) from None
+            text = label(path) + text.removeprefix(written)
+        raise SceneError(f"{source}: {text}", path) from None
     return scene
 
 

@@ -66,7 +66,7 @@ def _check_numbers(name: str, signal: Signal) -> None:
         raise refusal(("signals", name, "times"), "times", times=len(times), values=len(values))
     for k, (before, after) in enumerate(pairwise(times), 1):
         if not after > before:
-            raise refusal(("signals", name, "times", k), "late", value=f"{after:g}", before=f"{before:g}")
+            raise refusal(("signals", name, "times", k), "late", value=after, before=before)
 
 
 def _check_period(name: str, signal: Signal, samples: Samples) -> None:
@@ -128,4 +128,4 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
     if signal.form == "sine" and order == 0 and signal.start and signal.start > 0.0 and not signal.rise:
         speed = (signal.amplitude or 0.0) * (signal.frequency or 0.0)
         if abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * abs(speed):
-            raise refusal(("signals", name, "start"), "sine_jumps", input=driven, value=f"{signal.start:g}")
+            raise refusal(("signals", name, "start"), "sine_jumps", input=driven, value=signal.start)

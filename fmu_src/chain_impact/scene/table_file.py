@@ -121,10 +121,10 @@ def read_table(source: Source) -> Table:
         rows = [list(row) for row in zip(*cells, strict=True)]
         return _checked(str(path), tuple(whole.column_names), rows, [f"row {k}" for k in range(len(rows))])
     try:
-        reader = csv.reader(io.StringIO(text_of(path), newline=""))
-        head = next(reader, [])
-        check_separator(",".join(head))
-        names = tuple(name.strip() for name in head)
+        text = text_of(path)
+        check_separator(text.partition("\n")[0])
+        reader = csv.reader(io.StringIO(text, newline=""))
+        names = tuple(name.strip() for name in next(reader, []))
         numbered = [(f"line {reader.line_num}", row) for row in reader if any(map(str.strip, row))]
     except (ValueError, csv.Error) as error:
         raise SceneError(f"{path}: not a CSV table: {error}") from None

@@ -63,7 +63,9 @@ def check_separator(head: str) -> None:
     Raises:
         ValueError: when another character separates the columns.
     """
+    # names in quotes may have any mark, and blanks around commas do not count
+    bare = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", head))
     for mark, name in SEPARATORS.items():
-        if mark in head and head.count(mark) >= head.count(","):
+        if mark in bare and bare.count(mark) >= bare.count(","):
             needed = "must be separated by commas, with decimal points in the numbers"
             raise ValueError(f"the columns are separated by {name}; {needed}")

@@ -16,9 +16,13 @@ function like(text, columns) {
 /** Return a sentence on a name that no output has, with the most similar name if one is similar enough. */
 function noOutput(name, columns) {
   const pairsOf = (text) => [...text].slice(1).map((letter, k) => text[k] + letter);
-  // Dice's coefficient of the pairs of letters, from 0 to 1
-  const likeness = (other) => 2 * pairsOf(other).filter((pair) => pairsOf(name).includes(pair)).length / (name.length + other.length - 2);
-  const nearest = columns.map((column) => column.name).reduce((best, other) => (likeness(other) > likeness(best) ? other : best));
+  // Dice's coefficient of the different pairs of letters, from 0 to 1
+  const pairs = new Set(pairsOf(name));
+  const likeness = (other) => {
+    const others = new Set(pairsOf(other));
+    return 2 * [...others].filter((pair) => pairs.has(pair)).length / (pairs.size + others.size || 1);
+  };
+  const nearest = columns.map((column) => column.name).reduce((best, other) => (likeness(other) > likeness(best) ? other : best), "");
   return `${name} is no output${likeness(nearest) < ALIKE ? "" : `; the nearest is ${nearest}`}`;
 }
 

@@ -141,7 +141,7 @@ function checkTogether(valueOf, parameters) {
     const [, link] = /^(.*)\.joint_max$/.exec(name) ?? [];
     const low = link && valueOf(`${link}.joint_min`);
     if (low !== undefined && valueOf(name) <= low) {
-      throw new RangeError(`${name} = ${numberText(valueOf(name))} must be > ${numberText(low)} [rad], which is ${link}.joint_min`);
+      throw new RangeError(`${name} = ${numberText(valueOf(name))} must be > ${numberText(low)} [rad], which is joint_min`);
     }
   }
   const radius = valueOf("contact.radius") ?? 0;

@@ -1,6 +1,6 @@
 // The sentences with which the page refuses the contents of a scene file: those of Python, in `refusals.py`.
 
-/** Return a value for a message, written as in Python's messages. */
+/** Return a value for a message, written as in Python's messages; numbers may be written otherwise (1 for 1.0). */
 export function shown(value) {
   const text = written(value);
   return text.length > SHARED.file.SHOWN ? `${text.slice(0, SHARED.file.SHOWN)}...` : text;

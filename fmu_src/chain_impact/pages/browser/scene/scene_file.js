@@ -169,6 +169,24 @@ export function complete(data, kit) {
     const law = `contact.law_file = ${shown(file.contact.law_file)}`;
     throw new RangeError(`${law}: this page has no compiler; chain-impact explore makes a page with this law`);
   }
+  try {
+    completeAll(file, data, kit);
+  } catch (error) {
+    error.message = error.message.replace(/^chain\.links\[(\d+)\]/, (_, link) => `chain.links[${fileEntryOf(link - 1, data) + 1}]`);
+    throw error;
+  }
+  file.outputs.sensitivities = []; // the page computes no derivatives
+  return file;
+}
+
+/** Return the index of the entry of the file that stands for a link, by the index of the link. */
+function fileEntryOf(link, { chain: { links } }) {
+  let last = -1;
+  return links.findIndex(({ count = 1 }) => (last += count) >= link);
+}
+
+/** Add defaults that follow from other values; refuse values that are each valid, but not together. */
+function completeAll(file, data, kit) {
   // in the order of Python, so that both refuse a file for the same fault
   setWallAngles(file);
   setBodies(file);
@@ -177,8 +195,6 @@ export function complete(data, kit) {
   completeSignals(file.signals, kit.tables);
   checkContents(file, data);
   setStops(file, kit.keys.stops.keys);
-  file.outputs.sensitivities = []; // the page computes no derivatives
-  return file;
 }
 
 /** Add the corners of links that are boxes; a base that does not slide has no slider. */

@@ -13,7 +13,7 @@ export function completeSignals(signals, tables) {
     const { form } = signal;
     const what = `signals.${name}`;
     const keysOf = (kind) => [...SIGNALS.REQUIRED[kind], ...Object.keys(SIGNALS.OTHER[kind])];
-    if (!/^[A-Za-z_]\w*$/.test(name)) refuse(what, "signal_name");
+    if (!/^[\p{XID_Start}_]\p{XID_Continue}*$/u.test(name)) refuse(what, "signal_name");
     const strange = SIGNALS.FORMS.flatMap(keysOf).find((key) => !keysOf(form).includes(key) && signal[key] !== undefined);
     if (strange) refuse(`${what}.${strange}`, "other_form", { form, keys: keysOf(form).join(", ") });
     const missing = SIGNALS.REQUIRED[form].find((key) => signal[key] === undefined);
