@@ -18,7 +18,7 @@ import numpy as np
 from chain_impact import load_scene, simulate, sweep
 
 STOP, TOLERANCE = 0.6, 1e-6
-NAME, FIRST, LAST = "contact.restitution", 0.6, 0.8  # all have two impacts
+NAME, FIRST, LAST = "contact.restitution", 0.6, 0.8  # with each of these restitutions, a run has two impacts
 RUNS, ROUNDS = 20_000, 9
 CALLS = 200  # the number of calls of simulate()
 THREADS = (1, 2, 4)

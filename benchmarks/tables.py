@@ -43,7 +43,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
 
 
 def run(name: str, packages: Iterable[str] = ()) -> str:
-    """Return date, commit and machine of a run of a benchmark, and the versions of some packages."""
+    """Return a text on the stored run of a benchmark: date, commit, machine, versions of some packages."""
     record = common.load(name)
     changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
     versions = "".join(f", {key} {record['versions'][key]}" for key in packages if key in record["versions"])

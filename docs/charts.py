@@ -38,7 +38,10 @@ FROM, NEAR = 0.5, 0.05  # restitutions from which on, and largest error with whi
 
 
 def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
-    """Return the free impact of a point mass [kg] at a speed [m/s], a row of ``Result.impacts``."""
+    """Return the impact of a point mass [kg] at a speed [m/s] without gravity and friction.
+
+    The result is a row of ``Result.impacts``.
+    """
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
     n, k = contact.exponent, contact.stiffness
     depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))

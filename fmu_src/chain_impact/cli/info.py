@@ -99,7 +99,10 @@ def _start_and_rule(variable: Any) -> object:
 
 
 def _rounded(value: object) -> object:
-    """Return a derived value without the round-off of its last digits."""
+    """Return a derived float as text, without the round-off of its last digits.
+
+    Another value is returned in the form that ``--set`` accepts.
+    """
     return f"{value:.15g}" if isinstance(value, float) else _as_set(value)
 
 

@@ -1,4 +1,7 @@
-"""The scene or the FMU of a command, with the values that its options set."""
+"""The scene or the FMU of a command, with the values that its options set.
+
+A command simulates its source, ranks the parameters, and compares with a run at a tighter tolerance.
+"""
 
 from __future__ import annotations
 

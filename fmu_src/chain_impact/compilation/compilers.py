@@ -46,8 +46,9 @@ hooks."""
 # instructions of x86 round twice, so the bits would differ. Without LLVM's loop strength reduction linking
 # takes less time, and kernels are no slower.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
-# A doubled limit for inlining makes steps of four links up to 4 % faster. Derivatives have the usual limit:
-# with the doubled limit they would be no faster, and would take longer to compile.
+# A limit for inlining of about twice LLVM's usual limit makes steps of four links up to 4 % faster. The part
+# DERIVATIVES keeps the usual limit: with the larger limit it would be no faster, and would take longer to
+# compile.
 INLINE_MORE = ("-mllvm", "-inline-threshold=500")
 # LLVM also joins operations outside loops to vectors. This makes runs of one link up to a tenth slower, and
 # runs of two links a tenth faster. So only the kernel for one link has this flag, which switches the vectors
@@ -137,7 +138,10 @@ _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
-    """Return a lowered kernel together with the declarations and sizes that it needs.
+    """Return a lowered kernel with the functions that it lacks.
+
+    These are the functions for the numbers at the start of a record, each a constant or read from the record,
+    and ``registers``. The functions of LAW and HOOKS become hidden.
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.

@@ -12,7 +12,10 @@ def copy_row(table, source, row):
 
 
 def inlined(function):
-    """Mark a function for inlining into its callers, so that the compiler knows the arguments."""
+    """Mark a function that is always inlined into its callers.
+
+    So the compiler can use what it knows about the arguments of each call.
+    """
     function.inlined = True
     return function
 

@@ -41,5 +41,8 @@ def indices_valid(_d):
 
 
 def words_behind(_d):
-    """Return the number of words of 8 bytes that the hooks use after the record of the instance."""
+    """Return how many words of 8 bytes follow the instance's record for the hooks: here none.
+
+    In a kernel that carries derivatives, these are the words of the tangent instances.
+    """
     return 0

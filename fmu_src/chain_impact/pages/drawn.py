@@ -1,7 +1,7 @@
-"""The quantities over time, beside positions, that the pages draw, in one list for all their stages.
+"""The outputs over time that the pages draw besides the positions, each with its group and its name in it.
 
-The page that simulates finds the words of these outputs in the record; the page of a recording finds their
-columns. Both hand them on by group and name to ``recording/frames.js`` and to the drawing.
+``recording/frames.js`` and the drawing find an output by its group and name. The page that simulates reads
+the outputs from the record; the page of a recording reads them from its columns.
 """
 
 from __future__ import annotations

@@ -19,7 +19,8 @@ from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] the usual distance from a place to its label
 # The distances that are tried are CLOSE times these factors, in this order: first NEARBY, where a label needs
-# no line to its place. Then FAR, with a line, or UNLED if lines are not allowed.
+# no leader (a line from its place to the label). Then FAR, with a leader, or UNLED if leaders are not
+# allowed.
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
 FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
@@ -27,15 +28,15 @@ FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 # away from the best direction, to both sides
 PARTS = 16
 TURNS = (0, *(sign * part for part in range(1, PARTS // 2) for sign in (1, -1)), PARTS // 2)
-COVERED = 0.6  # the largest part of a line between place and label that may cover other drawn things
+COVERED = 0.6  # the largest part of a leader that may cover other drawn things
 # STRONG: a pixel is strong if its red, green or blue is below this
-# CROSSED: [points] how much of a line may be on strong pixels, tried in this order, except within OWN
+# CROSSED: [points] how much of a leader may be on strong pixels, tried in this order, except within OWN
 # [points] of its place, which is a mark
 CROSSED, OWN, STRONG = (0.0, 4.0, math.inf), 6.0, 128
-OUTLINE = 2.0  # [points] the width of the white outline of a label that stands on pale lines
+OUTLINE = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
-ABOVE = 6.0  # matplotlib's zorder of labels and their lines: above links and points
+ABOVE = 6.0  # matplotlib's zorder of labels and their leaders: above links and points
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 
 
@@ -100,8 +101,9 @@ class Ink:
 
         With ``on_pale`` a box without strong pixels and labels is free, too.
 
-        A straight line from ``place`` to the box must pass no other label and little else; it is marked, too.
-        At most ``crossed`` pixels of the line may be strong; its first ``own`` pixels do not count.
+        The leader, a straight line from ``place`` to the box, must pass no other label and little else; it is
+        marked, too. At most ``crossed`` pixels of the leader may be strong; its first ``own`` pixels do not
+        count. Without ``place`` there is no leader.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
@@ -138,7 +140,7 @@ def place_labels(
         axes: the axes inside which the labels stay.
         labels: the labels to write.
         ink: the used pixels of the figure; afterwards they include the labels.
-        lines: whether a label may be far from its place, connected by a line.
+        lines: whether a label may be far from its place, connected by a leader.
         look: properties of the text, with matplotlib's names.
     """
     steps = np.array(NEARBY + (FAR if lines else UNLED))
@@ -180,8 +182,9 @@ def _place(
 ) -> bool:
     """Write the first text that has a free position; return whether there is one.
 
-    For each limit in CROSSED on what a line may cross, the texts are tried on free ground, then, if lines are
-    allowed, on pale lines, with an outline. Positions that spare the best ones of other labels come first.
+    For each limit in CROSSED on how much of the drawing a leader may cross, the texts are tried on free
+    ground; then, if leaders are allowed, on pale drawn lines, with an outline. For each text, positions that
+    leave the best positions of later labels free come first.
 
     Args:
         axes: the axes inside which the text stays.
@@ -215,7 +218,7 @@ def _place(
             is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
         free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
-        if crossed:  # positions without a line were tried with the first of CROSSED
+        if crossed:  # positions without a leader were tried with the first of CROSSED
             free &= np.isin(steps[tried[:, 0]], FAR)
         for step, turn in tried[free].tolist():
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": ABOVE} if steps[step] in FAR else {}

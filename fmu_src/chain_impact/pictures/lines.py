@@ -1,4 +1,4 @@
-"""Texts of several lines: where a line may end, and lines of similar lengths."""
+"""Breaks texts into lines: where a line may end, and as few lines as possible, of similar lengths."""
 
 from __future__ import annotations
 

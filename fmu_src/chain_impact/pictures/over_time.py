@@ -60,7 +60,8 @@ POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)
 REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of impacts that get numbers
 SHORT = 0.002  # phases of dry friction up to this part of the run's duration are too short to be drawn
-SEEN = 0.01  # the least duration of a contact that gets a band, relative to the run's duration
+# the least duration of a contact, relative to the run's duration, that is drawn as a thick line
+SEEN = 0.01
 # the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
 HEADROOM = 1.3
 DOT = 4.0  # [points] the size of the mark of an impact
@@ -188,8 +189,8 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     At most MOST_COLOURED points have a colour of their own: those with the fastest impacts. The others are
     grey.
 
-    A band behind the mark shows the duration of a contact that is long enough to be seen. If there are
-    impacts at walls and at stops, the speeds at stops have their own axis on the right.
+    A thick, pale line that begins at the mark shows the duration of a contact that is long enough to be seen.
+    If there are impacts at walls and at stops, the speeds at stops have their own axis on the right.
     """
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]

@@ -39,7 +39,8 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 def _speeds(recording: Recording) -> np.ndarray:
     """Return the velocity of the tip, shape (T, 2) [m/s].
 
-    If the velocity is unknown, it is computed from parabolas through the rows.
+    If the recording has no velocity, the result is the slope of the parabola through each row and its two
+    neighbours; at the first and the last row, the slope of the line through this row and its neighbour.
     """
     last = recording.points.shape[1] - 1
     known = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]

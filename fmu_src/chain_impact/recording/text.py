@@ -87,7 +87,7 @@ def as_html(parts: Iterable[str | Table]) -> str:
 
 
 def html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table of texts as HTML, each row in a line."""
+    """Return a table of texts as HTML; each row is one line of the HTML."""
     cells = [("th", head), *(("td", row) for row in rows)]
     lines = ("".join(f"<{tag}>{_in_html(cell)}</{tag}>" for cell in row) for tag, row in cells)
     return "<table>" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "</table>"

@@ -117,7 +117,7 @@ def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
     The first result is the fraction, 0…1, of an extension that goes to the left, for x, and down, for y. The
     second result is whether at least one of the two sides has no wall, for x and for y.
     """
-    open_sides = np.ones((2, 2))  # 1 for a side without a wall; rows: left and below, right and above
+    open_sides = np.ones((2, 2))  # 1 for a side without a wall: [[left, below], [right, above]]
     for wall in walls:
         normal = np.array(wall.normal)
         open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0

@@ -56,7 +56,10 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
 
 
 def _check_numbers(name: str, signal: Signal) -> None:
-    """Refuse times that do not increase, and lists of times and values with different lengths."""
+    """Refuse times that do not increase, and lists of times and values that are empty or differ in length.
+
+    Also refuse a periodic table that does not fit its period.
+    """
     times, values = signal.times, signal.values
     if signal.samples is not None:
         _check_period(name, signal, signal.samples)

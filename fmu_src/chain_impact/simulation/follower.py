@@ -73,7 +73,10 @@ class NotSmoothError(Exception):
 
 
 class Follower:
-    """The search for the pieces of M functions in a run."""
+    """Finds the pieces that approximate M functions of time between 0 and the end of a run.
+
+    A piece has a polynomial for each function.
+    """
 
     def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = RESOLVED) -> None:
         """Prepare the search, and call the functions at times spread over the run.
@@ -175,9 +178,9 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether two pieces are the halves of the interval for which a fit has just failed.
+        """Return whether two pieces have the lengths of the halves of the last interval that no piece fits.
 
-        Only their lengths are compared. Such pieces cannot be joined.
+        Only the lengths are compared. It is not tried to join such pieces.
         """
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]

@@ -23,7 +23,7 @@ Changes = dict[tuple[str | int, ...], Any]
 
 
 def needed_exponent(law: str, exponent: float) -> float:
-    """Return the exponent that a law needs; the scene's exponent if the law allows any."""
+    """Return the exponent that a law prescribes, or ``exponent``, the scene's, if the law prescribes none."""
     entry = CONTACT_LAWS.get(law)
     return exponent if entry is None or entry.exponent is None else entry.exponent
 

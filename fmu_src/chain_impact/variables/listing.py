@@ -72,9 +72,10 @@ def all_outputs(scene: Scene) -> dict[str, Variable]:
 
 @lru_cache(KEPT_SHAPES)
 def outputs_of(shape: Shape) -> dict[str, Variable]:
-    """Return the outputs of all scenes of a shape.
+    """Return the outputs of all scenes of a shape, by their names.
 
-    The outputs are made once for each shape, because this takes as long as a short simulation.
+    The outputs of the KEPT_SHAPES shapes that were used last are kept, because it takes as long as a short
+    simulation to make them.
     """
     variables = (Variable.of(*arguments) for arguments in _each(OUTPUTS, shape))
     return {variable.name: variable for variable in (*_driven(shape), *variables)}

@@ -135,7 +135,10 @@ class Variable:
 
     @property
     def set_path(self) -> DataPath:
-        """The path in the record of the value that users set, with respect to which derivatives are taken."""
+        """The path in the record of the value that users set; derivatives are with respect to this value.
+
+        The path differs from ``record_path`` for a parameter that the scene can derive.
+        """
         return self.given_path or self.record_path
 
     @property

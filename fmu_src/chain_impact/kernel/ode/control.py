@@ -170,9 +170,10 @@ def at_onset_beside(d, c):
 
 
 def time_scale(d, c):
-    """Return the time [s] in which the force of candidate c rises after its onset.
+    """Return the time scale [s] of the force of candidate c after its onset, for the size of the first step.
 
-    The time is at most δ*/v₀, the expected penetration divided by the impact speed.
+    Without damping the time is δ*/v₀, the expected penetration divided by the impact speed; with damping it
+    is shorter.
     """
     share, exponent = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
     # damping that stops the point makes this time shorter

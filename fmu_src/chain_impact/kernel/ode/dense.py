@@ -145,7 +145,9 @@ def rate_bounds_along(step, j, nx, ny):
     return value, slope / step.size
 
 
-COURSE_SAMPLES = 16  # number of samples of an impulse in a step, see ``quadrature_within``
+# the number of times in a step at which the impulse of a wall is evaluated, so that it never falls; see
+# ``quadrature_within``
+COURSE_SAMPLES = 16
 # Each kind of quadrature: its name, the number of its entries, and a function for the rate of entry i, called
 # where the rate of the state has just been evaluated. The record has room for all kinds (record/contacts.py),
 # and the impulses of the walls come first.
@@ -192,7 +194,7 @@ def integrate(d, i):
 
 
 def clear_quadratures(d):
-    """Set the totals to 0 at the start of a run."""
+    """Set the totals and rates of all quadratures to 0, and integrate none, at the start of a run."""
     quadrature = d.quadrature
     quadrature.count = 0
     for i in range(len(quadrature.total)):

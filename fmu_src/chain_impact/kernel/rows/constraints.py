@@ -75,8 +75,9 @@ NEGLIGIBLE = 0.1
 # the largest impulse or motion of wrong sign that does not change the active set, relative to the largest
 # impulse or motion
 SIGN_TOLERANCE = 1e-12
-# The number of pivots that may fail to reduce the number of violated candidates while all of these change at
-# once. After them only one candidate changes at a time, which always terminates but takes more pivots.
+# The number of pivots in succession that may fail to reach a new least number of violated candidates, while
+# all violated candidates change at once. After them only one candidate changes at a time, which always
+# terminates but takes more pivots. At a new least number, all violated candidates change at once again.
 MAX_STALLED_PIVOTS = 3
 # The least impedance of a sticking element, relative to the impedance of the element with the largest limit.
 # With a smaller impedance, the residual falls too slowly.

@@ -56,7 +56,11 @@ def share_within_limits(d):
 
 
 def largest_start(d):
-    """Return the largest acceleration [m/s²] of any row without the forces, the scale of round-off."""
+    """Return the largest size of an acceleration [m/s²] in ``start``, to which round-off is relative.
+
+    The accelerations are those of points at rigid walls and of sticking elements, before the constraint
+    forces act. Contacts with a force law do not count.
+    """
     scale = 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         scale = max(scale, abs(d.rigid.start[k]))

@@ -49,7 +49,10 @@ class Information:
 
     @property
     def errors(self) -> np.ndarray:
-        """The standard errors of the parameters on the scale of the search, shape (P,)."""
+        """The standard errors of the parameters' coordinates in the search, shape (P,).
+
+        The error of a parameter that the data do not determine is infinite.
+        """
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property

@@ -31,7 +31,7 @@ _own = threading.local()
 
 @dataclass(frozen=True)
 class Design:
-    """The values of every run.
+    """The values of the varied parameters in every run: all combinations, or samples.
 
     Attributes:
         variations: the variations, in the order of the columns.

@@ -16,7 +16,8 @@ static int lies_in(const Table *table, int64_t place, int64_t count, uint64_t si
     return from <= table->size && (uint64_t)count <= (table->size - from) / size;
 }
 
-/* Return whether a text begins at a place; the last byte of the file ends every text. */
+/* Return whether a place, counted from the start of the texts, lies inside the texts. Each text ends, at the latest
+   with the last byte of the file, which is 0. */
 static int is_text(const Table *table, int64_t place) {
     return place >= 0 && place < (int64_t)table->size - table->texts_at;
 }

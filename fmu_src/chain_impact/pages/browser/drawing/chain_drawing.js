@@ -242,8 +242,9 @@ export class ChainDrawing {
   }
 
   /**
-   * Return the position on the screen where a point touches a wall, or a link the arc of its range, and the direction away
-   * from the wall.
+   * Return the position on the screen at which a contact is drawn, and a direction, `away`. At a wall, the position is the
+   * foot of the point on the wall, and the direction points away from the wall. At a stop, the position is the place where
+   * the link crosses the arc of its range, and the direction is at a right angle to the link.
    */
   #contactPosition(frame, point, wall) {
     const side = this.recording.sidesAt(frame)[wall];

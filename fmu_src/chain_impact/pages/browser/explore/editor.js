@@ -45,7 +45,7 @@ export class Editor {
       this.#draw();
     });
     const onFiles = (kind, take) => document.addEventListener(kind, (event) => {
-      if (!event.dataTransfer.types.includes("Files")) return; // a text that is dropped into a field is not a file
+      if (!event.dataTransfer.types.includes("Files")) return; // without files, the browser puts a dropped text into a field itself
       event.preventDefault();
       take([...event.dataTransfer.files]);
     });

@@ -25,7 +25,9 @@ import { showMainParameters } from "./parameters/sliders.js";
 const WAITING = 120; // [ms] the time after which an old motion becomes grey
 const PATIENCE = 250; // [ms] the time after which the next change ends a run: a slider shows its effect while it is dragged
 const REST = 300; // [ms] the time without a change after which the address gets the changes
-const KEPT = 0.5; // the least part of the view, in size, that a motion must fill for the view to stay
+// The view of the present motion stays if the view of the next motion lies inside it and is larger than this part of it; the
+// size of a view is the larger of its width and height.
+const KEPT = 0.5;
 
 const { file, kit, command, module: packedModule } = JSON.parse(find("data").textContent);
 const pageScene = describe(kit, complete(file, kit), command);
@@ -48,7 +50,7 @@ const choice = new CurveChoice(changes, () => {
 
 /**
  * Return the parts of the next motion with the view of the present motion, so that the picture does not move, if the next
- * view lies inside it and is not much smaller.
+ * view lies inside it and is not much smaller, or if a handle is dragged; else return the parts unchanged.
  */
 function withSteadyView(next) {
   const before = player.recording;

@@ -70,7 +70,10 @@ export class Handles {
     return { positions, velocity };
   }
 
-  /** Return the time [s] for which the arrows show the distance; the time is constant while something is dragged. */
+  /**
+   * Return the time [s] t with which the arrows show velocities: the arrow of a velocity v has the length v·t. The time is
+   * shorter for fast motions, so that no arrow is too long, and constant while something is dragged.
+   */
   #arrowTime(velocity) {
     if (this.dragged) return this.dragged.time;
     const [low, high] = this.player.recording.view;

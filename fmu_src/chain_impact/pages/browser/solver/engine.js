@@ -3,7 +3,7 @@
 export class Engine {
   #number = 0; // number of the newest request
   #waiting = new Map(); // number of a request → functions for its result, error and progress
-  #sceneSent; // a promise of the moment when the worker has the scene
+  #sceneSent; // a promise that is fulfilled when the scene has been sent to the worker
   #fault; // the error with which the worker has ended, if any
   #ended = false;
 
