@@ -53,7 +53,7 @@ WORDED = [
 ]
 
 
-@pytest.mark.parametrize("text", WORDED, ids=["the second entry is the fourth link", "a signal with an umlaut"])
+@pytest.mark.parametrize("text", WORDED, ids=["second entry, fourth link", "a signal with an umlaut"])
 def test_a_file_is_refused_as_by_python(script, text):
     kit = page_contents(load_scene("rod_drop"))["kit"]
     contents = {"name": "Worded", "initial": {"angles": [0.0] * 4 if "count" in text else [0.0]}}

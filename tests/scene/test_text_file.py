@@ -166,7 +166,7 @@ def test_a_step_longer_than_the_simulation_is_allowed_and_pointed_at():
 
 def test_a_tab_behind_a_comma_and_marks_in_quotes_separate_no_columns(tmp_path):
     path = tmp_path / "table.csv"
-    path.write_text('time,\tq\n0,\t1\n')
+    path.write_text("time,\tq\n0,\t1\n")
     assert read_table(path).names == ("time", "q")
     path.write_text('time,"q; rad"\n0,1\n')
     assert read_table(path).names == ("time", "q; rad")

@@ -23,7 +23,11 @@ JOINTS = 8  # the largest number of joints whose forces the text lists
 SHOWN = 3  # the largest number of contacts and joints that the text names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
-    (unit_at("impact_speed", stop=stop), "ms", *(unit_at(name, stop=stop) for name in ("peak_force", "impulse")))
+    (
+        unit_at("impact_speed", stop=stop),
+        "ms",
+        *(unit_at(name, stop=stop) for name in ("peak_force", "impulse")),
+    )
     for stop in (False, True)
 )
 """The columns of the list of impacts, with their units at walls and at stops of joints."""
