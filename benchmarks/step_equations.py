@@ -33,7 +33,7 @@ class Step:
     def __init__(self, d: Any) -> None:
         """Copy the needed data from the record."""
         step, touch, model, own = d["step"], d["touch"], d["model"], d["inputs"]
-        self.links, self.pinned = int(d["links"]), bool(model["pinned"])
+        self.links, self.pinned = int(d["links"]), bool(model["has_base_joint"])
         self.size, self.kept = float(step["size"]), float(step["kept"])
         self.regularized, self.lever = int(step["regularized"]), float(model["size"])
         free = range(2 * self.pinned, self.links + 2)
