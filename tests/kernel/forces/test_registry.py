@@ -1,5 +1,7 @@
 """Registration of laws, a relation of several laws, and the place of a user's law."""
 
+from dataclasses import replace
+
 import pytest
 
 from chain_impact.kernel.forces import laws, user_law
@@ -42,6 +44,11 @@ def test_the_force_of_a_law_is_told_with_its_exponents():
     told = ("kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
     assert [CONTACT_LAWS[name].force for name in told] == [
         "Kδ + d δ̇", "Kδ√δ + d δ^¼ δ̇", "Kδ√δ + d δ^¼ max(0, δ̇)", "Kδ√δ + d δ^½ δ̇",
+    ]  # fmt: skip
+    powers = [(0.5, 1.0), (0.25, 0.5), (1.5, 0.0), (1.2, 0.3)]
+    laws_of = [replace(CONTACT_LAWS["tsuji"], exponent=n, rate_exponent=p) for n, p in powers]
+    assert [law.force for law in laws_of] == [
+        "Kδ^½ + d δ δ̇", "Kδ^¼ + d δ^½ δ̇", "Kδ√δ + d δ̇", "Kδ^1.2 + d δ^0.3 δ̇",
     ]  # fmt: skip
     assert CONTACT_LAWS["newton_impact"].force == "impulses"
     assert CONTACT_LAWS["hunt_crossley"].force == laws.FAMILY_FORCE

@@ -27,7 +27,7 @@ from chain_impact.kernel.mathematics.logarithms import log, log1p
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
 # how powers of a quantity are written; other powers are written as δ^1.2
-DEPTHS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ ", 1.0: "δ", 1.5: "δ√δ"}
+DEPTHS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 
@@ -74,8 +74,8 @@ class ContactLaw:
         if self.rate_exponent is None:
             return FAMILY_FORCE
         rate = "max(0, δ̇)" if self.approach_only else "δ̇"
-        spring = "δⁿ" if self.exponent is None else DEPTHS.get(self.exponent, f"δ^{self.exponent:g}")
-        return f"K{spring} + d {DEPTHS.get(self.rate_exponent, f'δ^{self.rate_exponent:g} ')}{rate}"
+        spring = "δⁿ" if self.exponent is None else depth_power(self.exponent)
+        return f"K{spring} + " + " ".join(filter(None, ("d", depth_power(self.rate_exponent), rate)))
 
     @property
     def damping(self) -> str:
@@ -91,6 +91,11 @@ class ContactLaw:
     def allows_exponent(self, exponent: float) -> bool:
         """Return whether the law is defined for an exponent n."""
         return self.exponent is None or self.exponent == exponent
+
+
+def depth_power(exponent: float) -> str:
+    """Return a power of the penetration as text, without blanks; "" for the power 0."""
+    return DEPTHS.get(exponent, f"δ^{exponent:g}")
 
 
 CONTACT_LAWS: dict[str, ContactLaw] = {}
