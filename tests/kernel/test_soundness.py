@@ -172,6 +172,19 @@ def test_only_stops_have_the_numbers_after_those_of_walls():
     assert_fits(d, "candidate", "point", stop, ((1, True), (3, True), (0, False), (4, False)))
 
 
+def test_a_stop_belongs_to_a_joint_and_not_to_a_point_on_a_link():
+    rod = {"length": 0.3, "mass": 1.0, "joint_max": 1.0}
+    links = [rod | {"points": [{"x": 0.1, "y": 0.05}, {"x": 0.2, "y": 0.05}]}, rod]
+    still = {"position": [0.0, 1.0], "angles": [0.0, 0.0]}
+    d = record_of(table(links, initial=still, base="pinned", box={"y_min": -1.0}))
+    stops = stops_of(d)
+    assert (d.sites, len(stops)) == (2, 2)
+    assert within_bounds(d)
+    for c in range(d.candidates):
+        last = 2 if c in stops else 2 + 2
+        assert_fits(d, "candidate", "point", c, ((last, True), (last + 1, False)))
+
+
 @pytest.mark.parametrize("course", ["given", "inputs"])
 def test_the_order_of_a_course_has_its_bounds(course):
     _, d = chain(np.random.default_rng(0), 1)

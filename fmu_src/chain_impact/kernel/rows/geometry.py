@@ -130,12 +130,13 @@ def first_stop(d, c):
 def candidate_within_bounds(d, c):
     """Return whether the stop, the point, the place and the wall of candidate c are within their bounds."""
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
-    least, most = 1 if at_joint(d, c) else 0, len(WALLS) + d.candidates - 1
+    first, last = (1, d.links) if at_joint(d, c) else (0, d.links + d.sites)
+    most = len(WALLS) + d.candidates - 1
     if not at_wall(d, c):
         most += STOP_COUNT
     return (
         SLIDER_MAX <= d.candidate.stop[c] <= SLIDER_MIN
-        and least <= d.candidate.point[c] <= d.links + d.sites
+        and first <= d.candidate.point[c] <= last
         and 0 <= d.candidate.place[c] < site_place(d, d.sites)
         and 0 <= d.candidate.wall[c] <= most
     )
