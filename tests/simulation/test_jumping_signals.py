@@ -88,16 +88,49 @@ def test_a_largest_force_has_a_derivative_by_the_time_of_a_jump(name):
             np.testing.assert_allclose(of_impacts, slope, rtol=1e-5, atol=1e-4)
 
 
+def jump_of(one, change, time=0.104, name="pull"):
+    """Return the text of a signal with which an input jumps from 0 to ``change`` at a time."""
+    shape = f'form = "steps"\ntimes = [0.0, {time}]\nvalues = [0.0, {change}]\n'
+    return f'[signals.{name}]\ninput = "{one}"\n{shape}'
+
+
 @pytest.mark.parametrize("text", [lifted(0.0, 12.0, rises=False), lifted(12.0, 0.0)])
 def test_a_largest_force_at_two_jumps_at_one_time_has_no_derivative_by_the_time_of_one(text):
-    text += (
-        '[signals.pull]\ninput = "tip.force.y"\nform = "steps"\ntimes = [0.0, 0.104]\nvalues = [0.0, 1.0]\n'
-    )
-    scene, by = parse_scene(text, "x"), ["signal.push.time[2]", "link[1].mass"]
+    scene = parse_scene(text + jump_of("tip.force.y", 1.0), "x")
+    by = ["signal.push.time[2]", "link[1].mass"]
     run = simulate(scene, sensitivities=by)
     assert np.isnan(run.sensitivity("joint[1].peak_force", by[0])[-1])
     assert np.isfinite(run.sensitivity("joint[1].peak_force", by[1])).all()
     assert np.isfinite(run.sensitivity("point[1].y", by[0])).all()
+
+
+def struck(restitution):
+    """Return the arm that strikes a soft wall; two inputs jump while the force falls from its maximum."""
+    text = pressed_hard("kelvin_voigt").replace("[60.0, -20.0]", "[6.0, -6.0]").replace("0.012", "0.03")
+    text = text.replace("restitution = 0.1", f"restitution = {restitution}")
+    text = text.replace("[-0.9273]", "[-0.9273], angular_velocities = [2.0]")
+    return text + jump_of("tip.force.x", -5.0, 0.03)
+
+
+@pytest.mark.parametrize("restitution", [0.1, 0.8])  # the largest force is at the onset, or later
+def test_two_jumps_after_the_largest_force_in_a_wall_leave_it_its_derivatives(restitution):
+    scene, by = parse_scene(struck(restitution), "x"), ["signal.push.time[2]", "link[1].mass"]
+    run, mass = simulate(scene, sensitivities=by, tolerance=1e-10), scene.values[by[1]]
+    assert run.impacts["onset"][0] < 0.025
+    assert not run.impacts["end"][0] < 0.03
+    assert run.impact_sensitivity("peak_force", by[0])[0] == 0.0
+    less, more = (simulate(scene.with_values({by[1]: mass + h}), tolerance=1e-12) for h in (-1e-5, 1e-5))
+    slope = (more.impacts["peak_force"][0] - less.impacts["peak_force"][0]) / 2e-5
+    assert run.impact_sensitivity("peak_force", by[1])[0] == pytest.approx(slope, rel=1e-5)
+
+
+def test_a_largest_force_in_a_wall_at_two_jumps_has_no_derivative_by_the_time_of_one():
+    """The slopes on both sides differ: 6772 and 6426 N/s."""
+    text = pressed_hard("kelvin_voigt") + jump_of("tip.force.x", -5.0, 0.012)
+    by = ["signal.push.time[2]", "link[1].mass"]
+    run = simulate(parse_scene(text, "x"), sensitivities=by)
+    assert np.isnan(run.impact_sensitivity("peak_force", by[0])[0])
+    assert np.isfinite(run.impact_sensitivity("peak_force", by[1])[0])
 
 
 def pushed(frequency):

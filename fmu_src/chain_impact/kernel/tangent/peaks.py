@@ -6,10 +6,15 @@ jumps, which may be larger than the values on both sides.
 
 import math
 
-from chain_impact.kernel.forces.contact import set_extremes, set_joint_top
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.forces.contact import contact_force, set_extremes, set_joint_top
 from chain_impact.kernel.loads import set_load_peak, square_of_force
 from chain_impact.kernel.ode.last_step import delay_start
+from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, sloped, value
+
+# The part of a contact's peak force by which the force at the end of the step may be smaller by round-off.
+FORCE_ROUND_OFF = 1e-9
 
 
 def forget_peaks(t, delay):
@@ -26,11 +31,18 @@ def forget_peaks(t, delay):
             c = t.touch.active_index[k]
             if at_end >= value(t.touch.joint_top[c]):
                 set_joint_top(t, c, unknown(t.touch.joint_top[c], delay), t.touch.joint[c])
+    if t.touch.compliant_count > 0:
+        locate_points(t, t.step.state_end)
     for k in range(t.touch.active_count):
         c = t.touch.active_index[k]
-        held, peak = k >= t.touch.compliant_count, t.touch.peak_force[c]
-        rises = value(t.rigid.sample[1, k]) >= value(peak) if held else value(t.touch.force_rate[c]) > 0.0
-        if rises:
+        peak = t.touch.peak_force[c]
+        if k >= t.touch.compliant_count:
+            at_end = value(t.rigid.sample[1, k])
+        else:
+            # the force does not jump, because the position and the velocity of the point do not
+            gap, gap_rate = clearance(t, c)
+            at_end = value(contact_force(t, c, gap, gap_rate)) + FORCE_ROUND_OFF * value(peak)
+        if at_end >= value(peak):
             set_extremes(t, c, unknown(peak, delay), t.touch.max_penetration[c])
 
 
