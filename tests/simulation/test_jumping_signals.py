@@ -104,6 +104,16 @@ def test_a_largest_force_at_two_jumps_at_one_time_has_no_derivative_by_the_time_
     assert np.isfinite(run.sensitivity("point[1].y", by[0])).all()
 
 
+def test_a_largest_force_at_three_jumps_at_one_time_has_no_derivative_by_the_time_of_any():
+    text = lifted(0.0, 12.0, rises=False)
+    text += jump_of("tip.force.x", 1.0, name="along") + jump_of("tip.force.y", 1.0, name="up")
+    by = ["signal.push.time[2]", "signal.along.time[2]", "signal.up.time[2]"]
+    run = simulate(parse_scene(text, "x"), sensitivities=by)
+    for parameter in by:
+        assert np.isnan(run.sensitivity("joint[1].peak_force", parameter)[-1])
+        assert np.isfinite(run.sensitivity("point[1].y", parameter)).all()
+
+
 def struck(restitution):
     """Return the arm that strikes a soft wall; two inputs jump while the force falls from its maximum."""
     text = pressed_hard("kelvin_voigt").replace("[60.0, -20.0]", "[6.0, -6.0]").replace("0.012", "0.03")

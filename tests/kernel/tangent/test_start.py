@@ -195,12 +195,13 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
     damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
     assert contact_law.update_laws(d) == OK
-    t.work.load.x[:], t.touch.beyond_kink[4], t.step.time = 9.0, 5, 1.0
+    t.work.load.x[:], t.touch.beyond_kink[4], t.step.time, t.step.start_delay = 9.0, 5, 1.0, 7.0
     told = []
     monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
     starts.reinit_tangent(d, t)
     assert told == [(t,)]
     assert t.step.time == t.step.start == t.step.end == 2.5
+    assert t.step.start_delay == 0.0
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
     assert vectors(t.work.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
     assert (t.law.number[4], t.law.stiffness[4]) == (number, 3e5)

@@ -41,7 +41,10 @@ NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user o
 
 
 def reset_step(d, time, y):
-    """Set the last step to a step of zero length at ``time`` [s] in state y, with the stored quadratures."""
+    """Set the last step to a step of zero length at ``time`` [s] in state y, with the stored quadratures.
+
+    The delay of the event with which the next step begins is kept.
+    """
     step = d.step
     for j in range(len(step.state)):
         step.state[j] = y[j]
@@ -64,7 +67,6 @@ def reset_times(d, time):
     """Set all times of the last step to ``time`` [s]."""
     step = d.step
     step.time, step.start, step.end, step.clock = time, time, time, time
-    step.start_delay = 0.0
 
 
 def delay_start(d, delay):
@@ -196,6 +198,7 @@ def keep_state(d):
 def return_to_kept_state(d):
     """End the last step at the communication point, in the state that ``keep_state`` stored."""
     reset_step(d, d.step.time, d.trial.state)
+    d.step.start_delay = 0.0
 
 
 def mark_jump(d):

@@ -117,6 +117,7 @@ def start_tangent(d, t):
 def reinit_tangent(d, t):
     """Re-initialize t at the communication point, as d was; update the contacts of t up to this point."""
     reset_step(t, t.step.end, t.step.state_end)
+    delay_start(t, carried(0.0, 0.0, t.step.end))
     # the part of the run after this point is dropped; derivatives that ended in this part may continue
     if t.trust.time > value(t.step.end):
         trust(t)
