@@ -7,8 +7,6 @@ tests/pages/test_twins.py compares the values of both languages.
 
 from __future__ import annotations
 
-import ast
-import inspect
 import json
 from functools import cache
 from types import ModuleType
@@ -56,7 +54,7 @@ def shared() -> dict[str, Any]:
             for unit, word in angles.DEGREES.items()
         },
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
-        "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": IMPACT_UNITS | STOP_UNITS},
+        "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
         "refusals": SENTENCES,
         "file": {"CORNERS": tables.CORNERS, "SHOWN": reading.SHOWN},
         "signals": {
@@ -91,16 +89,8 @@ def declaration() -> str:
 
 
 def _constants(module: ModuleType) -> dict[str, Any]:
-    """Return the constants that a module defines, by their names; those that it imports are left out."""
-    imported = {
-        each.asname or each.name
-        for node in ast.parse(inspect.getsource(module)).body
-        if isinstance(node, ast.ImportFrom)
-        for each in node.names
-    }
-    return {
-        name: _plain(value) for name, value in vars(module).items() if name.isupper() and name not in imported
-    }
+    """Return all constants of a module by their names, with those that it imports."""
+    return {name: _plain(value) for name, value in vars(module).items() if name.isupper()}
 
 
 def _plain(value: Any) -> Any:

@@ -15,7 +15,7 @@ IMPACT_UNITS = {
     "impulse": "N.s",
     "joint_force": "N",
 }
-STOP_UNITS = {
+STOP_UNITS = IMPACT_UNITS | {
     "impact_speed": "rad/s",
     "separation_speed": "rad/s",
     "peak_force": "N.m",
@@ -23,9 +23,8 @@ STOP_UNITS = {
     "effective_mass": "kg.m2",
     "impulse": "N.m.s",
 }
-"""The units of quantities at a stop that differ from the units at a wall."""
 
 
 def unit_at(quantity: str, *, stop: bool) -> str:
     """Return the unit of a quantity of an impact as a text; ``stop``: at a stop of a joint."""
-    return unit_text((IMPACT_UNITS | STOP_UNITS if stop else IMPACT_UNITS)[quantity])
+    return unit_text((STOP_UNITS if stop else IMPACT_UNITS)[quantity])

@@ -43,7 +43,7 @@ def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> A
     table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(impacts) + 1, name="impact"))
     table.attrs["units"] = dict(IMPACT_UNITS)
     if stops:
-        table.attrs["units_at_stops"] = IMPACT_UNITS | STOP_UNITS
+        table.attrs["units_at_stops"] = dict(STOP_UNITS)
     return table
 
 

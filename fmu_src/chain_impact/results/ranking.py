@@ -313,7 +313,7 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
         value, slope = impact["end"] - impact["onset"], slopes["end"] - slopes["onset"]
     else:
         value, slope = impact[field], slopes[field]
-    units = IMPACT_UNITS | (STOP_UNITS if recording.is_stop(impact["wall"]) else {})
+    units = STOP_UNITS if recording.is_stop(impact["wall"]) else IMPACT_UNITS
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
     return float(value), units.get(field, "s"), where, slope[number - 1], abs(float(value))

@@ -9,8 +9,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
 from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
@@ -280,7 +278,7 @@ def hints(scene: Contents) -> list[str]:
     for name, signal in scene.signals.items():
         if signal.samples:
             where = f"signal.{name}: {signal.file}"
-            texts += [f"{where}: {hint}" for hint in gap_hints(np.array(signal.samples.times))]
+            texts += [f"{where}: {hint}" for hint in gap_hints(signal.samples.times)]
     return [*texts, *size_hints(scene), *base_hints(scene), *start_hints(scene)]
 
 

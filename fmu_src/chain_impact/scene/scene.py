@@ -154,18 +154,16 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     def label(path: DataPath) -> str:
         return path_text(path) if by_path else name_of(shapes.among_all_points(path, data), names)
 
-    def in_data(path: DataPath) -> DataPath:
-        return path
-
+    scene: Scene | None = None
     try:
         reader = Reader(Scene, label)
-        scene: Scene = reader.read(data)
+        scene = reader.read(data)
         scene = replace(scene, derived_paths=tuple(sorted(of_every_link(reader.derived, data))))
-        in_data = functools.partial(of_entry, data=data)
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
-        text, path = str(error), in_data(error.path)
+        # while the data are read, the path is that of the data
+        text, path = str(error), error.path if scene is None else of_entry(error.path, data)
         if error.path and text.startswith(written := path_text(error.path)):
             text = label(path) + text.removeprefix(written)
         raise SceneError(f"{source}: {text}", path) from None

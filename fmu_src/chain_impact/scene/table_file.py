@@ -157,7 +157,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
     return times, columns
 
 
-def gap_hints(times: np.ndarray) -> list[str]:
+def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
     """Return a sentence on the longest step [s] among equal ones, if rows seem to be missing."""
     steps = np.diff(times)
     if len(steps) < ROWS:
