@@ -51,7 +51,7 @@ HIDDEN = 1e-8  # [m, or of u] fall below zero, beyond which it was missed; the s
 
 def missing(d: Any) -> str:
     """Return the feature of the last step that the certificate lacks, in words; "" if it lacks none."""
-    course, touch = d["inputs"]["course"], d["touch"]
+    course, touch = d["inputs"]["piece"], d["touch"]
     varied = [course[name][1:] for name in course.dtype.names if name.startswith(("joint_", "tip_"))]
     active = touch["active_index"][: touch["active_count"]]
     drawn = (d["law"]["approach_only"] & (d["law"]["friction"] > 0.0))[active]
@@ -60,7 +60,7 @@ def missing(d: Any) -> str:
         "what sticks by dry friction": d["friction"]["stuck_count"] > 0,
         "dry friction of laws that damp on approach only": drawn.any(),
         "rotors of drives": d["model"]["has_armatures"],
-        "moving base or walls": d["channels"] > 0 and d["moved"]["course"][1:].any(),
+        "moving base or walls": d["channels"] > 0 and d["moved"]["piece"][1:].any(),
         "inputs that vary in a step": course["order"] > 0 and any(part.any() for part in varied),
         "contact law of the user": USER_LAW in d["law"]["number"],
     }

@@ -320,7 +320,7 @@ def cvode_weights(d, careful, y, weight):
             if not careful:
                 allowed += tolerance * abs(y[j])
         else:
-            scale = d.model.size if j < n + 4 else 1.0 if j < 2 * n + 4 else d.model.energy
+            scale = d.model.size if j < n + 4 else 1.0 if j < 2 * n + 4 else d.model.energy_scale
             allowed = tolerance * (scale + abs(y[j]))
         weight[j] = 1.0 / allowed
     return 0

@@ -42,7 +42,7 @@ class OnInstance:
         )
         pairs = list(zip(candidate["point"], candidate["wall"], strict=True))
         # a log with fewer places than contacts loses the oldest contacts
-        log = record["finished"]
+        log = record["contact_log"]
         log["count"] = min(log["count"], len(log["point"]))
         found = np.concatenate([self.instance.collect(), self.instance.open_contacts()])
         onsets = [(pairs.index((row["point"], row["wall"])), float(row["onset"])) for row in found]

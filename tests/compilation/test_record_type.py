@@ -74,7 +74,7 @@ def test_what_has_to_do_with_candidates_and_elements_comes_last():
                 assert {per(field.offset, count) for count in ("candidates", "elements")} == {0}
                 assert {per(field.size, count) for count in ("candidates", "elements")} == {0}
     assert per(TABLE["touch", "active_count"].offset, "candidates") == 0
-    for path in ("touch", "law", "search", "finished"):
+    for path in ("touch", "law", "search", "contact_log"):
         assert per(TABLE[path,].offset, "elements") == 0
     moving = (("motion",), ("moved",), ("shift",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():

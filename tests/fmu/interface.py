@@ -33,7 +33,7 @@ class Callbacks(ctypes.Structure):
         ("logger", Logger),
         ("allocate", Allocate),
         ("free", Free),
-        ("finished", Finished),
+        ("contact_log", Finished),
         ("environment", c_void_p),
     )
 

@@ -12,8 +12,8 @@ from chain_impact.kernel.equations import located_rate
 from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
-    joint_of,
     list_friction,
+    rubbing_joint,
     set_friction_used,
 )
 from chain_impact.kernel.rows.geometry import tangent, tangential_acceleration, tangential_position
@@ -65,7 +65,7 @@ def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray
             jacobian = point_jacobian(scene, y[2 : d.links + 2], int(d.candidate.point[e]))
             rows.append(np.array([tx, ty]) @ jacobian)
         else:
-            row, i = np.zeros(d.links + 2), joint_of(d, e)
+            row, i = np.zeros(d.links + 2), rubbing_joint(d, e)
             row[2 + i] = d.model.size
             if i > 0:
                 row[1 + i] = -d.model.size

@@ -134,8 +134,8 @@ def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     wall_at(d, c, motion.at(0.0), 0.0)
     touch(d, [c])
     d.model.gravity[:] = d.model.gravity_size = 0.0
-    course = d.inputs.course
-    course.order, course.middle, course.scale, course.until = 3, 0.0, 1.0 / size, 10.0
+    piece = d.inputs.piece
+    piece.order, piece.middle, piece.scale, piece.until = 3, 0.0, 1.0 / size, 10.0
     let_push(d, c, force)
     return d, c, motion
 
@@ -145,7 +145,7 @@ def let_push(d: Plain, c: int, force: Iterable[float]) -> None:
     angle = d.step.state[2]
     normal = np.array([d.candidate.normal_x[c], d.candidate.normal_y[c]])
     lever = d.model.length[0] * np.array([-np.sin(angle), np.cos(angle)]) @ normal
-    powers = d.inputs.course.joint_torque
+    powers = d.inputs.piece.joint_torque
     powers[:, 0] = 0.0
     for m, part in enumerate(force):
         # F · lever = −u

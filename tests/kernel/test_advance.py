@@ -94,7 +94,7 @@ def at_end_of_a_step(events=(), **more):
 
 def test_a_call_stops_where_the_log_is_full():
     d = at_end_of_a_step()
-    d.finished.count, d.finished.collected = 8, 5
+    d.contact_log.count, d.contact_log.collected = 8, 5
     assert loop.advance(d, 0.01, 3, loop.work_done(d) + 10**6) == LOG_FULL
     assert d.step.end == 0.0
     assert loop.advance(d, 0.01, 4, loop.work_done(d) + 10**6) == OK

@@ -23,7 +23,7 @@ def prepared(base, count, **more):
     y = struck(rng, d, candidates)
     for k, c in enumerate(candidates):
         if not d.contact.any_rigid:
-            contact.begin_contact(d, c)
+            contact.latch_onset(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     contact.set_kink_sides(d)
     d.inputs.joint_torque[:], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)

@@ -77,8 +77,8 @@ def test_each_run_is_that_of_a_fresh_instance():
     assert done == 3
     for row, value in zip(rows, stiffness, strict=True):
         d = alone(value)
-        assert d.finished.count == 1
-        peaks = [d.finished.peak_force[0], d.finished.max_penetration[0]]
+        assert d.contact_log.count == 1
+        peaks = [d.contact_log.peak_force[0], d.contact_log.max_penetration[0]]
         assert min(peaks) > 0.0
         assert row.tolist() == [d.step.end, d.output.kinetic, value, *peaks]
     assert rows[0].tolist() == rows[2].tolist() != rows[1].tolist()

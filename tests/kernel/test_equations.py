@@ -114,7 +114,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
 def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base, count):
     _, d, y, _ = prepared(base, count, touching=[0, 3])
     for k, c in enumerate((0, 3)):
-        contact.begin_contact(d, c)
+        contact.latch_onset(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
     equations.located_rate(d, y, rate)
@@ -184,8 +184,8 @@ def test_in_free_flight_no_point_is_located():
 
 def test_the_inputs_are_those_at_the_time_of_the_state():
     _, d, y, _ = prepared("pinned", 1)
-    d.inputs.course.order, d.inputs.course.scale, d.step.clock = 1, 1.0, 0.5
-    d.inputs.course.joint_torque[:2, 0] = 1.0, 2.0
+    d.inputs.piece.order, d.inputs.piece.scale, d.step.clock = 1, 1.0, 0.5
+    d.inputs.piece.joint_torque[:2, 0] = 1.0, 2.0
     y[state.time_at(1)] = 0.25
     equations.located_rate(d, y, np.zeros(len(y)))
     assert d.inputs.joint_torque[0] == 1.0 + 2.0 * 0.75

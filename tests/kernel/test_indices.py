@@ -11,7 +11,7 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.kernel.advance import advance, advance_to_onset
 from chain_impact.kernel.entry import trajectory
-from chain_impact.kernel.forces.inputs import AT_ONCE
+from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, UNLIMITED
@@ -114,11 +114,11 @@ def test_nor_where_inputs_and_parameters_change(model):
     assert initialize(d, 0.0) == OK
     assert advance(d, 0.1, UNLIMITED, UNLIMITED) == OK
     assert d.touch.active_count == 1
-    d.given.restitution, d.given.changed = 0.7, AT_ONCE
-    d.given.course.order, d.given.course.until, d.given.course.scale = 2, 0.2, 1.0
-    d.given.course.joint_torque[1] = 0.5
+    d.given.restitution, d.given.changed = 0.7, REINITIALIZE
+    d.given.piece.order, d.given.piece.until, d.given.piece.scale = 2, 0.2, 1.0
+    d.given.piece.joint_torque[1] = 0.5
     assert advance_to_onset(d, 0.12) == OK
-    d.given.tip_force[1], d.given.changed = 60.0, AT_ONCE
+    d.given.tip_force[1], d.given.changed = 60.0, REINITIALIZE
     assert trajectory(d, np.zeros(1), np.array([0.15, 0.2]), np.array([[0, 1]]), np.zeros((2, 1)), 0) == 2
     assert d.touch.active_count == 0
     assert d.impact.count > 0

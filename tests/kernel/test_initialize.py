@@ -55,7 +55,7 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
     model, links = d.model, scene.chain.links
     for name in ("proximal_inertia", "distal_inertia", "center_of_mass_ratio"):
         model[name][:] = math.nan
-    model.size = model.reach = model.energy = 99.0
+    model.size = model.reach = model.energy_scale = 99.0
     derive_chain(d)
     for i, link in enumerate(links):
         alone = link.inertia + link.mass * link.center_of_mass**2
@@ -68,7 +68,7 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
     lengths, mass = [link.length for link in links], sum(link.mass for link in links)
     assert model.size == max(lengths)
     assert model.reach == pytest.approx(sum(lengths), rel=1e-14)
-    assert model.energy == pytest.approx(mass * max(lengths) ** 2, rel=1e-14)
+    assert model.energy_scale == pytest.approx(mass * max(lengths) ** 2, rel=1e-14)
     assert model.gravity_size == pytest.approx(math.sqrt(2.3**2 + 9.81**2), rel=1e-14)
     assert model.meeting_joint == (0 if base == "pinned" else count // 2)
 
@@ -93,7 +93,7 @@ CLEARED = {
     "impact": ("count", "last_wall", "last_speed"),
     "statistics": ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps"),
     "limits": ("event_count", "work_count", "call_count", "other_work"),
-    "finished": ("count", "collected"),
+    "contact_log": ("count", "collected"),
     "peaks": ("force", "penetration", "moment", "rotation"),
     "fault": ("part",),
     "search": ("known_for",),
@@ -201,7 +201,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
 def test_a_start_without_a_clearance_or_without_forces_is_refused():
     _, d = prepared()
     assert initialize(d, 0.0) == OK
-    d.rigid.unsolved = UNSOLVED
+    d.constraints.unsolved = UNSOLVED
     assert check_start(d) == FORCES_NOT_FOUND
     d.candidate.offset[0] = math.nan
     assert check_start(d) == STARTS_INSIDE_WALL

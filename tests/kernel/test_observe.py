@@ -7,7 +7,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.joints import spring_energy
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
-from chain_impact.kernel.forces.contact import begin_contact, set_kink_sides
+from chain_impact.kernel.forces.contact import latch_onset, set_kink_sides
 from chain_impact.kernel.forces.contact_force import elastic_energy, law_force
 from chain_impact.kernel.observe import combine_forces, combine_impulses, fill_outputs, observe
 from chain_impact.kernel.rows.geometry import first_stop, place_walls
@@ -45,10 +45,10 @@ def seen(theta):
     touch(d, [IN, OUT])
     locate_points(d, y)
     for c in (IN, OUT):
-        begin_contact(d, c)
+        latch_onset(d, c)
     set_kink_sides(d)
-    d.quadrature.onset[:] = np.arange(d.candidates)
-    d.quadrature.total[: d.candidates] = d.quadrature.onset
+    d.quadrature.impulse_at_onset[:] = np.arange(d.candidates)
+    d.quadrature.total[: d.candidates] = d.quadrature.impulse_at_onset
     d.quadrature.state[:2], d.quadrature.dense[:] = (7.0, 8.0), 0.0
     d.quadrature.dense[0, :2] = 0.5, 0.25
     d.quadrature.state_end[:2] = 7.5, 8.25
@@ -199,7 +199,7 @@ def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
     d.candidate.offset[:low] = -1e9
     touch(d, [high])
     locate_points(d, y)
-    begin_contact(d, high)
+    latch_onset(d, high)
     set_kink_sides(d)
     d.step.time = d.step.start
     d.quadrature.count = 0

@@ -240,7 +240,7 @@ def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolv
 
     def fails(d, theta):
         energies = check_energy(d, theta)
-        d.rigid.unsolved = unsolved
+        d.constraints.unsolved = unsolved
         return energies
 
     monkeypatch.setattr(loop, "check_energy", fails)

@@ -70,7 +70,7 @@ BOUNDS = {
     ("solver", "method"): (1, len(SOLVER_METHODS)),
     ("statistics", "status"): (OK, LAST_STATUS),
     ("latest", "kept"): (0, LATEST),
-    ("finished", "count"): (0, None),
+    ("contact_log", "count"): (0, None),
     ("touch", "active_count"): (0, 16),
     ("touch", "compliant_count"): (0, 0),
     ("touch", "active_index"): (0, 15),
@@ -185,13 +185,13 @@ def test_a_stop_belongs_to_a_joint_and_not_to_a_point_on_a_link():
         assert_fits(d, "candidate", "point", c, ((last, True), (last + 1, False)))
 
 
-@pytest.mark.parametrize("course", ["given", "inputs"])
-def test_the_order_of_a_course_has_its_bounds(course):
+@pytest.mark.parametrize("part", ["given", "inputs"])
+def test_the_order_of_a_piece_has_its_bounds(part):
     _, d = chain(np.random.default_rng(0), 1)
     for order, fits in ((0, True), (DEGREE, True), (-1, False), (DEGREE + 1, False)):
-        d[course].course.order = order
+        d[part].piece.order = order
         assert bool(within_bounds(d)) == fits
-        d[course].course.order = 0
+        d[part].piece.order = 0
 
 
 @pytest.mark.parametrize("field", ["order", "integrals"])

@@ -130,7 +130,7 @@ SEEDS = {
         "drives": DRIVEN,
     }.items()
 }
-OBSERVED = ("output", "latest", "step", "quadrature.dense", "limits", "finished")
+OBSERVED = ("output", "latest", "step", "quadrature.dense", "limits", "contact_log")
 """Fields that an observation may write: its results, and the dense output and time of the last step."""
 GARBAGE = 1.7e11
 

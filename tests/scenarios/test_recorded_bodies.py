@@ -8,7 +8,7 @@ from chain_impact.pages.recorded import data
 from chain_impact.pictures.over_time import point_groups
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.stick_slip import place_of
+from chain_impact.recording.stick_slip import element_label
 from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import outline, outlines_of, placed
 from chain_impact.scene.scene import scene_from_dict
@@ -110,7 +110,7 @@ def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     assert {cart.toucher(impact) for impact in cart.impacts} == {"slider"}
     shown = Recording("R", run.time, run.columns, run.impacts, wall_names=run.wall_names)
     assert shown.toucher(run.impacts[0]) == "point 3"
-    places = {place_of(phase, run.wall_names, run.point_names) for phase in run.stick_slip}
+    places = {element_label(phase, run.wall_names, run.point_names) for phase in run.stick_slip}
     assert {"point 3 (heel) at y_min", "point 4 (toe) at y_min"} <= places
     assert [name for name, *_ in point_groups(run)] == ["point 3 (heel)", "point 4 (toe)", "point 6"]
     assert "  3 (heel)  " in str(run)

@@ -131,7 +131,7 @@ def resting(request):
     out = np.zeros(1, instance.record.dtype["output"])
 
     def at(time, force=None):
-        instance.record["finished"]["collected"] = instance.record["finished"]["count"]
+        instance.record["contact_log"]["collected"] = instance.record["contact_log"]["count"]
         if force is not None:
             instance.record["given"]["tip_force"] = force
             instance.record["given"]["changed"] = 1
@@ -173,7 +173,7 @@ def test_torques_that_switch_every_millisecond_keep_the_ledger(law):
     for k in range(2000):
         record["given"]["joint_torque"] = [3.0 * (-1.0) ** k + 2.0, -2.0 * (-1.0) ** (k // 2)]
         record["given"]["changed"] = 1
-        record["finished"]["collected"] = record["finished"]["count"]
+        record["contact_log"]["collected"] = record["contact_log"]["count"]
         assert instance.trajectory(np.array([(k + 1) * 1e-3]), out[k : k + 1]) == 1
     ledger = out["total"] + out["dissipated"] - out["supplied"]
     assert np.ptp(ledger) < 1e-6 * out["kinetic"].max()
@@ -247,7 +247,7 @@ def test_held_contacts_pass_to_another_law():
     assert instance.record["touch"]["active_count"] == 5
     change_law(instance, "zhang_sharf")
     out = np.zeros(1, instance.record.dtype["output"])
-    instance.record["finished"]["collected"] = instance.record["finished"]["count"]
+    instance.record["contact_log"]["collected"] = instance.record["contact_log"]["count"]
     assert instance.trajectory(np.array([12.0]), out) == 1
     assert floor_forces(out[0]).sum() == pytest.approx(WEIGHT, rel=1e-5)
     assert (out["penetration"][0].reshape(5, 4)[:, 2] > 0.0).all()
@@ -269,7 +269,7 @@ def test_a_change_that_is_refused_leaves_the_contacts_rigid(look):
 
     instance, status = after([("zhang_sharf", 0.0), ("zhang_sharf", 0.7)])
     assert status == 0
-    assert instance.record["finished"]["count"] == 1
+    assert instance.record["contact_log"]["count"] == 1
     _, status = after([("kelvin_voigt", 0.7), (RIGID, 0.7)])
     assert status == 0
 

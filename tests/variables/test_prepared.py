@@ -76,7 +76,17 @@ def test_a_new_instance_holds_nothing_but_the_scene():
     assert instance.tobytes() == PreparedScene(scene).new_instance().tobytes()
     assert instance[0]["step"]["regularized"] == NO_CONTACT
     instance[0]["step"]["regularized"] = 0
-    for field in ("step", "touch", "search", "implicit", "rigid", "finished", "statistics", "output", "work"):
+    for field in (
+        "step",
+        "touch",
+        "search",
+        "implicit",
+        "constraints",
+        "contact_log",
+        "statistics",
+        "output",
+        "work",
+    ):
         assert not any(instance[0][field].tobytes()), field
 
 

@@ -20,7 +20,7 @@ from chain_impact.kernel.advance import advance_to_onset, event_update
 from chain_impact.kernel.entry import sound
 from chain_impact.kernel.events.contact_log import update_to_output_time
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.tangent.duals import words
+from chain_impact.kernel.tangent.duals import as_words
 from chain_impact.kernel.tangent.entry import HOOKS
 
 _HOOKS: dict[Any, Any] = HOOKS
@@ -32,7 +32,7 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 """C functions: name → (signature, function)."""
 
 
-def follow(d):
+def log_contacts(d):
     """Update the contacts to the communication point, and write the active contacts to the log.
 
     In the log, the active contacts follow the finished contacts.
@@ -43,23 +43,23 @@ def follow(d):
 
 def record_words(d):
     """Return the number of words of 8 bytes in the record of an instance and in the data after the record."""
-    return len(words(d)) + hooks.words_behind(d)
+    return len(as_words(d)) + hooks.words_behind(d)
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # noqa: PLR0917
     """Fill rows with numbers of the record, and return the number of filled rows."""
     wanted, filled = matrix(spans, span_count, 2), matrix(rows, count, columns)
-    return entry.trajectory(d, words(d), vector(times, count), wanted, filled, of_state)
+    return entry.trajectory(d, as_words(d), vector(times, count), wanted, filled, of_state)
 
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
-    d, places, parameters, values, stops, runs, output_indices, columns, rows, continuing
+    d, indices, parameters, values, stops, runs, output_indices, columns, rows, continuing
 ):
     """Run repeatedly with different parameters, and return the number of finished runs."""
     return entry.run_each(
         d,
-        words(d),
-        vector(places, parameters),
+        as_words(d),
+        vector(indices, parameters),
         matrix(values, runs, parameters),
         vector(stops, runs),
         vector(output_indices, columns),
@@ -83,7 +83,7 @@ def entry_points() -> Entries:
         "event_update": event_update,
         "observe": entry.observe_now,
         "sound": sound,
-        "follow": follow,
+        "log_contacts": log_contacts,
         # the C interface calls this function to check the size of a record that it reads from a file
         "record_words": record_words,
         "trajectory": trajectory,

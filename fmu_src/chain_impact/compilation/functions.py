@@ -46,7 +46,7 @@ _COMPLEX: dict[Any, Any] = COMPLEX_RULES
 # functions for which dual_numbers.py and record_type.py give numba the code
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.sloped, duals.carried, duals.varies),
-    *(duals.block, duals.words, duals.copy_values, duals.copy_given),
+    *(duals.block, duals.as_words, duals.copy_values, duals.copy_given),
     *(functions.clear, functions.copy_row),
 }
 

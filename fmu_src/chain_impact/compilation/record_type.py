@@ -249,7 +249,7 @@ def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     )
 
 
-@type_callable(duals.words)
+@type_callable(duals.as_words)
 def _type_of_words(_context: Any) -> Any:
     def typer(record: types.Type) -> types.Type | None:
         return types.Array(types.float64, 1, "C") if isinstance(record, Record) else None
@@ -257,7 +257,7 @@ def _type_of_words(_context: Any) -> Any:
     return typer
 
 
-@lower_builtin(duals.words, Record)
+@lower_builtin(duals.as_words, Record)
 def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
     whole = signature.args[0].field()

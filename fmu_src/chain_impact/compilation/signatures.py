@@ -19,11 +19,11 @@ int32 advance_to_onset(record* d, double time)
 int32 event_update(record* d)
 int32 observe(record* d)
 int32 sound(record* d)
-int32 follow(record* d)
+int32 log_contacts(record* d)
 int64 record_words(record* d)
 int64 trajectory(record* d, double* times, int64 count, int64* spans, int64 span_count, double* rows,
                  int64 columns, int32 of_state)
-int64 run_each(record* d, int64* places, int64 parameters, double* values, double* stops, int64 runs,
+int64 run_each(record* d, int64* indices, int64 parameters, double* values, double* stops, int64 runs,
                int64* output_indices, int64 columns, double* rows, int32 continuing)
 """
 

@@ -28,12 +28,12 @@ from chain_impact.kernel.events.segments import (
 from chain_impact.kernel.forces.contact import clear_loads, latch
 from chain_impact.kernel.forces.contact_law import laws_in_use, update_laws
 from chain_impact.kernel.forces.inputs import (
-    AT_ONCE,
+    REINITIALIZE,
     apply_inputs,
     belts_jump,
-    follow_motion,
     inputs_continue,
     inputs_in_use,
+    interpolate_motion,
     limit_to_piece,
     withdraw_request,
 )
@@ -115,7 +115,7 @@ def advance(d, time, log_capacity, work):
 
 def log_is_full(d, capacity):
     """Return whether ``capacity`` ended contacts are not collected, or a step could overfill `changes`."""
-    if d.finished.count - d.finished.collected >= capacity:
+    if d.contact_log.count - d.contact_log.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
 
@@ -165,7 +165,7 @@ def reinit_if_changed(d, time):
     Returns a status.
     """
     if d.channels > 0 and d.statistics.status == OK:
-        set_status(d, follow_motion(d, time))
+        set_status(d, interpolate_motion(d, time))
     if d.statistics.status == OK and must_reinit(d):
         set_status(d, reinit(d))
     return d.statistics.status
@@ -177,7 +177,7 @@ def must_reinit(d):
     A value that was set and then set back has not changed. If the next piece of the inputs continues without
     a jump at the end of the last step, the next step applies this piece, and the solver goes on.
     """
-    if d.given.changed == AT_ONCE and inputs_in_use(d) and laws_in_use(d):
+    if d.given.changed == REINITIALIZE and inputs_in_use(d) and laws_in_use(d):
         withdraw_request(d)
     return d.given.changed and not inputs_continue(d)
 
@@ -264,7 +264,7 @@ def take_step(d):
 
 def check_solved(d, status):
     """Return FORCES_NOT_FOUND if forces or modes at an event have not been found, else ``status``."""
-    return FORCES_NOT_FOUND if status == OK and d.rigid.unsolved == UNSOLVED else status
+    return FORCES_NOT_FOUND if status == OK and d.constraints.unsolved == UNSOLVED else status
 
 
 def find_step(d):
@@ -304,7 +304,7 @@ def try_step(d, h):
     present, available = 0.0, 0.0
     if control.accepted(d):
         present, available = check_energy(d, theta)
-    if control.accepted(d) and d.rigid.unsolved != SOLVED:
+    if control.accepted(d) and d.constraints.unsolved != SOLVED:
         control.refuse(d, control.SPOILED)
     if not control.accepted(d):
         roll_back(d)

@@ -59,14 +59,14 @@ def within_bounds(d):
     laws = LAW_COUNT + present()
     fits = within(d.model.meeting_joint, 0, d.links)
     fits = fits and within(d.step.regularized, NO_CONTACT, d.candidates - 1)
-    fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
+    fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.contact_log.count >= 0
     fits = fits and within(d.step.method, EXPLICIT, IMPLICIT)
     fits = fits and within(d.step.last_method, EXPLICIT, IMPLICIT)
     fits = fits and within(d.trial.outcome, ACCEPTED, DIVERGED)
     fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.statistics.status, OK, LAST_STATUS)
     fits = fits and within(d.latest.kept, 0, len(d.latest.time))
-    fits = fits and within(d.given.course.order, 0, DEGREE) and within(d.inputs.course.order, 0, DEGREE)
+    fits = fits and within(d.given.piece.order, 0, DEGREE) and within(d.inputs.piece.order, 0, DEGREE)
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     fits = fits and within(d.touch.compliant_count, 0, d.touch.active_count)
     fits = fits and friction_within_bounds(d)
@@ -200,7 +200,7 @@ def trajectory(d, words, times, spans, rows, of_state):
         The number of rows filled. It is smaller than the number of times after a fault, when the log of
         finished contacts is full, or when a second of computing is over.
     """
-    log_capacity = len(d.finished.point) - d.candidates
+    log_capacity = len(d.contact_log.point) - d.candidates
     work = work_done(d) + work_of_a_call(d)
     for row in range(len(times)):
         allow_any_length(d)
@@ -219,7 +219,7 @@ def trajectory(d, words, times, spans, rows, of_state):
     return len(times)
 
 
-def run_each(d, words, places, values, stops, output_indices, rows, continuing):
+def run_each(d, words, indices, values, stops, output_indices, rows, continuing):
     """Run the instance from its start once for each row of parameter values.
 
     A run does not depend on the runs before it: no run changes a parameter, and ``initialize`` sets
@@ -228,7 +228,7 @@ def run_each(d, words, places, values, stops, output_indices, rows, continuing):
     Args:
         d: the instance.
         words: all numbers of the record (8 bytes each), shape (W,).
-        places: indices of the words that vary, shape (K,).
+        indices: indices of the words that vary, shape (K,).
         values: the values of these words in each run, shape (R, K).
         stops: the end time of each run, shape (R,) [s].
         output_indices: indices of the words to return from the end of a run, shape (L,).
@@ -243,8 +243,8 @@ def run_each(d, words, places, values, stops, output_indices, rows, continuing):
     work = work_of_a_call(d) + (work_done(d) if continuing else 0)
     for r in range(len(rows)):
         if r > 0 or not continuing:
-            for j in range(len(places)):
-                words[places[j]] = values[r, j]
+            for j in range(len(indices)):
+                words[indices[j]] = values[r, j]
             initialize(d, 0.0)
         if finish_run(d, stops[r], work) == PAUSED:
             return r
@@ -259,7 +259,7 @@ def finish_run(d, stop, work):
 
     Contacts that still last at the end are logged, because the outputs of peaks come from the log.
     """
-    log_capacity = len(d.finished.point) - d.candidates
+    log_capacity = len(d.contact_log.point) - d.candidates
     status = LOG_FULL
     allow_any_length(d)
     while status == LOG_FULL:

@@ -169,7 +169,7 @@ def derive_chain(d):
     for i in range(len(model.length)):
         total += model.mass[i]
         armatures += joint_armature(d, i)
-    model.energy = total * model.size * model.size + armatures
+    model.energy_scale = total * model.size * model.size + armatures
     model.has_armatures = 1 if resists(armatures) else 0
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
     model.has_stops, model.has_joint_friction, model.has_drive_limits = 0, 0, 0
@@ -341,4 +341,4 @@ def check_start(d):
             return refuse_candidate(d, c, STARTS_INSIDE_WALL)
     if d.channels > 0 and check_base(d) != OK:
         return BASE_BEYOND_WALL
-    return FORCES_NOT_FOUND if d.rigid.unsolved == UNSOLVED else OK
+    return FORCES_NOT_FOUND if d.constraints.unsolved == UNSOLVED else OK

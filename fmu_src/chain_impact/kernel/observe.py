@@ -8,12 +8,12 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import site_place
-from chain_impact.kernel.chain.slider import slider_position, slider_velocity
+from chain_impact.kernel.chain.slider import along_slider, slider_position
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, time_at
 from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate
 from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.contact import apply_true_contacts
-from chain_impact.kernel.forces.friction import STICKS, joint_of
+from chain_impact.kernel.forces.friction import STICKS, rubbing_joint
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
@@ -75,7 +75,7 @@ def fill_motion(d, theta):
     for i in range(n):
         out.angular_acceleration[i] = rate[omega_at(n) + i]
     if d.slides:
-        out.slider_acceleration = slider_velocity(d, rate)
+        out.slider_acceleration = along_slider(d, rate)
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)
@@ -116,7 +116,7 @@ def fill_state(d, theta):
         )
         angle, turning = out.angle[i], out.angular_velocity[i]
     if d.slides:
-        out.slider_position, out.slider_velocity = slider_position(d, y), slider_velocity(d, y)
+        out.slider_position, out.slider_velocity = slider_position(d, y), along_slider(d, y)
     for m in range(d.channels):
         out.channel[m] = d.moved.position[m]
     for j in range(d.signals):
@@ -138,7 +138,7 @@ def fill_forces(d):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         if d.law.impulsive[c]:
-            out.force[c] = max(0.0, d.rigid.impulse[k])
+            out.force[c] = max(0.0, d.constraints.impulse[k])
         elif gap < 0.0:
             out.force[c] = d.touch.force[c]
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
@@ -155,7 +155,7 @@ def fill_friction(d):
         mode = d.element.mode[e]
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidates:
-            joint = joint_of(d, e)
+            joint = rubbing_joint(d, e)
             # friction on a slider is a force, so the lever arm is 1
             arm = d.model.size if joint < d.links else 1.0
             out.joint_moment[joint], out.joint_sticking[joint] = arm * d.element.force[e], sticks

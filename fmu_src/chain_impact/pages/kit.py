@@ -50,9 +50,9 @@ PATHS: dict[str, DataPath] = {
     "site_link": ("site", "link", AT),
     "site_corner": ("site", "corner", AT),
     "regularized": ("step", "regularized"),
-    **{key: ("model", key) for key in ("has_base_joint", "has_inputs", "followed", "base_moves")},
+    **{key: ("model", key) for key in ("has_base_joint", "has_inputs", "has_servos", "base_moves")},
     **{f"candidate_{key}": ("candidate", AT, key) for key in ("point", "wall", "stop")},
-    "follows": ("motion", "follows"),
+    "interpolates": ("motion", "interpolates"),
     "belt": ("motion", "belt", AT),
     "channel": ("shift", AT, "channel"),
     "kept": ("latest", "kept"),
@@ -85,11 +85,11 @@ def kit(scene: Scene) -> dict[str, Any]:
         ],
         "outputs": [_group(block, _output) for block in OUTPUTS],
         "tables": tables_of(scene),
-        "driven": [words(("output", "signal", AT, order)) for order in range(3)],
-        "fields": {name: {"word": words(path), "real": _is_real(path)} for name, path in PATHS.items()},
+        "driven": [word_terms(("output", "signal", AT, order)) for order in range(3)],
+        "fields": {name: {"word": word_terms(path), "real": _is_real(path)} for name, path in PATHS.items()},
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
-        "points": [words(("output", "point_position", AT, axis)) for axis in (0, 1)],
+        "points": [word_terms(("output", "point_position", AT, axis)) for axis in (0, 1)],
     }
 
 
@@ -167,7 +167,7 @@ def _output(kind: Kind) -> dict[str, Any]:
     return _named(kind) | {
         "unit": kind.unit,
         "integer": not kind.unit,
-        "word": words(kind.record_path),
+        "word": word_terms(kind.record_path),
         "drawn": DRAWN.get(kind.name),
     }
 
@@ -194,8 +194,8 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
         },
         "trivial": kind.trivial,
         "missing": json.dumps(kind.if_missing),  # as text, because JSON has no infinite numbers
-        "word": words(kind.record_path) if kind.record_path else None,
-        "given": kind.given and words(kind.given),
+        "word": word_terms(kind.record_path) if kind.record_path else None,
+        "given": kind.given and word_terms(kind.given),
         "givenIf": kind.given_if or ALWAYS,
     }
 
@@ -220,22 +220,22 @@ def _layout() -> dict[str, Any]:
     record = layout_of(*SAMPLES[0])
     statistics = record["statistics"].names or ()
     return {
-        "status": words(("statistics", "status")),
-        "reason": words(("fault", "part")),
-        "time": words(("step", "time")),
-        "impulses": words(("quadrature", "wanted")),
-        "loads": words(("loads",)),
-        "finished": {
-            "count": words(("finished", "count")),
-            "collected": words(("finished", "collected")),
-            "capacity": [*_affine(lambda record: record["finished"]["point"].shape[0]), 0],
-            "fields": {name: words(("finished", name, 0)) for name in LOG_DTYPE.names or ()},
+        "status": word_terms(("statistics", "status")),
+        "reason": word_terms(("fault", "part")),
+        "time": word_terms(("step", "time")),
+        "impulses": word_terms(("quadrature", "wanted")),
+        "loads": word_terms(("loads",)),
+        "contactLog": {
+            "count": word_terms(("contact_log", "count")),
+            "collected": word_terms(("contact_log", "collected")),
+            "capacity": [*_affine(lambda record: record["contact_log"]["point"].shape[0]), 0],
+            "fields": {name: word_terms(("contact_log", name, 0)) for name in LOG_DTYPE.names or ()},
         },
-        "peaks": {name: words(path) for name, path in (PEAKS | STOP_PEAKS).items()},
-        "changes": words(("changes", "count")),
-        "inputsChanged": words(("given", "changed")),
-        "active": words(("touch", "active_count")),
-        "statistics": {name: words(("statistics", name)) for name in statistics},
+        "peaks": {name: word_terms(path) for name, path in (PEAKS | STOP_PEAKS).items()},
+        "changes": word_terms(("changes", "count")),
+        "inputsChanged": word_terms(("given", "changed")),
+        "active": word_terms(("touch", "active_count")),
+        "statistics": {name: word_terms(("statistics", name)) for name in statistics},
     }
 
 
@@ -248,7 +248,7 @@ def _is_real(path: DataPath) -> bool:
 
 
 @cache
-def words(path: DataPath) -> list[int]:
+def word_terms(path: DataPath) -> list[int]:
     """Return the coefficients of the index of a word in the record, and the distance to the next index.
 
     The distance [words] leads from the word of one index ``{at}`` to the word of the next one.

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.inertia import DERIVED
-from chain_impact.kernel.forces.inputs import AT_ONCE
+from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
@@ -68,7 +68,7 @@ def shared() -> dict[str, Any]:
         },
         "record": {"WORD": indices.WORD, "COUNTS": COUNTS},
         "kernel": {
-            "AT_ONCE": AT_ONCE,
+            "REINITIALIZE": REINITIALIZE,
             "DERIVED": DERIVED,
             "FRICTION_WITH_RIGID_WALLS": FRICTION_WITH_RIGID_WALLS,
             "NO_CONTACT": NO_CONTACT,

@@ -37,7 +37,7 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.stick_slip import place_of
+from chain_impact.recording.stick_slip import element_label
 from chain_impact.recording.text import speed_unit
 
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VIOLET}
@@ -129,7 +129,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
-        if (location := place_of(phase, recording.wall_names, recording.point_names)) in shown:
+        if (location := element_label(phase, recording.wall_names, recording.point_names)) in shown:
             row, sticks = shown.index(location), phase["mode"] == STICKS
             colour, height = (INK, BAR) if sticks else (GREY, 0.3 * BAR)
             axes.barh(row, length, height, left=phase["start"], color=colour)
@@ -161,7 +161,7 @@ def rubbing_places(recording: Recording) -> list[str]:
     """Return words for the places with dry friction, those with the largest sum of durations first."""
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
-        location = place_of(phase, recording.wall_names, recording.point_names)
+        location = element_label(phase, recording.wall_names, recording.point_names)
         total[location] = total.get(location, 0.0) + float(length)
     return sorted(total, key=lambda location: -total[location])
 

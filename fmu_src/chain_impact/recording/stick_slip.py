@@ -57,7 +57,7 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
             yield int(change["point"]), int(change["wall"]), float(change["time"]), end, int(change["mode"])
 
 
-def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
+def element_label(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
     """Return words for the place of a phase: "point 5 (heel) at y_min", "joint 3" or "the slider".
 
     Args:
@@ -71,9 +71,9 @@ def place_of(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> 
 
 
 def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
-    """Return a phase as texts: start, end ("" if it lasts), place (see ``place_of``), and mode."""
+    """Return a phase as texts: start, end ("" if it lasts), place (see ``element_label``), and mode."""
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
-    return f"{phase['start']:.6f}", end, place_of(phase, walls, names), MODES[int(phase["mode"])]
+    return f"{phase['start']:.6f}", end, element_label(phase, walls, names), MODES[int(phase["mode"])]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

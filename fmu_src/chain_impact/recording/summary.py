@@ -13,7 +13,7 @@ from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
-from chain_impact.recording.stick_slip import place_of
+from chain_impact.recording.stick_slip import element_label
 from chain_impact.recording.text import Table, plural
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.unit_text import of_power
@@ -165,7 +165,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
     yield f"friction {plural(sticking, 'phase')} of sticking, {len(phases) - sticking} of sliding"
     last = phases[np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
     places = [
-        f"{place_of(phase, result.wall_names, result.point_names)} since {phase['start']:.6f} s"
+        f"{element_label(phase, result.wall_names, result.point_names)} since {phase['start']:.6f} s"
         for phase in last
     ]
     if places:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.forces.inputs import AT_ONCE
+from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.status import OK
 from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
@@ -100,8 +100,8 @@ class Chain:
         self._accesses = {v.name: _access(v, prepared.table_row(v)) for v in prepared.variables}
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
-        self._finished_word = word_index(dtype, ("finished", "count"))
-        self._collected_word = word_index(dtype, ("finished", "collected"))
+        self._finished_word = word_index(dtype, ("contact_log", "count"))
+        self._collected_word = word_index(dtype, ("contact_log", "collected"))
         self._contradiction_word = word_index(dtype, ("moved", "contradiction"))
         self._warned = False
         self._changes_word = word_index(dtype, ("changes", "count"))
@@ -225,7 +225,7 @@ class Chain:
                 memory[access.word] = memory[access.set_word] = number
                 self._observed = False
                 if self._stepped:
-                    self._integers[self._changed_word] = AT_ONCE
+                    self._integers[self._changed_word] = REINITIALIZE
                 else:
                     self._initialized = False
 

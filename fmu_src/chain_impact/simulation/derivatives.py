@@ -132,7 +132,7 @@ class DifferentiatedInstance(Instance):
         slots = self._ended % self._log_at.room
         rows = super().collect()
         if len(rows):
-            last = int(self.record["finished"]["count"])
+            last = int(self.record["contact_log"]["count"])
             # if a step failed, a contact may have ended in the instance only; it then has no derivatives
             self._keep_slopes(rows, slots, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
@@ -150,7 +150,7 @@ class DifferentiatedInstance(Instance):
     @property
     def _log(self) -> np.ndarray:
         """The logs of finished contacts of all tangent instances."""
-        log: np.ndarray = self._tangents["finished"]
+        log: np.ndarray = self._tangents["contact_log"]
         return log
 
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:

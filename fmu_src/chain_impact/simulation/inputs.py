@@ -11,7 +11,7 @@ from typing import Any, Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chain_impact.kernel.forces.inputs import AT_ONCE, CONTINUES
+from chain_impact.kernel.forces.inputs import CONTINUES, REINITIALIZE
 from chain_impact.scene.names import AXES, DataPath, input_asked
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.table_file import TIME, Source, gap_hints, read_table, samples_of
@@ -48,7 +48,7 @@ LISTED = 8  # largest number of names that the sentence of an error lists
 NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
-COURSE = "course"
+PIECE = "piece"
 """The field of the record with the coefficients of motions."""
 
 
@@ -93,12 +93,12 @@ class InputCourse:
             return
         at = int(self.first.searchsorted(row, side="right")) - 1
         powers, given, changed = self.pieces.powers[at], record["given"], False
-        course, motion = given["course"], record["motion"]
-        motion["follows"], motion["jumps"] = 1, self.slips[at]
+        course, motion = given["piece"], record["motion"]
+        motion["interpolates"], motion["jumps"] = 1, self.slips[at]
         for m, (part, name, *indices) in enumerate(self.paths):
             index = indices[0] if indices else 0  # the path of a slider's input has no index
-            if name == COURSE:
-                motion["follows"] = 0
+            if name == PIECE:
+                motion["interpolates"] = 0
                 given_powers = motion[name][: len(powers), index]
                 changed = changed or (given_powers != powers[:, m]).any()
                 given_powers[:] = powers[:, m]
@@ -111,14 +111,14 @@ class InputCourse:
         settings = self.pieces.settings(at)
         # the settings of polynomials are not written if motions follow values at communication points: all
         # other inputs are then constant, and the kernel itself computes the polynomials of motions
-        steady = motion["follows"] and len(motion["position"]) > 0
+        steady = motion["interpolates"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or course["order"]):
             changed = changed or any(course[name] != value for name, value in settings.items())
             for name, value in settings.items():
                 course[name] = value
         if changed:
             anew = row != self.first[at] or self.restarts[at]
-            given["changed"] = AT_ONCE if anew else CONTINUES
+            given["changed"] = REINITIALIZE if anew else CONTINUES
 
 
 def input_course(
@@ -204,7 +204,7 @@ def input_course(
     return InputCourse(
         times=together,
         asked=np.isin(together, times),
-        paths=(*(paths[name] for name in signals), *((MOTION, COURSE, j) for j in range(len(motions)))),
+        paths=(*(paths[name] for name in signals), *((MOTION, PIECE, j) for j in range(len(motions)))),
         pieces=pieces,
         first=np.append(0, np.searchsorted(together, begin) + 1),
         restarts=pieces.jumps | slips | bends,

@@ -63,10 +63,10 @@ class Rows(Protocol):
     """The output buffer of a run, filled row by row.
 
     Attributes:
-        at_once: largest number of rows that are filled between two calls of ``progress``.
+        chunk: largest number of rows that are filled between two calls of ``progress``.
     """
 
-    at_once: int
+    chunk: int
 
     def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
         """Advance an instance to each of the times [s] and fill rows from ``start`` on.
@@ -88,7 +88,7 @@ class WordRows:
         """Make a buffer for ``count`` rows."""
         self.numbers = np.empty((count, len(words)))
         self.spans, self.of_state = spans_of(words), of_state
-        self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
+        self.chunk = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
         """Fill rows as ``Rows.fill`` describes."""
@@ -240,7 +240,7 @@ class Instance:
         while done < last and self.status == OK:
             # each piece has its own inputs, so each call ends at the end of a piece
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
-            end = min(done + rows.at_once, until)
+            end = min(done + rows.chunk, until)
             course.set(self.record, done)
             done += rows.fill(self, course.times[done:end], done)
             impacts.append(self.collect())
@@ -289,7 +289,7 @@ class Instance:
 
         The call ends the last step at the present time, and so drops what the solver has computed beyond it.
         """
-        self._kernel.follow(self._address)
+        self._kernel.log_contacts(self._address)
         return self._impacts(self._lasting)
 
     @property

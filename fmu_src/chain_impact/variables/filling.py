@@ -150,7 +150,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
     model["has_base_joint"] = scene.chain.has_base_joint
-    model["has_inputs"], model["followed"] = scene.inputs.on_chain, scene.inputs.joint_targets
+    model["has_inputs"], model["has_servos"] = scene.inputs.on_chain, scene.inputs.joint_targets
     _fill_motion(d, scene, pairs)
 
     fill_signals(d, scene)
@@ -301,7 +301,7 @@ def _words_of(
 
 def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     """Write whether the base moves, which channels are belts, and the channel of each candidate's wall."""
-    d["model"]["base_moves"], d["motion"]["follows"] = scene.inputs.base_motion, 1
+    d["model"]["base_moves"], d["motion"]["interpolates"] = scene.inputs.base_motion, 1
     first = 2 if scene.inputs.base_motion else 0
     moving = {scene.wall_names.index(name): first + 2 * w for w, name in enumerate(scene.moving_walls)}
     d["motion"]["belt"][first + 1 :: 2] = 1

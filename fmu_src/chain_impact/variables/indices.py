@@ -85,10 +85,10 @@ class LogWords(NamedTuple):
 def log_words(counts: Counts) -> LogWords:
     """Return where the status and the log of contacts are in a record of some sizes."""
     layout, changes = layout_of(*counts), ("changes", "count")
-    of_log = ("finished", "count"), ("finished", "collected"), ("touch", "active_count"), changes
-    paths = ("statistics", "status"), *of_log, ("finished", "point", 0)
+    of_log = ("contact_log", "count"), ("contact_log", "collected"), ("touch", "active_count"), changes
+    paths = ("statistics", "status"), *of_log, ("contact_log", "point", 0)
     words = [word_index(layout, path) for path in paths]
-    return LogWords._make([*words, layout["finished"]["point"].shape[0]])
+    return LogWords._make([*words, layout["contact_log"]["point"].shape[0]])
 
 
 class OutputIndices(NamedTuple):

@@ -70,7 +70,7 @@ class Kind:
         choices: name of an enumeration's list of choices.
         smooth: whether there are derivatives with respect to the variable.
         hint: a sentence that tells users how to get the parameter into a scene.
-        at_once: whether an input acts on the output directly, not only through the state.
+        feedthrough: whether an input acts on the output directly, not only through the state.
         nominal: the usual magnitude of the output, a key of ``nominal_values``; "" for none.
         rate_of: field of the output record whose derivative the output is.
         array: name of the array with all variables of the kind, in FMI 3.0 and in datasets; "" for none.
@@ -99,7 +99,7 @@ class Kind:
     choices: str = ""
     smooth: bool = True
     hint: str = ""
-    at_once: bool = False
+    feedthrough: bool = False
     nominal: str = ""
     rate_of: str = ""
     array: str = ""
@@ -131,7 +131,7 @@ class Kind:
         """Return the kind of the derivatives of outputs of this kind with respect to a kind of parameters."""
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"
-        return Kind(name=sensitivity_name(of, by), text=text, record_path=(), at_once=self.at_once)
+        return Kind(name=sensitivity_name(of, by), text=text, record_path=(), feedthrough=self.feedthrough)
 
     def ended(self, text: str) -> str:
         """Return a description; add the limit ``above`` in words, because FMI has no attribute for it."""

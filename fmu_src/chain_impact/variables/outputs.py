@@ -179,7 +179,7 @@ OUTPUTS = (
         rows="""
         {axis}  | m    | {axis} of the position     | point_position.{at}.{j}     | size | array=point.position
         v{axis} | m/s  | {axis} of the velocity     | point_velocity.{at}.{j}     | size | array=point.velocity rate_of=point_position
-        a{axis} | m/s2 | {axis} of the acceleration | point_acceleration.{at}.{j} | size | array=point.acceleration rate_of=point_velocity at_once
+        a{axis} | m/s2 | {axis} of the acceleration | point_acceleration.{at}.{j} | size | array=point.acceleration rate_of=point_velocity feedthrough
         """,
         heading=POINT,
         when=("outputs.points",),
@@ -191,7 +191,7 @@ OUTPUTS = (
         rows="""
         angle                | rad    | angle, absolute, from +x
         angular_velocity     | rad/s  | angular velocity, absolute     |  |  | rate_of=angle
-        angular_acceleration | rad/s2 | angular acceleration, absolute |  |  | rate_of=angular_velocity at_once
+        angular_acceleration | rad/s2 | angular acceleration, absolute |  |  | rate_of=angular_velocity feedthrough
         """,
         heading=LINK,
         when=("outputs.links",),
@@ -215,7 +215,7 @@ OUTPUTS = (
         rows="""
         position     | m    | position along the line, 0 at the start | slider_position     | size
         velocity     | m/s  | velocity along the line                 | slider_velocity     | size | rate_of=slider_position
-        acceleration | m/s2 | acceleration along the line             | slider_acceleration | size | rate_of=slider_velocity at_once
+        acceleration | m/s2 | acceleration along the line             | slider_acceleration | size | rate_of=slider_velocity feedthrough
         """,
         heading=SLIDER,
     ),
@@ -224,8 +224,8 @@ OUTPUTS = (
         of="slider",
         prefix="slider",
         rows="""
-        friction_force | N | dry friction on the carriage, along the line | friction.joint_moment.{at}   | force | at_once
-        sticking       | 1 | 1 while it sticks by dry friction, else 0    | friction.joint_sticking.{at} |       | at_once minimum=0 maximum=1
+        friction_force | N | dry friction on the carriage, along the line | friction.joint_moment.{at}   | force | feedthrough
+        sticking       | 1 | 1 while it sticks by dry friction, else 0    | friction.joint_sticking.{at} |       | feedthrough minimum=0 maximum=1
         """,
         heading=SLIDER,
         when=("outputs.contacts", "rubs"),
@@ -235,13 +235,13 @@ OUTPUTS = (
         of="contact",
         prefix="contact[{n}].{name}",
         rows="""
-        force            | N   | force of the wall, along its normal                                            |                   | force    | at_once
+        force            | N   | force of the wall, along its normal                                            |                   | force    | feedthrough
         penetration      | m   | penetration, 0 when apart                                                      |                   | depth    | minimum=0
         penetration_rate | m/s | rate of penetration, positive when closing, 0 when apart                       |                   | size
         impulse          | N.s | impulse of the wall since the start, along its normal                          |                   | momentum
-        friction_force   | N   | dry friction of the wall, along t = (n_y, -n_x) of its normal n                | friction.force    | force    | at_once when=contact_friction
+        friction_force   | N   | dry friction of the wall, along t = (n_y, -n_x) of its normal n                | friction.force    | force    | feedthrough when=contact_friction
         friction_impulse | N.s | impulse of dry friction since the start, along t = (n_y, -n_x) of its normal n | friction.impulse  | momentum | when=contact_friction
-        sticking         | 1   | 1 while it sticks by dry friction, else 0                                      | friction.sticking |          | at_once when=contact_friction minimum=0 maximum=1
+        sticking         | 1   | 1 while it sticks by dry friction, else 0                                      | friction.sticking |          | feedthrough when=contact_friction minimum=0 maximum=1
         """,
         heading=CONTACT,
         when=("outputs.contacts",),
@@ -264,7 +264,7 @@ OUTPUTS = (
         of="stop",
         prefix="joint[{n}]",
         rows="""
-        stop_moment      | N.m   | moment of its stops, positive at joint_min                  | force       | stop moment | at_once
+        stop_moment      | N.m   | moment of its stops, positive at joint_min                  | force       | stop moment | feedthrough
         stop_penetration | rad   | angle beyond a stop, 0 when apart                           | penetration | stop depth  | minimum=0
         stop_impulse     | N.m.s | impulse of its stops since the start, positive at joint_min | impulse     | energy
         """,
@@ -276,8 +276,8 @@ OUTPUTS = (
         of="rubbing joint",
         prefix="joint[{n}]",
         rows="""
-        friction_moment | N.m | moment of dry friction on link {n}        | friction.joint_moment   | energy | at_once
-        sticking        | 1   | 1 while it sticks by dry friction, else 0 | friction.joint_sticking |        | at_once minimum=0 maximum=1
+        friction_moment | N.m | moment of dry friction on link {n}        | friction.joint_moment   | energy | feedthrough
+        sticking        | 1   | 1 while it sticks by dry friction, else 0 | friction.joint_sticking |        | feedthrough minimum=0 maximum=1
         """,
         heading=JOINT,
         when=("outputs.contacts",),
@@ -303,8 +303,8 @@ OUTPUTS = (
         of="joint",
         prefix="joint[{n}]",
         rows="""
-        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                               | load.{axis}         | momentum | at_once
-        moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | load.moment         | energy   | at_once
+        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                               | load.{axis}         | momentum | feedthrough
+        moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | load.moment         | energy   | feedthrough
         impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start             | load.impulse_{axis} | momentum
         peak_force     | N   | largest force of {parent} on link {n} since the start                     | load.peak           | momentum | minimum=0
         """,
@@ -316,8 +316,8 @@ OUTPUTS = (
         of="slider",
         prefix="slider",
         rows="""
-        reaction | N   | force of the line on the carriage, along its left normal | slider_reaction | momentum | at_once
-        moment   | N.m | moment of the line on the carriage                       | slider_moment   | energy   | at_once
+        reaction | N   | force of the line on the carriage, along its left normal | slider_reaction | momentum | feedthrough
+        moment   | N.m | moment of the line on the carriage                       | slider_moment   | energy   | feedthrough
         """,
         heading=SLIDER,
         when=("outputs.loads",),
@@ -327,8 +327,8 @@ OUTPUTS = (
         of="touched wall",
         prefix="wall.{name}",
         rows="""
-        load.{axis} | N   | {axis} of the force of the chain on the wall   | load.{axis} | momentum | at_once
-        load_moment | N.m | moment of the chain on the wall, about {about} | load.moment | energy   | at_once
+        load.{axis} | N   | {axis} of the force of the chain on the wall   | load.{axis} | momentum | feedthrough
+        load_moment | N.m | moment of the chain on the wall, about {about} | load.moment | energy   | feedthrough
         """,
         heading=WALL,
         when=("outputs.loads",),
@@ -357,7 +357,7 @@ OUTPUTS = (
         speed            | m/s | approach speed at its onset{in_rad_s}                                 |  | size     | minimum=0
         end              | s   | time of its end, the present time if it lasts
         separation_speed | m/s | speed from the wall at its end, the present one if it lasts{in_rad_s} |  | size
-        peak_force       | N   | largest force so far, 0 for an impulse of a rigid wall{in_n_m}        |  | force    | minimum=0 at_once
+        peak_force       | N   | largest force so far, 0 for an impulse of a rigid wall{in_n_m}        |  | force    | minimum=0 feedthrough
         max_penetration  | m   | largest penetration so far{in_rad}                                    |  | depth    | minimum=0
         impulse          | N.s | impulse of the wall so far{in_n_m_s}                                  |  | momentum
         """,

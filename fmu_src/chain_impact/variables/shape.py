@@ -182,17 +182,17 @@ def shape_of(scene: Scene) -> Shape:
 
 
 def _links(shape: Shape) -> Iterable[Owner]:
-    """Yield the links, with conditions on the joint: ``follows`` or ``rests``, and ``rubs``.
+    """Yield the links, with conditions on the joint: ``has_target`` or ``rests``, and ``rubs``.
 
     The joint's spring follows an input, or does not; and the joint may have dry friction.
     """
     for n in range(1, shape.links + 1):
-        follows = shape.inputs.joint_targets and n in shape.joints
+        has_target = shape.inputs.joint_targets and n in shape.joints
         yield {
             "n": n,
             "at": n - 1,
-            "follows": follows,
-            "rests": not follows,
+            "has_target": has_target,
+            "rests": not has_target,
             "rubs": n in shape.friction_joints,
         }
 
@@ -235,8 +235,10 @@ def _contacts(shape: Shape) -> Iterable[Owner]:
 
 def _slider(shape: Shape) -> Iterable[Owner]:
     """Return the slider, if there is one; its index for dry friction follows the indices of the joints."""
-    follows = shape.inputs.joint_targets
-    return [{"rests": not follows, "rubs": shape.slider_rubs, "at": shape.links}] * (shape.base == "slider")
+    has_target = shape.inputs.joint_targets
+    return [{"rests": not has_target, "rubs": shape.slider_rubs, "at": shape.links}] * (
+        shape.base == "slider"
+    )
 
 
 def _touched_walls(shape: Shape) -> Iterable[Owner]:

@@ -126,7 +126,7 @@ class Variable:
         True for forces and peaks of forces, for accelerations of points that can move, and for derivatives of
         these outputs: at a rigid wall or with dry friction, a torque changes the force at once.
         """
-        return self.kind.at_once and not self.held
+        return self.kind.feedthrough and not self.held
 
     @property
     def field(self) -> str:

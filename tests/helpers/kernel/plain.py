@@ -99,5 +99,5 @@ def pack(d: Plain) -> None:
     d.touch.active_count = len(packed)
     d.touch.compliant_count = sum(not d.law.impulsive[c] for c in packed)
     d.touch.stop_count = np.count_nonzero(d.candidate.stop[packed])
-    d.rigid.in_active_set[: d.touch.compliant_count] = 0
+    d.constraints.in_active_set[: d.touch.compliant_count] = 0
     reset_quadratures(d)

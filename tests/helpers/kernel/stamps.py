@@ -26,7 +26,7 @@ from tests.helpers.kernel.plain import Plain, as_plain_python
 GROUPS = ("link", "position", "velocity", "acceleration")
 CALLERS = 3
 """The number of functions, from the reader outward, among which a state ``y`` is looked for."""
-AT_END = ("begin_contact", "lone_contact", "update_extremes", "update_modes")
+AT_END = ("latch_onset", "lone_contact", "update_extremes", "update_modes")
 """The functions without an argument y that need the points at the end of the last step."""
 LINEAR = ("project_coordinates",)
 """The functions that move y, and are linear about the points located before."""

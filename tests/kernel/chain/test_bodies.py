@@ -12,7 +12,7 @@ import pytest
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.response import HELD, factorize, no_impedance
 from chain_impact.kernel.equations import mechanical_energy, state_rate
-from chain_impact.kernel.forces.contact import list_touching, start_contact
+from chain_impact.kernel.forces.contact import begin_force_contact, list_touching
 from chain_impact.kernel.rows.compliance import solve_space
 from chain_impact.kernel.rows.geometry import clear_loads_of, join
 from chain_impact.scene.scene import scene_from_dict
@@ -145,7 +145,7 @@ def test_accelerations_with_forces_at_points_of_links_are_those_of_lagranges_equ
     d.candidate.offset[:] = 0.3  # the floor is above some points
     locate_points(d, y)
     for c in range(d.candidates):
-        start_contact(d, c)
+        begin_force_contact(d, c)
     list_touching(d)
     rate = np.zeros_like(y)
     state_rate(d, y, rate)

@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.exclusion import keep_start, suspect_all
-from chain_impact.kernel.forces.contact import begin_contact, set_kink_sides
+from chain_impact.kernel.forces.contact import latch_onset, set_kink_sides
 from tests.helpers.scenes.problems import of_law
 from tests.kernel.chains import chain, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
@@ -72,7 +72,7 @@ def falling(height, law="jankowski", size=1.0, touching=(1,)):
     locate_points(d, motion.at(0.0))
     touch(d, touching)
     for c in touching:
-        begin_contact(d, c)
+        latch_onset(d, c)
     d.touch.kink_margin[:] = 0.0
     set_kink_sides(d)
     set_step(d, motion, size, start=2.0)

@@ -227,7 +227,7 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
         locate_points(d, y)
         accelerate_points(d, y, motion.at(until, 1))
         d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
-        d.output.impulse[1], d.quadrature.onset[1] = 7.5, 3.0
+        d.output.impulse[1], d.quadrature.impulse_at_onset[1] = 7.5, 3.0
         d.touch.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
         contact_log.list_latest(d)
         latest = d.latest
@@ -249,7 +249,7 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
 def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size):
     """The maximum of 3 − (x − 0.6)² is 3 inside; a monotonic force is largest at an end."""
     d, c, motion = held_tip(size, [3.0 - 0.6**2, 1.2, -1.0])
-    d.rigid.sample[:] = 0.0
+    d.constraints.sample[:] = 0.0
     evaluations = d.statistics.rhs_evaluations
     contact_log.update_held_extremes(d)
     assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
@@ -272,17 +272,17 @@ def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size)
 def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
     d, _ = pressed([0.0, rate, 0.0])
     make_rigid(d, impulsive)
-    size = len(d.finished.point)
+    size = len(d.contact_log.point)
     for count in (0, 5, size + 2):  # the oldest are lost
-        d.finished.count = count
+        d.contact_log.count = count
         values = {"onset": 1.5, "onset_speed": 0.7, "peak_force": 9.0, "max_penetration": 0.3}
         for name, value in (values | {"effective_mass": 2.5}).items():
             d.touch[name][1] = value + count
-        d.quadrature.total[1], d.quadrature.onset[1] = 8.0, 6.5
+        d.quadrature.total[1], d.quadrature.impulse_at_onset[1] = 8.0, 6.5
         d.touch.active[1] = 1
         contact_log.end_contact(d, 1, impulsive)
         assert not d.touch.active[1]
-        log, row = d.finished, count % size
+        log, row = d.contact_log, count % size
         assert log.number[row] == d.touch.number[1]
         assert log.count == count + 1
         assert (log.point[row], log.wall[row]) == (d.candidate.point[1], d.candidate.wall[1])
@@ -300,12 +300,12 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
 def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
     """With the lever arm s: φ = δ/s, M = F s, inertia m s²; peaks are the largest values of either kind."""
     _, d = stopped_chain(2)
-    stop, arm, log = stops_of(d)[0], 1.4, d.finished
+    stop, arm, log = stops_of(d)[0], 1.4, d.contact_log
     d.model.size = arm
     for c, force, depth in ((0, 2.0, 1e-3), (1, 1.0, 5e-3), (2, 3.0, 2e-3), (stop, 9.0, 0.3)):
         d.touch.onset_speed[c], d.touch.effective_mass[c] = 0.7, 2.5
         d.touch.peak_force[c], d.touch.max_penetration[c] = force, depth
-        d.quadrature.total[c], d.quadrature.onset[c] = 8.0, 6.5
+        d.quadrature.total[c], d.quadrature.impulse_at_onset[c] = 8.0, 6.5
         rate = clearance(d, c)[1]
         contact_log.end_contact(d, c, 0)
     told = [log[name][3] for name in ("impact_speed", "separation_speed", "peak_force", "max_penetration")]

@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.sundman import root_rate
-from chain_impact.kernel.rows.geometry import clearance, speed_bound
+from chain_impact.kernel.rows.geometry import clearance, length_bound
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
@@ -85,7 +85,7 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
         if field == "turn":
             d.work.rate_end[d.links + 4] = 2.0 / d.step.size**2 * 1.1
         elif field == "change_rate":
-            d.inputs.course.change_rate = 1.1 / d.step.size
+            d.inputs.piece.change_rate = 1.1 / d.step.size
         else:
             d.model.joint_bound = 20.0 / d.step.size
         assert not exclusion.excludes_events(d)
@@ -125,7 +125,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         motion = translation(d, [0.0], [0.0])
         walls_away(d)
         set_step(d, motion, 0.5, start=2.0)
-        d.inputs.course.change_rate, d.model.joint_bound = turn / 0.5, fade / 0.5
+        d.inputs.piece.change_rate, d.model.joint_bound = turn / 0.5, fade / 0.5
         touch(d, range(d.candidates) if active else [])
         d.touch.impact_speed[:], d.touch.speed[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
@@ -178,8 +178,8 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
     assert exclusion.excludes_events(d)
     least = phi_all(d, motion)[-1].min()
     assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
-    d.search.speed = speed_bound(d, d.work.velocity)
-    d.search.acceleration = speed_bound(d, d.work.acceleration)
+    d.search.speed = length_bound(d, d.work.velocity)
+    d.search.acceleration = length_bound(d, d.work.acceleration)
     lasted = 0
     for k in range(1, 40):
         y = motion.at(0.01 * (k + 1))
@@ -197,8 +197,8 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         lasted += 1
     assert lasted >= 2
     # no point moves further than its speed and acceleration permit, so no point or wall is inspected
-    assert d.search.speed == speed_bound(d, d.work.velocity)
-    assert d.search.acceleration == speed_bound(d, d.work.acceleration)
+    assert d.search.speed == length_bound(d, d.work.velocity)
+    assert d.search.acceleration == length_bound(d, d.work.acceleration)
 
 
 def quiet_start(regularized=-1):

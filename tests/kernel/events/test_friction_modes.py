@@ -272,7 +272,7 @@ def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     assert changes[:many] == [len(chain.elements)] * many
     assert many < len(changes) <= many + 1 + len(chain.elements)
     assert all(chain.modes)
-    assert d.rigid.unsolved == SOLVED
+    assert d.constraints.unsolved == SOLVED
 
 
 def convex_accelerations(chain):

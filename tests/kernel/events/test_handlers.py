@@ -78,7 +78,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
         d.candidate.offset[C] -= 1e-9
     assert handle(d, C, END) == JUMPS[law]
     assert d.touch.active[C] == 1 - ends
-    assert d.finished.count == ends
+    assert d.contact_log.count == ends
 
 
 def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
@@ -139,7 +139,7 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     assert apply_events(d) == jumped
     assert not d.touch.event.any()
     assert d.impact.count == (kind == ONSET)
-    assert d.finished.count == (kind == END)
+    assert d.contact_log.count == (kind == END)
     left = others + [C] * (kind == ONSET or (active and kind != END))
     assert d.touch.active_index[: d.touch.active_count].tolist() == left
     assert d.touch.impact_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)

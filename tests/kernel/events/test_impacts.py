@@ -10,7 +10,7 @@ from chain_impact.kernel.equations import mechanical_energy
 from chain_impact.kernel.events import impacts
 from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.events.marks import NEIGHBOUR, NONE, ONSET, RELEASE
-from chain_impact.kernel.forces.contact import begin_contact
+from chain_impact.kernel.forces.contact import latch_onset
 from chain_impact.kernel.forces.holding import RISE
 from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
 from chain_impact.kernel.rows.geometry import clearance
@@ -49,7 +49,12 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     d.step.state_end[:] = y
     d.step.start, d.step.end, d.step.time = 1.0, 1.5, 1.2
     # values from an earlier problem
-    d.rigid.target[:], d.rigid.in_active_set[:], d.rigid.start[:], d.work.load.x[:] = 5.0, 0, 5.0, 9.0
+    d.constraints.target[:], d.constraints.in_active_set[:], d.constraints.start[:], d.work.load.x[:] = (
+        5.0,
+        0,
+        5.0,
+        9.0,
+    )
     locate_points(d, y)
     return d, y, jacobian, response, w, candidates
 
@@ -79,14 +84,14 @@ def test_an_impact_is_moreaus(seed, count, base):
     assert not d.touch.event.any()
     # all points leave with a speed, and no contact lasts
     assert d.touch.active_count == 0
-    assert d.finished.count == count
+    assert d.contact_log.count == count
     rows = slice(0, count)
-    np.testing.assert_array_equal(d.finished.onset[rows], 1.5)
-    np.testing.assert_array_equal(d.finished.end[rows], 1.5)
-    assert not d.finished.peak_force[rows].any()
-    np.testing.assert_allclose(d.finished.impact_speed[rows], -before, rtol=1e-9)
-    np.testing.assert_allclose(d.finished.separation_speed[rows], before + w @ p, rtol=1e-8)
-    np.testing.assert_allclose(d.finished.impulse[rows], p, rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(d.contact_log.onset[rows], 1.5)
+    np.testing.assert_array_equal(d.contact_log.end[rows], 1.5)
+    assert not d.contact_log.peak_force[rows].any()
+    np.testing.assert_allclose(d.contact_log.impact_speed[rows], -before, rtol=1e-9)
+    np.testing.assert_allclose(d.contact_log.separation_speed[rows], before + w @ p, rtol=1e-8)
+    np.testing.assert_allclose(d.contact_log.impulse[rows], p, rtol=1e-9, atol=1e-9)
     # without contacts the loads are zero
     assert not vectors(d.work.load).any()
 
@@ -111,7 +116,7 @@ def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_p
     force = complementary_impulses(w[np.ix_(stay, stay)], accelerations[stay], np.zeros(len(stay)))
     held = [candidates[k] for k, f in zip(stay, force, strict=True) if f > 0.0]
     assert d.touch.active_index[: d.touch.active_count].tolist() == held
-    assert d.finished.count == 3 - len(held)
+    assert d.contact_log.count == 3 - len(held)
     for k in stay:
         gap, _ = clearance(d, candidates[k])
         apart = 0.0 if candidates[k] in held else impacts.RELEASE_GAP * d.model.size
@@ -141,7 +146,7 @@ def test_an_impact_aims_at_rebounds_of_what_arrives_fast_and_brings_the_rest_to_
     locate_points(d, y)
     d.law.restitution[:] = restitution
     lost, moved = impacts.find_impulses(d, 1.0)
-    own = d.rigid
+    own = d.constraints
     np.testing.assert_allclose(own.start[:4], speeds, rtol=1e-8)
     np.testing.assert_allclose(own.target[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
     p = complementary_impulses(w, speeds, own.target[:4])
@@ -162,14 +167,19 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
     rebound = times * impacts.STICK * SLOWEST
     d.law.restitution[:] = rebound / -speed
     impacts.find_impulses(d, 1.0)
-    assert d.rigid.target[0] == pytest.approx(aims * rebound, rel=1e-9)
+    assert d.constraints.target[0] == pytest.approx(aims * rebound, rel=1e-9)
 
 
 @pytest.mark.parametrize("short", [0.0, 0.5, 2.0])
 def test_impulses_fall_short_by_more_than_round_off(short):
     d, *_ = touching(1, POINTS, kinds=NONE)
-    d.rigid.target[:4] = 0.5
-    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * impacts.IMPACT_ROUND_OFF * largest(d, d.work.velocity), 0.5
+    d.constraints.target[:4] = 0.5
+    d.constraints.reached[:4] = (
+        0.5,
+        0.9,
+        0.5 - short * impacts.IMPACT_ROUND_OFF * largest(d, d.work.velocity),
+        0.5,
+    )
     assert impacts.lacks_rebound(d) == (short > 1.0)
 
 
@@ -232,16 +242,16 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
     np.testing.assert_allclose(d.quadrature.total[[first, second]], expected, rtol=0, atol=1e-9)
     over = (w @ (p + expected)) > 1e-9
     assert over.any()
-    rows = d.finished.count
+    rows = d.contact_log.count
     assert rows >= over.sum()
-    assert d.finished.separation_speed[:rows].max() == pytest.approx((w @ (p + expected)).max(), rel=1e-7)
+    assert d.contact_log.separation_speed[:rows].max() == pytest.approx((w @ (p + expected)).max(), rel=1e-7)
 
 
 def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
     """A throw has the height u²/(2 a); heights below RISE count as rest."""
     for times, stays in ((0.9, True), (1.1, False)):
         d, _y, _, _response, _w, (c,) = touching(1, (1,), kinds=ONSET)
-        begin_contact(d, c)
+        latch_onset(d, c)
         d.step.end = 2.0
         touch(d, [c])
         d.law.minimum_impact_speed[:] = 1e-12
@@ -249,11 +259,11 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         d.model.gravity[:] = 0.0, -9.81
         slow = math.sqrt(2.0 * 9.81 * RISE * d.model.size)
         locate_points(d, d.step.state_end)
-        d.rigid.impulse[0] = 1.0
-        d.rigid.reached[0] = times * slow
+        d.constraints.impulse[0] = 1.0
+        d.constraints.reached[0] = times * slow
         impacts.end_rebounding_contacts(d)
         assert (d.touch.active_count == 1) == stays
-        assert d.finished.count == (0 if stays else 1)
+        assert d.contact_log.count == (0 if stays else 1)
 
 
 @pytest.mark.parametrize(
@@ -261,10 +271,10 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
 )
 def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
     d, *_ = touching(1, (1,), kinds=NONE)
-    d.touch.event[1], d.rigid.impulse[0], d.rigid.reached[0] = event, impulse, 0.0
+    d.touch.event[1], d.constraints.impulse[0], d.constraints.reached[0] = event, impulse, 0.0
     impacts.end_rebounding_contacts(d)
     assert d.touch.active[1] == d.touch.active_count == met
-    assert d.finished.count == 0
+    assert d.contact_log.count == 0
 
 
 def test_contacts_end_where_they_stand_for_another_law():
@@ -279,23 +289,23 @@ def test_contacts_end_where_they_stand_for_another_law():
     impacts.end_changed_contacts(d)
     assert d.touch.active_count == 0
     assert not d.touch.active.any()
-    np.testing.assert_array_equal(d.finished.separation_speed[:3], rates)
+    np.testing.assert_array_equal(d.contact_log.separation_speed[:3], rates)
 
 
 def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     """Release them for speeds above the round-off of the fastest point, if they are not pressed."""
     d, *_ = touching(1, POINTS, kinds=NONE)
     scale = largest(d, d.work.velocity)
-    d.rigid.in_active_set[:4] = 0, 0, 1, 0
-    d.rigid.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
+    d.constraints.in_active_set[:4] = 0, 0, 1, 0
+    d.constraints.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
     impacts.end_unstopped_contacts(d)
     assert d.touch.active_index[: d.touch.active_count].tolist() == [1, 11, 16]
-    assert d.finished.point[0] == d.candidate.point[6]
+    assert d.contact_log.point[0] == d.candidate.point[6]
 
 
 def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it():
     d, _y, *_ = touching(1, POINTS[:3], kinds=NONE)
-    d.rigid.in_active_set[:3] = 1, 0, 1
+    d.constraints.in_active_set[:3] = 1, 0, 1
     impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
     gaps = [clearance(d, c)[0] for c in POINTS[:3]]
@@ -303,7 +313,7 @@ def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it()
     assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
     # nothing moves when all points are held
     before = d.step.state_end.copy()
-    d.rigid.in_active_set[:3] = 1
+    d.constraints.in_active_set[:3] = 1
     touch(d, POINTS[:1])
     impacts.release_contacts(d)
     np.testing.assert_array_equal(d.step.state_end, before)

@@ -210,7 +210,7 @@ def found_leaving(d):
 @pytest.mark.parametrize("implicit", [False, True])
 def test_an_explicit_step_whose_ends_do_not_tell_has_its_dense_output_looked_at(implicit):
     d, _ = moving(0, near=0)
-    d.inputs.course.change_rate, d.step.dense_for = 1e9, OUTPUTS
+    d.inputs.piece.change_rate, d.step.dense_for = 1e9, OUTPUTS
     if implicit:
         d.step.last_method = IMPLICIT
     assert find_event(d) == -1.0

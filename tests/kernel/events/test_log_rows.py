@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import contact_log
-from chain_impact.kernel.forces.contact import begin_contact, list_touching
+from chain_impact.kernel.forces.contact import latch_onset, list_touching
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.kernel.rows.geometry import clearance
 from tests.helpers.kernel.plain import make_rigid
@@ -19,7 +19,7 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
     Behind the end of the log they continue at its start.
     """
     _, d = stopped_chain(2)
-    log, size, stop, arm = d.finished, len(d.finished.point), stops_of(d)[0], 1.4
+    log, size, stop, arm = d.contact_log, len(d.contact_log.point), stops_of(d)[0], 1.4
     d.model.size, log.count = arm, count % size
     active = [0, stop]
     for c in range(d.candidates):
@@ -71,7 +71,7 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
             ended.update(end=moment, separation_speed=rate, impulse=impulse)
             contact_log.end_contact(d, c, False)
         else:
-            begin_contact(d, c)
+            latch_onset(d, c)
             own = {"point": d.candidate.point[c], "wall": d.candidate.wall[c] + 1, "time": moment}
             own |= {"speed": max(0.0, -rate), "before": float(d.quadrature.total[c]), "max_penetration": 0.0}
             lasting[c] = own
@@ -95,6 +95,6 @@ def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
     assert (d.latest.point[kept:] == -1).all()
     contact_log.clear_log(d)
     assert (d.latest.point == -1).all()
-    assert (d.finished.count, d.finished.collected) == (0, 0)
+    assert (d.contact_log.count, d.contact_log.collected) == (0, 0)
     for name in (*FIELDS, "wall"):
         assert name == "point" or not d.latest[name].any()

@@ -224,7 +224,7 @@ def test_a_step_ends_at_the_kink(law):
     d = Plain(PreparedScene(struck(law, 0.4).with_values({"solver.tolerance": 1e-9})).new_instance()[0])
     assert initialize(d, 0.0) == OK
     kinks = []
-    while d.finished.count == 0:
+    while d.contact_log.count == 0:
         assert advance(d, np.nextafter(d.step.end, 1.0), 10, 1e9) == OK
         if d.touch.event[0] == KINK:
             locate_points(d, d.step.state_end)
@@ -241,8 +241,8 @@ SIZE = 0.2
 def released(force=(1.0, -0.5, -2.0), least=-1e-2, size=SIZE):
     """Return a step in which the force of a wall is a polynomial, of which the stages have seen the least."""
     d, c, _ = held_tip(size, force)
-    d.rigid.least_force[:] = -1e9
-    d.rigid.least_force[c] = least
+    d.constraints.least_force[:] = -1e9
+    d.constraints.least_force[c] = least
     return d, c
 
 
@@ -285,7 +285,7 @@ def test_what_no_stage_has_shown_is_not_looked_for():
 )
 def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
     d, _ = released(size=size)
-    d.rigid.least_force[d.touch.active_index[0]] = -times * sampled.strongest(d)
+    d.constraints.least_force[d.touch.active_index[0]] = -times * sampled.strongest(d)
     found = sampled.find_release(d, -1.0)
     assert accepted(d) != refused
     if not refused:

@@ -193,7 +193,7 @@ def test_later_events_are_those_of_contacts_up_to_the_touch():
 
 def test_a_held_contact_is_released():
     d, c, _ = held_tip(0.2, [1.0, -2.0])
-    d.rigid.least_force[c] = -1e-2
+    d.constraints.least_force[c] = -1e-2
     assert find_event(d) == pytest.approx(0.5, abs=1e-10)
     assert d.touch.event[c] == RELEASE
 

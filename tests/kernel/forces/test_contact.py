@@ -27,7 +27,7 @@ def in_contact(law="zhang_sharf", touching=3):
     candidates = [1, 6, 15][:touching]
     y = struck(rng, d, candidates)
     for c in candidates:
-        contact.begin_contact(d, c)
+        contact.latch_onset(d, c)
     for k, c in enumerate(candidates):
         press_in(d, c, DEPTH * (k + 1))
     contact.set_kink_sides(d)
@@ -89,7 +89,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     for field in ("peak_force", "max_penetration", "force_rate"):
         d.touch[field][c] = 7.0
     d.step.end, d.quadrature.total[c], d.impact.count = 1.25, 3.5, 4
-    contact.begin_contact(d, c)
+    contact.latch_onset(d, c)
     touched = d.touch
     first = max(speed, 1e-2)
     mass = 1.0 / (gradient @ np.linalg.solve(mass_matrix(scene, y[2:5]), gradient))
@@ -104,7 +104,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     assert touched.force_rate[c] > 0.0
     assert (d.impact.count, d.impact.last_point) == (5, d.candidate.point[c])
     assert d.impact.last_wall == d.candidate.wall[c] + 1
-    assert d.quadrature.onset[c] == 3.5
+    assert d.quadrature.impulse_at_onset[c] == 3.5
     assert touched.number[c] == 5
     if law == "newton_impact":
         assert touched.depth_scale[c] == d.model.size
@@ -142,13 +142,13 @@ def test_only_what_the_contacts_have_noted_is_forgotten():
     _, d = chain(np.random.default_rng(0), 3)
     touch(d, [1, 4, 7])
     make_rigid(d, np.isin(np.arange(d.candidates), [4, 7]))
-    d.touch.kink_crossed[:], d.rigid.least_force[:] = 1, -2.0
+    d.touch.kink_crossed[:], d.constraints.least_force[:] = 1, -2.0
     equations.clear_stage_notes(d)
     others = [c for c in range(d.candidates) if c not in (1, 4, 7)]
     assert not d.touch.kink_crossed[[1, 4, 7]].any()
-    assert not d.rigid.least_force[[4, 7]].any()
+    assert not d.constraints.least_force[[4, 7]].any()
     assert d.touch.kink_crossed[others].all()
-    assert (d.rigid.least_force[others] == -2.0).all()
+    assert (d.constraints.least_force[others] == -2.0).all()
 
 
 @pytest.mark.parametrize("touching", [[], [0], [3, 5], [2, 3, 7, 9, 14], range(16)])
@@ -165,8 +165,8 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     assert d.touch.compliant_count == len(forces)
     assert d.touch.active_index[: d.touch.active_count].tolist() == forces + held
     constraints.activate_all(d)
-    assert not d.rigid.in_active_set[: len(forces)].any()
-    assert d.rigid.in_active_set[len(forces) : d.touch.active_count].all()
+    assert not d.constraints.in_active_set[: len(forces)].any()
+    assert d.constraints.in_active_set[len(forces) : d.touch.active_count].all()
     assert d.touch.listings == listings + 1
 
 

@@ -33,7 +33,7 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     _, d, _ = rubbing_chain(np.random.default_rng(1), base, contacts, joints)
     found, own = elements_of(d), d.friction
     assert found[: own.contact_count] == [int(c) for c in d.touch.active_index[:contacts]]
-    assert [friction.joint_of(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
+    assert [friction.rubbing_joint(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.used
     assert not geometry.any_sticking(d)
     d.element.mode[found[-1]] = friction.STICKS
@@ -137,7 +137,7 @@ def test_margins_are_the_least_of_a_step():
     assert friction.apply_friction(d) == pytest.approx(-5.0 * MU * abs(speed), rel=1e-14)
     d.element.mode[c] = friction.STICKS
     friction.list_sticking(d)
-    d.rigid.impulse[d.touch.active_count] = 5.0 * MU_S + 100.0
+    d.constraints.impulse[d.touch.active_count] = 5.0 * MU_S + 100.0
     friction.keep_static_forces(d)
     assert d.element.margin[c] == pytest.approx(-100.0, rel=1e-12)
     assert friction.static_power(d) == pytest.approx(-d.element.force[c] * speed, rel=1e-14)
@@ -168,7 +168,7 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
     d.contact.any_friction = 1
     friction.set_friction_used(d)
     assert (d.elements > 0, d.friction.used) == (room, room)
-    contact.start_contact(d, 1)
+    contact.begin_force_contact(d, 1)
     contact.list_touching(d)
     assert d.touch.active_count == 1
     assert elements_of(d) == [1] * room

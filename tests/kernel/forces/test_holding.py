@@ -22,10 +22,10 @@ def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
         touch(d, CANDIDATES[:touching])
         make_rigid(d, impulsive)
         assert bool(constraints.any_point_held(d)) == (impulsive == 1 and touching > 0)
-    d.rigid.in_active_set[:] = d.rigid.target[:] = 7
+    d.constraints.in_active_set[:] = d.constraints.target[:] = 7
     constraints.activate_all(d)
-    assert d.rigid.in_active_set[:3].tolist() == [1, 1, 7]
-    assert d.rigid.target[:3].tolist() == [0.0, 0.0, 7.0]
+    assert d.constraints.in_active_set[:3].tolist() == [1, 1, 7]
+    assert d.constraints.target[:3].tolist() == [0.0, 0.0, 7.0]
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -34,7 +34,7 @@ def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(ba
     d, y, _jacobian, response, w = problem(base)
     rate = np.zeros(len(y))
     equations.free_rate(d, y, rate)
-    own, before = d.rigid, rate.copy()
+    own, before = d.constraints, rate.copy()
     # g̈ by the second difference of g along the motion
     candidates = d.touch.active_index[:4].tolist()
     gaps = []
@@ -73,7 +73,7 @@ def test_the_momentum_that_errors_explain_is_that_of_the_tolerance_and_of_a_fall
 @pytest.mark.parametrize("seed", range(4))
 def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_explain(seed):
     d, _y, _, _, w = problem(seed=seed)
-    own = d.rigid
+    own = d.constraints
     for size in (1.0, 1e-9):  # s, for a motion and for errors
         own.start[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
         constraints.activate_all(d)
@@ -95,7 +95,7 @@ def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_expl
 def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_missing(bad, tolerance):
     """Where W is nearly singular a small gap needs large rotations; then separate points stay in place."""
     d, _, _, response, _ = problem(pressed=(1, 1))
-    own, size = d.rigid, d.model.size
+    own, size = d.constraints, d.model.size
     if bad:  # one point touches two walls with an angle of 1e-3 rad
         first, second = d.touch.active_index[:2]
         d.candidate.point[second] = d.candidate.point[first]
@@ -143,7 +143,7 @@ def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths
     monkeypatch, moved, again, turns
 ):
     d, *_ = problem(pressed=(1, 1))
-    own, size, called = d.rigid, d.model.size, []
+    own, size, called = d.constraints, d.model.size, []
     own.start[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
     d.solver.tolerance = 1e-6
     limit = holding.MISPLACED * (1e-6 + 4e-3 / size)
@@ -180,7 +180,7 @@ def test_the_force_of_one_that_sticks_alone_is_that_of_the_iteration(base, conta
         free = rate.copy()
         holding.add_constraint_forces(d, y, rate)
         e = d.element.stuck[0]
-        impulse = d.rigid.impulse[d.touch.active_count]
+        impulse = d.constraints.impulse[d.touch.active_count]
         results.append([*(rate - free), impulse, d.element.force[e], d.element.margin[e], d.friction.power])
     assert np.abs(results[0]).max() > 1.0
     np.testing.assert_allclose(results[1], results[0], rtol=1e-9, atol=1e-9)

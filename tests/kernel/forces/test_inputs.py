@@ -15,9 +15,9 @@ def driven(order=2):
     block = PreparedScene(load_scene("pinned_arm")).new_instance()
     given = block[0]["given"]
     given["joint_torque"] = 1.0, 4.0
-    course = given["course"]
-    course["order"], course["middle"], course["scale"], course["until"] = order, 1.0, 1.0, 2.0
-    course["joint_torque"][1:3, 0] = 2.0, 3.0
+    piece = given["piece"]
+    piece["order"], piece["middle"], piece["scale"], piece["until"] = order, 1.0, 1.0, 2.0
+    piece["joint_torque"][1:3, 0] = 2.0, 3.0
     block[0]["step"]["regularized"] = -1
     d = Plain(block[0])
     inputs.apply_inputs(d)
@@ -45,7 +45,7 @@ def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
     assert inputs.inputs_continue(d)
     d.step.end = 2.1
     assert not inputs.inputs_continue(d)
-    d.step.end, d.given.changed = 2.0, inputs.AT_ONCE
+    d.step.end, d.given.changed = 2.0, inputs.REINITIALIZE
     assert not inputs.inputs_continue(d)
 
 
@@ -65,7 +65,7 @@ def test_a_state_sees_the_inputs_at_its_time():
 @pytest.mark.parametrize("order", [0, 1, inputs.DEGREE])
 def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
     d, rng = driven(order), np.random.default_rng(order)
-    own, given = d.given.course, d.given
+    own, given = d.given.piece, d.given
     own.middle, own.scale, own.until, own.change_rate = 0.4, 2.0, 3.0, 7.0
     own.joint_torque[:], own.tip_force[:] = (
         rng.normal(size=(inputs.DEGREE + 1, 2)),
@@ -75,7 +75,7 @@ def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
     inputs.apply_inputs(d)
     np.testing.assert_array_equal(d.inputs.joint_torque, given.joint_torque)
     np.testing.assert_array_equal(d.inputs.tip_force, given.tip_force)
-    assert (d.inputs.course.until, d.inputs.course.change_rate) == (3.0, 7.0)
+    assert (d.inputs.piece.until, d.inputs.piece.change_rate) == (3.0, 7.0)
     inputs.set_inputs(d, 1.1)
     for name in ("joint_torque", "tip_force"):
         powers = np.vstack([given[name], own[name][1 : order + 1]])

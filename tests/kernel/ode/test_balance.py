@@ -305,7 +305,7 @@ def test_energy_dissipates_between_what_it_is_at_the_ends(monkeypatch, before, a
     at = dissipated_at(LINKS)
     monkeypatch.setattr(balance, "impact_energy", lambda _: impacts)
     d.step.state[at], d.step.state_end[at] = before, after
-    slack = 10.0 * 3.0 * TOLERANCE * (d.model.energy + after + impacts)
+    slack = 10.0 * 3.0 * TOLERANCE * (d.model.energy_scale + after + impacts)
     least, most = min(before, after), max(before, after)
     assert balance.dissipates_evenly(d, 0.5 * (least + most))
     for part, right in ((0.99, True), (1.01, False)):

@@ -34,7 +34,7 @@ def deep(depth=1e-3, **more):
 def scales(d, y):
     """Return the error scale of each component of a state: its allowed error over the tolerance."""
     n, size = d.links, d.model.size
-    energy = d.model.energy + abs(y[dissipated_at(n)]) + control.impact_energy(d)
+    energy = d.model.energy_scale + abs(y[dissipated_at(n)]) + control.impact_energy(d)
     turns = 1.0 + np.abs(y[omega_at(n) : dissipated_at(n)])
     return np.concatenate(
         [[size, size], np.ones(n), size + np.abs(y[velocity_at(n) : omega_at(n)]), turns, [energy]]
@@ -141,7 +141,7 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
     rng = np.random.default_rng(5)
     _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
     d.work.error[:] = rng.uniform(-1e-3, 1e-3, d.work.error.shape)
-    unit = d.model.energy * (1.0 + d.model.gravity_size / d.model.size)
+    unit = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.size)
     for row in (ONE, OTHER):
         turns = np.diff(d.work.error[row][2 : LINKS + 2], prepend=0.0)
         spins = np.diff(d.work.error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)

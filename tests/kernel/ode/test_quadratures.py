@@ -82,7 +82,7 @@ def test_without_them_the_motion_is_the_same_bit_by_bit():
 # --- beside a step ------------------------------------------------------------------------------------------
 
 TOUCHED = [1, 3]
-FIELDS = ("state", "state_end", "tried", "total", "rate", "rate_end", "onset")
+FIELDS = ("state", "state_end", "tried", "total", "rate", "rate_end", "impulse_at_onset")
 
 
 @pytest.fixture
@@ -222,7 +222,7 @@ def test_without_them_nothing_is_done(d, name):
 def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, impulses, given):
     """Compliant contacts get no immediate impulse."""
     make_rigid(d, np.isin(np.arange(d.candidates), rigid))
-    d.rigid.impulse[:2] = impulses
+    d.constraints.impulse[:2] = impulses
     right = d.quadrature.total.copy()
     right[TOUCHED] += given
     dense.give_impulses(d)

@@ -93,10 +93,10 @@ def test_it_gives_way_as_assembled(case, resist, time):
     assert d.model.has_springs_or_dampers == (resist and (count > 1 or d.model.has_base_joint))
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
     compliance.factorize_contacts(d, response.HELD, impedance)
-    compliance.solve_contacts(d, response.HELD, impulse, d.rigid.change)
+    compliance.solve_contacts(d, response.HELD, impulse, d.constraints.change)
     added, work = jacobian.T @ np.diag(impedance[:active]) @ jacobian, jacobian.T @ impulse[:active]
     expected = solved(d, mass_matrix(scene, angles) + added, work)
-    np.testing.assert_allclose(d.rigid.change, expected, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(d.constraints.change, expected, rtol=0, atol=1e-10)
     assert_moved(scene, d, angles, expected)
     assert_loads(scene, d, angles, added, work)
     geometry.join(d, d.work.impedance, time)

@@ -23,7 +23,7 @@ def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
     d, *_ = problem(pressed=(1, 1, 1, 1), masses=(1.0, ratio, 1.0, 1.0))
     constraints.factorize_free(d)
     constraints.solve_equality(d, 1.0)
-    np.testing.assert_allclose(d.rigid.reached[:4], d.rigid.target[:4], atol=1e-10)
+    np.testing.assert_allclose(d.constraints.reached[:4], d.constraints.target[:4], atol=1e-10)
 
 
 @pytest.mark.full("more cases", but=28)
@@ -32,7 +32,7 @@ def test_impulses_are_complementary(seed):
     """The result is compared with all 2^k sets of contacts, from any guess."""
     rng = np.random.default_rng(seed)
     d, _, _, response, w = problem(pressed=rng.integers(0, 2, rng.integers(1, 5)), seed=seed)
-    own, count = d.rigid, len(w)
+    own, count = d.constraints, len(w)
     own.target[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.start[:count])
     expected = complementary_impulses(w, own.start[:count], own.target[:count])
     constraints.factorize_free(d)
@@ -46,7 +46,7 @@ def test_impulses_are_complementary(seed):
 def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
     """A point lies between opposite walls: W is singular; the motion is unique, the two forces are not."""
     d, *_ = problem(pressed=(1, 1))
-    own, (first, second) = d.rigid, d.touch.active_index[:2]
+    own, (first, second) = d.constraints, d.touch.active_index[:2]
     d.candidate.place[second] = d.candidate.place[first]
     for normal in (d.candidate.normal_x, d.candidate.normal_y):
         normal[second] = -normal[first]
@@ -59,7 +59,7 @@ def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
 
 def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
     d, *_ = problem()
-    own = d.rigid
+    own = d.constraints
     own.impedance[:] = own.residual[:] = own.impulse[:] = own.change[:] = 9.0
     constraints.clear_impulses(d)
     assert not own.change.any()
@@ -84,9 +84,9 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     assert amount == pytest.approx(compliance.HELD_STIFFNESS * d.model.mass.mean(), rel=1e-14)
     for k, c in enumerate(d.touch.active_index[:4]):
         touch(d, [c])
-        d.rigid.impedance[0] = amount
-        compliance.factorize_contacts(d, HELD, d.rigid.impedance)
-        compliance.solve_contacts(d, HELD, np.ones(len(d.rigid.impulse)), d.rigid.change)
+        d.constraints.impedance[0] = amount
+        compliance.factorize_contacts(d, HELD, d.constraints.impedance)
+        compliance.solve_contacts(d, HELD, np.ones(len(d.constraints.impulse)), d.constraints.change)
         moved = geometry.along(geometry.normal(d, c), d.work.motion)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
         assert moved < 1e-5 * w[k, k]
@@ -100,7 +100,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
 def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(base, pressed):
     """A single pressed contact takes one solution, and several contacts take a few sweeps."""
     d, _, _, response, w = problem(base, pressed)
-    own, rows, before, alone = d.rigid, np.flatnonzero(pressed), d.limits.other_work, sum(pressed) == 1
+    own, rows, before, alone = d.constraints, np.flatnonzero(pressed), d.limits.other_work, sum(pressed) == 1
     assert constraints.only_active(d) == (rows[0] if alone else -1)
     constraints.factorize_free(d)
     constraints.solve_equality(d, 2.0)
@@ -117,7 +117,7 @@ def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(ba
 
 def test_one_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
     d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
-    own = d.rigid
+    own = d.constraints
     for part, iterates in ((1.01, True), (0.99, False)):
         monkeypatch.setattr(constraints, "LEAST_SINGLE", part * w[1, 1] * compliance.mean_mass(d))
         before = d.limits.other_work
@@ -129,7 +129,7 @@ def test_one_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
 
 def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
     d, *_ = problem(pressed=(1, 1, 0, 0))
-    own = d.rigid
+    own = d.constraints
     scale = 3.0
     own.target[:4] = 0.5
     for pull, short in ((2.0, 2.0), (0.5, 2.0), (2.0, 0.5), (0.5, 0.5)):
@@ -150,7 +150,7 @@ def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
 def test_all_that_are_wrong_change_at_once_and_only_the_last_after_stalls(monkeypatch):
     """Cases: block pivots; block pivots that do not reduce the wrong contacts; single pivots afterwards."""
     d, *_ = problem()
-    wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.rigid
+    wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.constraints
 
     def told(_, __):
         sets.append(own.in_active_set[:4].copy())
@@ -180,7 +180,7 @@ def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
 def test_points_that_cannot_be_held_are_told_by_what_is_left():
     """Two constraints demand contradictory motions: the search ends, and half of the motion is left."""
     d, *_ = problem(pressed=(1, 1, 0, 0))
-    own = d.rigid
+    own = d.constraints
     d.touch.active_index[1] = d.touch.active_index[0]
     own.start[:2], own.target[:2] = 0.0, (1.0, -1.0)
     before = d.limits.other_work
@@ -190,10 +190,10 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
     for tolerated, noted in ((2.0, constraints.SOLVED), (0.5, constraints.MOVING)):
         constraints.clear_unsolved(d)
         constraints.note_moving(d, tolerated)
-        assert d.rigid.unsolved == noted
+        assert d.constraints.unsolved == noted
     constraints.note_unsolved(d)
     constraints.note_moving(d, 0.5)
-    assert d.rigid.unsolved == constraints.UNSOLVED
+    assert d.constraints.unsolved == constraints.UNSOLVED
 
 
 @pytest.mark.parametrize("part", [0.5, 1.0, 2.0])
@@ -207,4 +207,6 @@ def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part
     constraints.factorize_free(d)
     assert constraints.solve_equality(d, 2.0) <= 2e-15
     assert d.limits.other_work - before <= 22
-    assert d.rigid.impulse[1] == pytest.approx((d.rigid.target - d.rigid.start)[1] / w[1, 1], rel=1e-12)
+    assert d.constraints.impulse[1] == pytest.approx(
+        (d.constraints.target - d.constraints.start)[1] / w[1, 1], rel=1e-12
+    )

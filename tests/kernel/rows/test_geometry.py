@@ -18,12 +18,12 @@ from chain_impact.kernel.rows.geometry import (
     coordinates_size,
     gap_acceleration,
     join,
+    length_bound,
     lever,
     normal,
-    place_side,
     place_slope,
     place_walls,
-    speed_bound,
+    set_side,
     tangent,
     tangential_rate,
     to_joints,
@@ -95,7 +95,7 @@ def test_a_candidate_can_be_given_any_wall(c):
     scene, d = prepared(box=True)
     planes = list(scene.half_planes.values())
     for side in range(len(WALLS)):
-        place_side(d, c, side)
+        set_side(d, c, side)
         assert normal(d, c)[1:] == planes[side].normal
         assert d.candidate.offset[c] == planes[side].offset
     for w, (angle, point) in enumerate(SLOPES):
@@ -188,7 +188,7 @@ def any_change(d):
 
 def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     d, y = stopped
-    change, bound = any_change(d), speed_bound(d, d.work.motion)
+    change, bound = any_change(d), length_bound(d, d.work.motion)
     rows = [normal(d, c) for c in range(d.candidates)]
     assert_adjoint(d, rows, change)
     speeds = [along(row, d.work.motion) for row in rows]
@@ -216,9 +216,9 @@ def test_any_place_may_be_the_fastest(place):
     for axis in "xy":
         d.work.motion[axis][:] = 0.25
     d.work.motion.x[place] = -4.0
-    assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 4.0)
+    assert length_bound(d, d.work.motion) == (4.25 if place <= 3 else 4.0)
     d.model.has_stops = 0
-    assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 0.5)
+    assert length_bound(d, d.work.motion) == (4.25 if place <= 3 else 0.5)
 
 
 def test_round_off_is_that_of_both_coordinates_of_a_point_or_of_both_angles_of_a_joint():

@@ -48,7 +48,7 @@ def solve(d):
 
 def forces(d):
     """Return the forces of all sticking elements [N]."""
-    return d.share.impulse[d.touch.active_count : constraint_rows(d)]
+    return d.share.force[d.touch.active_count : constraint_rows(d)]
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -69,7 +69,7 @@ def test_a_log_that_is_full_is_emptied_on_the_way():
     scene = load_scene("bouncing_ball")
     result = simulate(scene, output_step=math.inf, sensitivities=name)
     impacts, e = result.impacts, scene.contact.restitution
-    assert len(impacts) > len(Instance(scene).record["finished"]["point"])
+    assert len(impacts) > len(Instance(scene).record["contact_log"]["point"])
     powers = np.arange(1, len(impacts))
     terms = 2.0 * impacts["impact_speed"][0] / -scene.gravity[1] * powers * e ** (powers - 1.0)
     bounces = 40  # bounces before rest

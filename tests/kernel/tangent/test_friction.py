@@ -164,7 +164,7 @@ def test_what_has_stopped_has_no_speed_left(monkeypatch, t):
     assert not friction.any_stops(t)
     # a free point: two coordinates and their rates
     t.links, t.step.state_end = 0, [dual(1.0 + j, 2.0, 3.0) for j in range(4)]
-    t.rigid = SimpleNamespace(change=[dual(1e-9, -2.0, 0.0), dual(1e-9, 0.0, -3.0)])
+    t.constraints = SimpleNamespace(change=[dual(1e-9, -2.0, 0.0), dual(1e-9, 0.0, -3.0)])
     called = []
     monkeypatch.setattr(friction, "activate_all", lambda _t: called.append("all"))
     monkeypatch.setattr(friction, "start_from_state", lambda _t, derivative: called.append(derivative))

@@ -33,7 +33,7 @@ CASES = {
 SAME = {
     "step": ("start", "end", "size", "state", "state_end", "dense", "kept", "regularized"),
     "touch": ("active", "onset", "onset_speed", "impact_speed", "effective_mass", "damping", "peak_force"),
-    "finished": ("onset", "end", "impact_speed", "separation_speed", "peak_force", "max_penetration"),
+    "contact_log": ("onset", "end", "impact_speed", "separation_speed", "peak_force", "max_penetration"),
     "output": (
         "point_position",
         "point_velocity",

@@ -97,7 +97,7 @@ def test_what_was_given_holds_with_its_derivatives(both):
     d.given.law, d.given.stiffness, d.given.restitution = number, 5e5, 0.25
     d.given.friction, d.given.static_friction = 0.25, 0.5
     d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
-    d.given.course.order, d.given.course.until = 1, 6.5
+    d.given.piece.order, d.given.piece.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     assert contact_law.update_laws(d) == OK
     starts.take_given(d, t)
@@ -106,7 +106,7 @@ def test_what_was_given_holds_with_its_derivatives(both):
     assert (t.law.number == number).all()
     assert t.given.law == number
     assert t.contact.any_friction == 1
-    assert (t.inputs.course.order, t.inputs.course.until) == (1, 6.5)
+    assert (t.inputs.piece.order, t.inputs.piece.until) == (1, 6.5)
     for name in GIVEN[:4]:
         for number in getattr(t.law, name):
             assert number.value == d.given[name]
@@ -190,7 +190,7 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
     locate_points(t, y)
     touch(t, [4])
     press_in(t, 4, 1e-3)
-    contact.begin_contact(t, 4)
+    contact.latch_onset(t, 4)
     make_rigid(t, law == "newton_impact")
     damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)

@@ -77,7 +77,7 @@ def is_drive(d, i):
 
     The work of its spring, damper and motor then counts as supplied energy.
     """
-    return d.model.followed != 0 or d.model.joint_torque_limit[i] < math.inf
+    return d.model.has_servos != 0 or d.model.joint_torque_limit[i] < math.inf
 
 
 def elastic_stiffness(d, i):

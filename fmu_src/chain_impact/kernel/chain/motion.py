@@ -22,20 +22,20 @@ def move_with(d, y):
 
 def move(d, time):
     """Set position [m], velocity [m/s], acceleration [m/s²] of all channels at a time [s], and move walls."""
-    moved, course = d.moved, d.inputs.course
-    x, since = (time - course.middle) * course.scale, time - moved.began
+    moved, piece = d.moved, d.inputs.piece
+    x, since = (time - piece.middle) * piece.scale, time - moved.began
     for m in range(d.channels):
-        s, v, half_a = moved.course[course.order, m], 0.0 * x, 0.0 * x
-        for k in range(1, course.order + 1):
+        s, v, half_a = moved.piece[piece.order, m], 0.0 * x, 0.0 * x
+        for k in range(1, piece.order + 1):
             half_a = half_a * x + v
             v = v * x + s
-            s = s * x + moved.course[course.order - k, m]
-        # `added`, `added_rate` and `added_push` are 0; a tangent instance has their derivatives
+            s = s * x + moved.piece[piece.order - k, m]
+        # `added`, `added_rate` and `added_acceleration` are 0; a tangent instance has their derivatives
         moved.position[m] = (
-            s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_push[m])
+            s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_acceleration[m])
         )
-        moved.velocity[m] = v * course.scale + moved.added_rate[m] + since * moved.added_push[m]
-        moved.acceleration[m] = 2.0 * half_a * course.scale * course.scale + moved.added_push[m]
+        moved.velocity[m] = v * piece.scale + moved.added_rate[m] + since * moved.added_acceleration[m]
+        moved.acceleration[m] = 2.0 * half_a * piece.scale * piece.scale + moved.added_acceleration[m]
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL:
             m = d.signal.index[j]
@@ -50,20 +50,20 @@ def move_wall(d, c, m):
     """Move the wall of candidate c with channel m, and its belt with the next channel."""
     wall, moved = d.shift, d.moved
     d.candidate.offset[c] = wall.rest[c] + moved.position[m]
-    wall.rate[c], wall.push[c] = moved.velocity[m], moved.acceleration[m]
+    wall.rate[c], wall.acceleration[c] = moved.velocity[m], moved.acceleration[m]
     wall.travel[c], wall.belt_rate[c] = moved.position[m + 1], moved.velocity[m + 1]
-    wall.belt_push[c] = moved.acceleration[m + 1]
+    wall.belt_acceleration[c] = moved.acceleration[m + 1]
 
 
 def motion_bounds(d, m):
     """Return bounds on the speed [m/s] and the acceleration [m/s²] of channel m over the last step."""
-    course, moved = d.inputs.course, d.moved
-    scale = course.scale
-    most = max(abs(d.step.start - course.middle), abs(d.step.end - course.middle)) * scale
+    piece, moved = d.inputs.piece, d.moved
+    scale = piece.scale
+    most = max(abs(d.step.start - piece.middle), abs(d.step.end - piece.middle)) * scale
     speed, bend = 0.0 * most, 0.0 * most
-    for k in range(1, course.order + 1):
-        p = course.order + 1 - k
-        size = p * abs(moved.course[p, m])
+    for k in range(1, piece.order + 1):
+        p = piece.order + 1 - k
+        size = p * abs(moved.piece[p, m])
         speed = speed * most + size
         if p > 1:
             bend = bend * most + (p - 1) * size
@@ -76,12 +76,12 @@ def motion_bounds(d, m):
 
 def fastest_wall(d):
     """Return the largest speed [m/s] and acceleration [m/s²] of walls and belts after the last ``move``."""
-    speed, push = 0.0, 0.0
+    speed, acceleration = 0.0, 0.0
     for c in range(d.candidates):
         if d.shift.channel[c] >= 0:
             speed = max(speed, abs(d.shift.rate[c]), abs(d.shift.belt_rate[c]))
-            push = max(push, abs(d.shift.push[c]), abs(d.shift.belt_push[c]))
-    return speed, push
+            acceleration = max(acceleration, abs(d.shift.acceleration[c]), abs(d.shift.belt_acceleration[c]))
+    return speed, acceleration
 
 
 def travel_of_piece(d):
@@ -89,7 +89,7 @@ def travel_of_piece(d):
     most = 0.0
     for m in range(d.channels):
         total = 0.0
-        for p in range(1, d.inputs.course.order + 1):
-            total += abs(d.moved.course[p, m])
+        for p in range(1, d.inputs.piece.order + 1):
+            total += abs(d.moved.piece[p, m])
         most = max(most, total)
     return most + sway_of_signals(d)

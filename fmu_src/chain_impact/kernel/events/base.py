@@ -48,12 +48,12 @@ def room_at(d, c, time):
 
 def meeting(d, c, until):
     """Return the time [s] at which the wall of candidate c meets the base; ``until`` if this is later."""
-    _, push = prescribed_bounds(d, c)
+    _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until
     at_a, at_b = room_at(d, c, a), room_at(d, c, b)
     while at_a >= 0.0 and not work_exceeded(d):
         width = b - a
-        sag = push * width * width / 8.0
+        sag = acceleration * width * width / 8.0
         # in so short an interval the clearance g falls through zero at most once, up to round-off
         short = sag < OVERLAP
         if short and at_b < 0.0:

@@ -97,7 +97,7 @@ def turns_at_end(d, c):
 
 def update_held_extremes(d):
     """Update the peak forces at rigid walls for the last step, by parabolas through samples."""
-    step, samples = d.step, d.rigid.sample
+    step, samples = d.step, d.constraints.sample
     ensure_dense(d, SOLVER)
     first = event_fraction(d)
     length = fraction(d, step.end) - first
@@ -106,7 +106,7 @@ def update_held_extremes(d):
         state_rate(d, d.work.y, d.work.rate)
         for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]
-            left, top, right = samples[0, k], samples[1, k], d.rigid.impulse[k]
+            left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]
             peak, bend = right, left - 2.0 * top + right
             if j >= 2 and top > max(left, right):
                 peak = top - (right - left) * (right - left) / (8.0 * bend)
@@ -152,7 +152,7 @@ def list_latest(d):
 
     The points must be located and accelerated at this point, and the outputs must already hold the impulses.
     """
-    latest, log, rows = d.latest, d.finished, d.finished.count
+    latest, log, rows = d.latest, d.contact_log, d.contact_log.count
     if latest.kept == 0 or (d.touch.active_count == 0 and latest.listed == rows):
         return
     latest.listed = rows if d.touch.active_count == 0 else -1
@@ -216,7 +216,7 @@ largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetratio
 def clear_log(d):
     """Clear the log of contacts at the start of a run."""
     latest = d.latest
-    d.finished.count, d.finished.collected, latest.listed = 0, 0, 0
+    d.contact_log.count, d.contact_log.collected, latest.listed = 0, 0, 0
     for row in range(len(latest.time)):
         latest.time[row], latest.end[row] = 0.0, 0.0
         latest.point[row], latest.wall[row] = -1, 0
@@ -226,7 +226,7 @@ def clear_log(d):
 
 def collect(d):
     """Record that the caller has collected all contacts that have ended."""
-    d.finished.collected = d.finished.count
+    d.contact_log.collected = d.contact_log.count
 
 
 def end_contact(d, c, was_rigid):
@@ -237,8 +237,8 @@ def end_contact(d, c, was_rigid):
     """
     _, gap_rate = clearance(d, c)
     # a point that a rigid wall held has no speed, so a negative rate is round-off
-    log_with_peaks(d, c, d.finished.count, d.step.end, max(0.0, gap_rate) if was_rigid else gap_rate)
-    d.finished.count += 1
+    log_with_peaks(d, c, d.contact_log.count, d.step.end, max(0.0, gap_rate) if was_rigid else gap_rate)
+    d.contact_log.count += 1
     deactivate(d, c)
 
 
@@ -247,7 +247,7 @@ def log_active(d):
 
     If more contacts have ended than the log has room for, the active contacts overwrite the oldest.
     """
-    row = d.finished.count
+    row = d.contact_log.count
     for c in range(d.candidates):
         if d.touch.active[c]:
             log_with_peaks(d, c, row, math.nan, math.nan)
@@ -280,7 +280,7 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         max_penetration: the largest penetration so far [m].
         impulse: ∫F dt of the candidate since the start of the run [N·s].
     """
-    touch, log, arm = d.touch, d.finished, lever(d, c)
+    touch, log, arm = d.touch, d.contact_log, lever(d, c)
     entry = row % len(log.point)
     log.number[entry] = touch.number[c]
     log.point[entry] = d.candidate.point[c]
@@ -292,6 +292,6 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
     log.peak_force[entry] = peak_force * arm
     log.max_penetration[entry] = max_penetration / arm
     log.effective_mass[entry] = touch.effective_mass[c] * arm * arm
-    log.impulse[entry] = (impulse - d.quadrature.onset[c]) * arm
+    log.impulse[entry] = (impulse - d.quadrature.impulse_at_onset[c]) * arm
     log.joint_force[entry] = math.sqrt(touch.joint_top[c]) if touch.joint_top[c] > 0.0 else 0.0
     log.joint[entry] = touch.joint[c]

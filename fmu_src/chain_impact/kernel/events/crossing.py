@@ -260,10 +260,10 @@ def bound_curvature(d):
         c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
         if d.channels > 0 and at_wall(d, c):
-            speed, push = prescribed_bounds(d, c)
+            speed, acceleration = prescribed_bounds(d, c)
             # a channel is a function of time: in the step's variable, ġ has the derivative p times the
             # channel's acceleration, with p = dt/ds
-            v, a = v + speed, a + p * push
+            v, a = v + speed, a + p * acceleration
         of_links = links_part(d, c) if not at_joint(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
     if d.step.last_method == IMPLICIT:
@@ -310,16 +310,16 @@ def prescribed_bounds(d, c):
 
     g is the clearance.
     """
-    speed, push = 0.0, 0.0
+    speed, acceleration = 0.0, 0.0
     if d.model.base_moves:
         for j in range(2):
             v, a = motion.motion_bounds(d, j)
             share = abs(d.candidate.normal_x[c] if j == 0 else d.candidate.normal_y[c])
-            speed, push = speed + share * v, push + share * a
+            speed, acceleration = speed + share * v, acceleration + share * a
     if d.shift.channel[c] >= 0:
         v, a = motion.motion_bounds(d, d.shift.channel[c])
-        speed, push = speed + v, push + a
-    return speed, push
+        speed, acceleration = speed + v, acceleration + a
+    return speed, acceleration
 
 
 def measure(d, theta):

@@ -14,7 +14,7 @@ from chain_impact.kernel.chain.signals import rate_of_signals
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, speed_bound
+from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
 
 # [rad] The largest turn of a link in a step for which the estimate of the interpolant's remainder holds.
 SMALL_TURN = 1.0
@@ -58,7 +58,7 @@ def excludes_events(d):
     the clearances φ and their rates φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
     # an input may change the acceleration between the ends of the step as much as rotation does
-    changing = max(d.inputs.course.change_rate, rate_of_signals(d))
+    changing = max(d.inputs.piece.change_rate, rate_of_signals(d))
     turn = max(largest_turn(d), (d.step.end - d.step.start) * changing)
     if turn < SMALL_TURN and remains_far(d):
         return True
@@ -151,11 +151,11 @@ def remains_far(d):
     """Return whether no candidate can have touched, and no contact except the regularized one has a force."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
-    search.speed = speed_bound(d, d.work.velocity)
-    search.acceleration = speed_bound(d, d.work.acceleration)
+    search.speed = length_bound(d, d.work.velocity)
+    search.acceleration = length_bound(d, d.work.acceleration)
     if d.channels > 0:
-        fastest, push = fastest_wall(d)
-        search.speed, search.acceleration = search.speed + fastest, search.acceleration + push
+        fastest, acceleration = fastest_wall(d)
+        search.speed, search.acceleration = search.speed + fastest, search.acceleration + acceleration
     # way: a bound on the distance that any point moves in the step; the acceleration counts double, as a
     # margin
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))

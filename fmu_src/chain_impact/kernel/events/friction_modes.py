@@ -23,9 +23,9 @@ from chain_impact.kernel.forces.friction import (
     STICKS,
     against,
     clear_other_forces,
-    joint_of,
     list_friction,
     list_sticking,
+    rubbing_joint,
     set_anchor,
     set_friction_used,
     set_mode,
@@ -243,6 +243,6 @@ def log_changes(d):
             joint = e >= d.candidates
             log.time[row], log.mode[row] = d.step.end, d.element.mode[e]
             # the log gives the slider the number 0, the number of the base's point
-            log.point[row] = (joint_of(d, e) + 1) % (d.links + 1) if joint else d.candidate.point[e]
+            log.point[row] = (rubbing_joint(d, e) + 1) % (d.links + 1) if joint else d.candidate.point[e]
             log.wall[row] = -1 if joint else d.candidate.wall[e]
             log.count += 1

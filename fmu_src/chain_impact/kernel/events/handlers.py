@@ -29,13 +29,13 @@ from chain_impact.kernel.events.marks import (
 )
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.contact import (
+    begin_force_contact,
     clear_loads,
     cross_kink,
     expect_peaks,
     list_touching,
     relatch,
     set_kink_sides,
-    start_contact,
 )
 from chain_impact.kernel.forces.contact_force import may_jump
 from chain_impact.kernel.ode import control
@@ -69,7 +69,7 @@ def end_if_left(d, c):
 def handle(d, c, kind):
     """Apply an event of candidate c, which has a force law; return whether the force may have jumped."""
     if kind == ONSET:
-        start_contact(d, c)
+        begin_force_contact(d, c)
     elif kind == END:
         end_if_left(d, c)
     elif kind == RELATCH:

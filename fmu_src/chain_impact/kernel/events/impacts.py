@@ -32,14 +32,14 @@ from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.marks import NEIGHBOUR, ONSET, RELEASE, drop_contact_events, mark
 from chain_impact.kernel.forces.contact import (
-    begin_contact,
+    begin_force_contact,
     clear_loads,
     deactivate,
-    include,
+    join_impact,
+    latch_onset,
     list_touching,
     set_kink_side,
     set_rates,
-    start_contact,
 )
 from chain_impact.kernel.forces.friction import list_sticking, set_anchor, suspend_sticking
 from chain_impact.kernel.forces.holding import (
@@ -95,7 +95,7 @@ def handle_impact(d):
     hit = False
     for c in range(d.candidates):
         if touch.event[c] == ONSET and d.law.impulsive[c]:
-            begin_contact(d, c)
+            latch_onset(d, c)
             hit = True
     if hit:
         include_near_contacts(d)
@@ -135,7 +135,7 @@ def begin_late_contacts(d):
     for c in range(d.candidates):
         _, gap_rate = clearance(d, c)
         if d.touch.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
-            start_contact(d, c)
+            begin_force_contact(d, c)
             onset = c
     list_touching(d)
     return onset
@@ -163,7 +163,7 @@ def include_near_contacts(d):
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
         if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * d.model.size:
-            include(d, c)
+            join_impact(d, c)
             mark(d, c, NEIGHBOUR)
 
 
@@ -176,8 +176,8 @@ def apply_impulses(d):
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] > 0.0:
-            begin_contact(d, c)
+        if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] > 0.0:
+            latch_onset(d, c)
     add_change(d, d.step.state_end, velocity_at(d.links))
     dissipate(d, max(0.0, lost))
     if d.channels > 0:
@@ -193,22 +193,22 @@ def find_impulses(d, share):
         The energy [J] that the impulses p dissipate, and Σ p (|u⁻| + |u⁺|) [J], with u⁻ and u⁺ the speeds
         before and after them.
     """
-    rigid, lost, moved = d.rigid, 0.0, 0.0
+    constraints, lost, moved = d.constraints, 0.0, 0.0
     activate_all(d)
     start_from_state(d, 1)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         least = d.law.minimum_impact_speed[c]
-        arrives = -rigid.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
+        arrives = -constraints.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # the speed u⁺ after the impact is at least the restitution e times the approach speed: u⁺ ≥ −e u⁻
-        rebound = -share * d.law.restitution[c] * rigid.start[k] if arrives else 0.0
+        rebound = -share * d.law.restitution[c] * constraints.start[k] if arrives else 0.0
         require(d, k, rebound if rebound > STICK * least else 0.0)
     factorize_free(d)
     solve_lcp(d, fastest_of_all(d))
     for k in range(d.touch.active_count):
         # the energy that an impulse p dissipates: −½ p (u⁻ + u⁺)
-        lost -= 0.5 * rigid.impulse[k] * (rigid.start[k] + rigid.reached[k])
-        moved += rigid.impulse[k] * (abs(rigid.start[k]) + abs(rigid.reached[k]))
+        lost -= 0.5 * constraints.impulse[k] * (constraints.start[k] + constraints.reached[k])
+        moved += constraints.impulse[k] * (abs(constraints.start[k]) + abs(constraints.reached[k]))
     return lost, moved
 
 
@@ -216,7 +216,7 @@ def lacks_rebound(d):
     """Return whether no impulses can give every point the rebound speed that the restitution demands."""
     short, scale = False, fastest_of_all(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        short = short or d.rigid.reached[k] < d.rigid.target[k] - IMPACT_ROUND_OFF * scale
+        short = short or d.constraints.reached[k] < d.constraints.target[k] - IMPACT_ROUND_OFF * scale
     return short
 
 
@@ -229,9 +229,9 @@ def end_rebounding_contacts(d):
     slow = math.sqrt(2.0 * fall * RISE * d.model.size)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
+        if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
             deactivate(d, c)  # the candidate no longer takes part in the impact
-        elif d.rigid.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
+        elif d.constraints.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
     list_touching(d)
 
@@ -300,7 +300,7 @@ def end_unstopped_contacts(d):
     """End the contacts whose points did not come to rest, because only a pull could stop them."""
     scale = fastest_of_all(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        if not d.rigid.in_active_set[k] and d.rigid.reached[k] > SIGN_TOLERANCE * scale:
+        if not d.constraints.in_active_set[k] and d.constraints.reached[k] > SIGN_TOLERANCE * scale:
             end_contact(d, d.touch.active_index[k], True)
     list_touching(d)
 
@@ -310,7 +310,7 @@ def release_contacts(d):
     parting = False
     start_from_state(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        released = not d.rigid.in_active_set[k]
+        released = not d.constraints.in_active_set[k]
         require(d, k, RELEASE_GAP * d.model.size if released else 0.0)
         if released:
             end_contact(d, d.touch.active_index[k], True)

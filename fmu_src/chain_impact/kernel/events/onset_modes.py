@@ -42,7 +42,7 @@ def decide_onsets(d):
     count_other_work(d, 1)
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
-        force = d.rigid.impulse[d.touch.active_count + i]
+        force = d.constraints.impulse[d.touch.active_count + i]
         if is_open(d, e) and abs(force) > d.law.static_friction[e] * force_soon(d, e):
             set_mode(d, e, against(force))
 

@@ -80,7 +80,7 @@ WHOLE = (lambda _d: 1, lambda _d, _k: 0)
 
 def turn_of_inputs(d):
     """Return by how much [rad] inputs that are functions of time turn in the last step."""
-    return (d.step.end - d.step.start) * max(d.inputs.course.change_rate, rate_of_signals(d))
+    return (d.step.end - d.step.start) * max(d.inputs.piece.change_rate, rate_of_signals(d))
 
 
 def many_samples(d):
@@ -198,7 +198,7 @@ def may_pull(d, _c):
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        least = min(least, d.rigid.least_force[d.touch.active_index[k]])
+        least = min(least, d.constraints.least_force[d.touch.active_index[k]])
     if not least < -pull_limit(d):
         return False
     if least < -strongest(d) and d.step.size > SHORT:
@@ -209,7 +209,7 @@ def may_pull(d, _c):
 
 def pull_limit(d):
     """Return the force [N] with which a held contact may pull because of round-off."""
-    return PULL * d.model.energy / (d.model.size * d.model.size) * (d.model.gravity_size + d.model.size)
+    return PULL * d.model.energy_scale / (d.model.size * d.model.size) * (d.model.gravity_size + d.model.size)
 
 
 def strongest(d):
@@ -223,7 +223,7 @@ def strongest(d):
         omega, alpha = d.step.state[first + i], d.work.rate_start[first + i]
         turning = max(turning, omega * omega + abs(alpha))
     size = d.model.size
-    return d.model.energy / (size * size) * (d.model.gravity_size + d.links * size * turning)
+    return d.model.energy_scale / (size * size) * (d.model.gravity_size + d.links * size * turning)
 
 
 def least_force(d, _c, theta):
@@ -244,7 +244,7 @@ def mark_pulling(d, _c, theta):
     """Mark with RELEASE the held contacts that pull at the fraction θ of the last step."""
     least_force(d, 0, theta)
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        if d.rigid.impulse[k] + pull_limit(d) <= 0.0:
+        if d.constraints.impulse[k] + pull_limit(d) <= 0.0:
             mark(d, d.touch.active_index[k], RELEASE)
 
 
@@ -358,7 +358,7 @@ def may_pass_limit(d, c):
 
     It is true if a stage shows that a drive leaves its mode, or if fast inputs act in a drive with a limit.
     """
-    if d.signals > 0 and d.inputs.course.order == 0:
+    if d.signals > 0 and d.inputs.piece.order == 0:
         turn = (d.step.end - d.step.start) * rate_of_drives(d)
         return is_past_limit(d, c) or (d.model.has_drive_limits != 0 and turn > SWEPT)
     return d.model.has_drive_limits != 0

@@ -132,7 +132,7 @@ def begin_segment(d, j):
         # the position and velocity of base and walls never jump, nor does any energy with them
         supply(d, energy_balance(d, y) - energy)
         # the number of the chain's energy serves as the natural scale of torques, forces and angles
-        return NO_JUMP if same(before, after, abs(rate) + abs(rate_after) + d.model.energy) else BENDS
+        return NO_JUMP if same(before, after, abs(rate) + abs(rate_after) + d.model.energy_scale) else BENDS
     if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
         return JUMPS
     return NO_JUMP if same(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS

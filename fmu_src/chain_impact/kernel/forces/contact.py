@@ -96,7 +96,7 @@ def contact_slopes(d, c):
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
 
 
-def begin_contact(d, c):
+def latch_onset(d, c):
     """Begin the contact of candidate c at the located points, and make the candidate active.
 
     From then on the speed v₀, the effective mass and the expected depth are fixed.
@@ -120,12 +120,12 @@ def begin_contact(d, c):
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
     d.impact.last_speed = touch.onset_speed[c] / lever(d, c)
-    d.quadrature.onset[c] = d.quadrature.total[c]
+    d.quadrature.impulse_at_onset[c] = d.quadrature.total[c]
 
 
-def start_contact(d, c):
+def begin_force_contact(d, c):
     """Begin the contact of candidate c, which has a force law."""
-    begin_contact(d, c)
+    latch_onset(d, c)
     set_kink_side(d, c)
     if d.friction.used and may_rub(d, c):
         begin_friction(d, c)
@@ -148,7 +148,7 @@ def relatch(d, c, factor):
     set_kink_side(d, c)
 
 
-def include(d, c):
+def join_impact(d, c):
     """Make candidate c active without an onset, because its point takes part in another point's impact."""
     d.touch.active[c] = 1
 

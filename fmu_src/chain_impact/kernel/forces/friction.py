@@ -42,7 +42,7 @@ def may_rub(d, c):
     return d.law.static_friction[c] > 0.0
 
 
-def joint_of(d, e):
+def rubbing_joint(d, e):
     """Return the index of the joint of element e, which must belong to a joint or to the slider.
 
     Index 0 is the joint of link 1, index N the slider.
@@ -186,7 +186,7 @@ def keep_static_forces(d):
     friction, first = d.friction, d.touch.active_count
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
-        d.element.force[e] = d.rigid.impulse[first + i]
+        d.element.force[e] = d.constraints.impulse[first + i]
         d.element.margin[e] = min(d.element.margin[e], d.element.limit[e] - abs(d.element.force[e]))
 
 

@@ -67,16 +67,16 @@ def start_from_state(d, derivative):
 
     If ``derivative`` is 1, set ``start`` to the rates of these values.
     """
-    rigid, first = d.rigid, d.touch.active_count
+    constraints, first = d.constraints, d.touch.active_count
     for k in range(first):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
-        rigid.start[k] = gap_rate if derivative else gap
+        constraints.start[k] = gap_rate if derivative else gap
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
         if derivative:
-            rigid.start[first + i] = tangential_rate(d, e)
+            constraints.start[first + i] = tangential_rate(d, e)
         else:
-            rigid.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
+            constraints.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
 def start_from_loads(d):
@@ -87,20 +87,20 @@ def start_from_loads(d):
     factorize_free(d)
     solve_space(d, d.work.link, d.work, FREE, d.work.change)
     for k in range(constraint_rows(d)):
-        d.rigid.start[k] = along(constraint(d, k), d.work.motion)
+        d.constraints.start[k] = along(constraint(d, k), d.work.motion)
     return largest(d, d.work.motion)
 
 
 def clear_least_forces(d):
     """Forget the least forces of the contacts without a force law."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        d.rigid.least_force[d.touch.active_index[k]] = 0.0
+        d.constraints.least_force[d.touch.active_index[k]] = 0.0
 
 
 def add_change(d, y, first):
     """Add the change of the coordinates by the impulses to y, from index ``first`` on."""
     for j in range(coordinate_count(d.links)):
-        y[first + j] += d.rigid.change[j]
+        y[first + j] += d.constraints.change[j]
 
 
 def start_from_accelerations(d, y, rate):
@@ -110,7 +110,7 @@ def start_from_accelerations(d, y, rate):
     """
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
-        d.rigid.start[k] = constraint_acceleration(d, k)
+        d.constraints.start[k] = constraint_acceleration(d, k)
     return largest_acceleration(d)
 
 
@@ -118,9 +118,9 @@ def add_constraint_forces(d, y, rate):
     """Add to a rate ẏ of the free motion the effect of the constraint forces, so that nothing held moves.
 
     Held points get g̈ = 0 for the clearance g, sticking elements t·a = 0 along t. Afterwards
-    ``d.rigid.impulse`` holds the forces [N]; apart from errors these forces do no work.
+    ``d.constraints.impulse`` holds the forces [N]; apart from errors these forces do no work.
     """
-    rigid = d.rigid
+    constraints = d.constraints
     take_factors(d, joints_loaded(d))
     scale = start_from_accelerations(d, y, rate)
     activate_all(d)
@@ -129,8 +129,8 @@ def add_constraint_forces(d, y, rate):
     add_change(d, rate, velocity_at(d.links))
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
-        rigid.least_force[c] = min(rigid.least_force[c], rigid.impulse[k])
-        keep_force(d, c, rigid.impulse[k])
+        constraints.least_force[c] = min(constraints.least_force[c], constraints.impulse[k])
+        keep_force(d, c, constraints.impulse[k])
     if any_sticking(d):
         keep_static_forces(d)
 
@@ -144,12 +144,12 @@ def project_state(d, y):
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
     size. If walls would pull more than the errors explain, the points that leave the walls keep their rate ġ
-    > 0, in ``d.rigid.reached``. The loss of kinetic energy in the projection counts as dissipated. Afterwards
-    the points are located in the projected state.
+    > 0, in ``d.constraints.reached``. The loss of kinetic energy in the projection counts as dissipated.
+    Afterwards the points are located in the projected state.
     """
-    rigid, lost = d.rigid, dissipated_at(d.links)
+    constraints, lost = d.constraints, dissipated_at(d.links)
     for k in range(d.touch.compliant_count if any_sticking(d) else 0):
-        rigid.resistance[k] = contact_resistance(d)
+        constraints.resistance[k] = contact_resistance(d)
     for derivative in range(2):
         activate_all(d)
         start_from_state(d, derivative)
@@ -166,12 +166,14 @@ def project_state(d, y):
     for k in range(constraint_rows(d)):
         # the energy that a constraint's impulse p dissipates: −½ p (u⁻ + u⁺), with the speeds u⁻ before and
         # u⁺ after it
-        y[lost] -= 0.5 * rigid.impulse[k] * (rigid.start[k] + rigid.reached[k])
+        y[lost] -= 0.5 * constraints.impulse[k] * (constraints.start[k] + constraints.reached[k])
     for k in range(d.touch.compliant_count):
         # the impulse −D (u⁺ − u⁻) of the resistance D of a contact also changes the energy
-        squares = rigid.reached[k] * rigid.reached[k] - rigid.start[k] * rigid.start[k]
-        y[lost] += 0.5 * rigid.resistance[k] * squares
-        rigid.resistance[k] = 0.0
+        squares = (
+            constraints.reached[k] * constraints.reached[k] - constraints.start[k] * constraints.start[k]
+        )
+        y[lost] += 0.5 * constraints.resistance[k] * squares
+        constraints.resistance[k] = 0.0
 
 
 def power_of_motion(d, y, rate):
@@ -208,21 +210,21 @@ def power_of_motion(d, y, rate):
 
 
 def work_of_impulses(d):
-    """Return the work [J] of moving walls, belts and base in a jump of velocities by ``rigid.impulse``."""
-    rigid, work, px, py = d.rigid, 0.0, 0.0, 0.0
+    """Return the work [J] of moving walls, belts and base in a jump of velocities by the impulses."""
+    constraints, work, px, py = d.constraints, 0.0, 0.0, 0.0
     for k in range(constraint_rows(d)):
         sticks = k >= d.touch.active_count
         e = d.element.stuck[k - d.touch.active_count] if sticks else d.touch.active_index[k]
         if e < d.candidates and at_wall(d, e):
             _, nx, ny = constraint(d, k)
-            impulse = rigid.impulse[k]
+            impulse = constraints.impulse[k]
             if k < d.touch.compliant_count:
-                impulse -= rigid.resistance[k] * (rigid.reached[k] - rigid.start[k])
+                impulse -= constraints.resistance[k] * (constraints.reached[k] - constraints.start[k])
             work += impulse * (d.shift.belt_rate[e] if sticks else d.shift.rate[e])
             px, py = px + impulse * nx, py + impulse * ny
     if not d.model.base_moves:
         return work
-    move_points(d, d.work.link, rigid.change, d.work.motion)
+    move_points(d, d.work.link, constraints.change, d.work.motion)
     x, y = momentum(d, d.work.motion)
     return work + (x - px) * d.moved.velocity[0] + (y - py) * d.moved.velocity[1]
 
@@ -253,15 +255,15 @@ def solve_positions(d):
     nothing is moved. Nothing is moved either where the change hardly reduces the residual of sticking
     elements, for example at two corners of a box. Otherwise each step would change the energy.
     """
-    rigid, size, far, asked, moved, left = d.rigid, d.model.size, farthest(d), 0.0, 0.0, 0.0
+    constraints, size, far, asked, moved, left = d.constraints, d.model.size, farthest(d), 0.0, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        asked = max(asked, abs(rigid.target[k] - rigid.start[k]))
+        asked = max(asked, abs(constraints.target[k] - constraints.start[k]))
     factorize_free(d)
     solve_equality(d, far)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        left = max(left, abs(rigid.target[k] - rigid.reached[k]))
+        left = max(left, abs(constraints.target[k] - constraints.reached[k]))
     for j in range(coordinate_count(d.links)):
-        moved = max(moved, abs(rigid.change[j]) / (size if j < ANGLES else 1.0))
+        moved = max(moved, abs(constraints.change[j]) / (size if j < ANGLES else 1.0))
     in_vain = left > max(IN_VAIN * asked, NOT_HELD * far) and not any_point_held(d)
     if in_vain or moved > MISPLACED * (d.solver.tolerance + asked / size):
         if any_point_held(d):
@@ -283,7 +285,7 @@ def least_impulse(d):
     """Return the most negative impulse of the held points, or 0 if all impulses push."""
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        least = min(least, d.rigid.impulse[k])
+        least = min(least, d.constraints.impulse[k])
     return least
 
 
@@ -293,6 +295,6 @@ def tolerated_momentum(d, speed):
     It is the chain's mass times the speed after a fall by RISE plus the tolerated error of ``speed`` [m/s].
     """
     size = d.model.size
-    mass = d.model.energy / (size * size)
+    mass = d.model.energy_scale / (size * size)
     rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)
     return mass * (rise + d.solver.tolerance * (size + speed))

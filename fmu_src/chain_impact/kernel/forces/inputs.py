@@ -1,12 +1,12 @@
-"""The inputs as functions of time (``course``): constants, or polynomials on intervals, called pieces.
+"""The inputs as functions of time (``piece``): constants, or polynomials on intervals, called pieces.
 
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
-`given.course` holds the next piece and `inputs.course` the present piece; the coefficient u₀ of the next
+`given.piece` holds the next piece and `inputs.piece` the present piece; the coefficient u₀ of the next
 piece is in `given` itself. Inputs of order 0 are constant, and no polynomial is evaluated.
 
-Prescribed motions (chain/motion.py) have the given coefficients in `motion.course`, and the coefficients in
-use in `moved.course`. The coefficients are set together with `given.course` or, if `motion.follows`, they
+Prescribed motions (chain/motion.py) have the given coefficients in `motion.piece`, and the coefficients in
+use in `moved.piece`. The coefficients are set together with `given.piece` or, if `motion.interpolates`, they
 follow from the values at the communication points: position s, velocity v and acceleration a at a time t₀.
 The motion to the next communication point, at t₁ = t₀ + h, is a cubic. The cubic begins with the present
 position and velocity, and ends with the position s + v h + ½ a h² and the velocity v + a h of a uniform
@@ -35,9 +35,9 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
 DEGREE = 9  # the highest degree of the polynomials
-# values of given.changed. AT_ONCE: values were set, so the solver re-initializes; CONTINUES: the inputs go on
-# without a jump
-AT_ONCE, CONTINUES = 1, 2
+# values of given.changed. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES: the inputs
+# go on without a jump
+REINITIALIZE, CONTINUES = 1, 2
 # The largest difference between the given distance and the integral of the given speeds, relative to the
 # speeds times the time between two communication points. A larger difference counts as a jump of the
 # position.
@@ -58,9 +58,9 @@ SAME_TIME = 4e-15
 def apply_inputs(d):
     """Use the given inputs from now on, and clear the request to apply them."""
     d.given.changed = 0
-    given, course, used = d.given, d.given.course, d.inputs.course
-    used.order, used.change_rate, used.until = course.order, course.change_rate, course.until
-    used.middle, used.scale = course.middle, course.scale
+    given, piece, used = d.given, d.given.piece, d.inputs.piece
+    used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
+    used.middle, used.scale = piece.middle, piece.scale
     for i in range(d.links):
         d.inputs.joint_damping[i], d.inputs.joint_stiffness[i] = (
             given.joint_damping[i],
@@ -70,32 +70,32 @@ def apply_inputs(d):
         d.inputs.joint_target_angle[i] = used.joint_target_angle[0, i] = given.joint_target_angle[i]
         d.inputs.joint_target_velocity[i] = used.joint_target_velocity[0, i] = given.joint_target_velocity[i]
         for m in range(1, used.order + 1):
-            used.joint_torque[m, i] = course.joint_torque[m, i]
-            used.joint_target_angle[m, i] = course.joint_target_angle[m, i]
-            used.joint_target_velocity[m, i] = course.joint_target_velocity[m, i]
+            used.joint_torque[m, i] = piece.joint_torque[m, i]
+            used.joint_target_angle[m, i] = piece.joint_target_angle[m, i]
+            used.joint_target_velocity[m, i] = piece.joint_target_velocity[m, i]
     for j in range(2):
         d.inputs.tip_force[j] = used.tip_force[0, j] = given.tip_force[j]
         for m in range(1, used.order + 1):
-            used.tip_force[m, j] = course.tip_force[m, j]
+            used.tip_force[m, j] = piece.tip_force[m, j]
     if d.slides:
         apply_slider_inputs(d)
     for j in range(d.channels):
         for m in range(used.order + 1):
-            d.moved.course[m, j] = d.motion.course[m, j]
+            d.moved.piece[m, j] = d.motion.piece[m, j]
     if d.signals > 0:
         set_driven(d, d.step.end)
 
 
 def apply_slider_inputs(d):
     """Use the given inputs of the slider from now on."""
-    given, course, used, inputs = d.given, d.given.course, d.inputs.course, d.inputs
+    given, piece, used, inputs = d.given, d.given.piece, d.inputs.piece, d.inputs
     inputs.slider_force = used.slider_force[0, 0] = given.slider_force
     inputs.slider_target_position = used.slider_target_position[0, 0] = given.slider_target_position
     inputs.slider_target_velocity = used.slider_target_velocity[0, 0] = given.slider_target_velocity
     for m in range(1, used.order + 1):
-        used.slider_force[m, 0] = course.slider_force[m, 0]
-        used.slider_target_position[m, 0] = course.slider_target_position[m, 0]
-        used.slider_target_velocity[m, 0] = course.slider_target_velocity[m, 0]
+        used.slider_force[m, 0] = piece.slider_force[m, 0]
+        used.slider_target_position[m, 0] = piece.slider_target_position[m, 0]
+        used.slider_target_velocity[m, 0] = piece.slider_target_velocity[m, 0]
 
 
 def withdraw_request(d):
@@ -105,11 +105,11 @@ def withdraw_request(d):
 
 def inputs_in_use(d):
     """Return whether the inputs in use are constants and equal the given inputs."""
-    given, inputs, used = d.given, d.inputs, d.inputs.course
-    if given.course.order > 0 or used.order > 0:
+    given, inputs, used = d.given, d.inputs, d.inputs.piece
+    if given.piece.order > 0 or used.order > 0:
         return False
     for j in range(d.channels):
-        if d.motion.course[0, j] != d.moved.course[0, j]:
+        if d.motion.piece[0, j] != d.moved.piece[0, j]:
             return False
     for i in range(d.links):
         if (
@@ -131,7 +131,7 @@ def inputs_in_use(d):
 
 def ensure_inputs(d, y):
     """Set the inputs to their values at the time of the state y, unless they are constant."""
-    if d.inputs.course.order > 0:
+    if d.inputs.piece.order > 0:
         set_inputs(d, d.step.clock + y[time_at(d.links)])
     elif d.signals > 0:
         set_driven(d, d.step.clock + y[time_at(d.links)])
@@ -139,21 +139,21 @@ def ensure_inputs(d, y):
 
 def set_inputs(d, time):
     """Set the inputs to their values at a ``time`` [s]."""
-    course = d.inputs.course
-    x = (time - course.middle) * course.scale
+    piece = d.inputs.piece
+    x = (time - piece.middle) * piece.scale
     for i in range(d.links):
-        d.inputs.joint_torque[i] = polynomial(course.joint_torque, course.order, i, x)
-        if d.model.followed:
-            d.inputs.joint_target_angle[i] = polynomial(course.joint_target_angle, course.order, i, x)
-            d.inputs.joint_target_velocity[i] = polynomial(course.joint_target_velocity, course.order, i, x)
+        d.inputs.joint_torque[i] = polynomial(piece.joint_torque, piece.order, i, x)
+        if d.model.has_servos:
+            d.inputs.joint_target_angle[i] = polynomial(piece.joint_target_angle, piece.order, i, x)
+            d.inputs.joint_target_velocity[i] = polynomial(piece.joint_target_velocity, piece.order, i, x)
     for j in range(2):
-        d.inputs.tip_force[j] = polynomial(course.tip_force, course.order, j, x)
+        d.inputs.tip_force[j] = polynomial(piece.tip_force, piece.order, j, x)
     if d.slides:
-        inputs, order = d.inputs, course.order
-        inputs.slider_force = polynomial(course.slider_force, order, 0, x)
-        if d.model.followed:
-            inputs.slider_target_position = polynomial(course.slider_target_position, order, 0, x)
-            inputs.slider_target_velocity = polynomial(course.slider_target_velocity, order, 0, x)
+        inputs, order = d.inputs, piece.order
+        inputs.slider_force = polynomial(piece.slider_force, order, 0, x)
+        if d.model.has_servos:
+            inputs.slider_target_position = polynomial(piece.slider_target_position, order, 0, x)
+            inputs.slider_target_velocity = polynomial(piece.slider_target_velocity, order, 0, x)
     if d.signals > 0:
         set_driven(d, time)
     if d.channels > 0:
@@ -202,9 +202,9 @@ def limit_to_piece(d, h):
 
     A step in the fictitious time of a contact, or with constant inputs, keeps the size h.
     """
-    if d.inputs.course.order == 0 or d.step.regularized >= 0:
+    if d.inputs.piece.order == 0 or d.step.regularized >= 0:
         return h
-    return limit_to(d, d.inputs.course.until, h)
+    return limit_to(d, d.inputs.piece.until, h)
 
 
 def limit_to(d, time, h):
@@ -222,41 +222,41 @@ def belts_jump(d):
 
 def begin_motion(d, time):
     """Begin all prescribed motions at a ``time`` [s], with the given values or with the given polynomials."""
-    given, moved, course = d.motion, d.moved, d.given.course
+    given, moved, piece = d.motion, d.moved, d.given.piece
     moved.began, moved.until, moved.contradiction = time, time, 0
     for j in range(d.channels):
         moved.given_position[j], moved.given_velocity[j] = given.position[j], given.velocity[j]
         moved.given_acceleration[j], moved.given_at[j], moved.mean[j] = given.acceleration[j], time, 0.0
         moved.from_position[j], moved.from_velocity[j] = given.position[j], given.velocity[j]
         moved.anchored[j] = 1 - given.belt[j]
-    if not given.follows:
+    if not given.interpolates:
         return
-    course.order, course.middle, course.scale, course.until = 0, time, 1.0, math.inf
-    course.change_rate = 0.0
+    piece.order, piece.middle, piece.scale, piece.until = 0, time, 1.0, math.inf
+    piece.change_rate = 0.0
     given.jumps = 0
     for j in range(d.channels):
         for m in range(DEGREE + 1):
-            given.course[m, j] = 0.0
+            given.piece[m, j] = 0.0
         if given.belt[j]:
-            given.course[1, j] = given.velocity[j]
+            given.piece[1, j] = given.velocity[j]
         else:
-            given.course[0, j], given.course[1, j] = given.position[j], given.velocity[j]
-            given.course[2, j] = 0.5 * given.acceleration[j]
+            given.piece[0, j], given.piece[1, j] = given.position[j], given.velocity[j]
+            given.piece[2, j] = 0.5 * given.acceleration[j]
         if given.velocity[j] != 0.0 or given.acceleration[j] != 0.0:
-            course.order = 2
+            piece.order = 2
 
 
-def follow_motion(d, time):
+def interpolate_motion(d, time):
     """Let prescribed motions follow the given values until a ``time`` [s], the next communication point.
 
     Returns:
         WALL_JUMPS if the given positions of a wall jump by a distance that the given velocities do not
         explain; else OK.
     """
-    given, moved, course = d.motion, d.moved, d.given.course
-    if d.channels == 0 or not given.follows or not time > d.step.time:
+    given, moved, piece = d.motion, d.moved, d.given.piece
+    if d.channels == 0 or not given.interpolates or not time > d.step.time:
         return OK
-    if time == moved.until and d.given.changed != AT_ONCE:
+    if time == moved.until and d.given.changed != REINITIALIZE:
         return OK  # the same communication step continues after a pause
     now, h = d.step.time, time - d.step.time
     move(d, now)
@@ -269,16 +269,16 @@ def follow_motion(d, time):
         if drives(d, j):
             continue
         lasting = set_cubic(d, j, time, h)
-        new = given.course[1, j] != 0.0 or given.course[2, j] != 0.0 or given.course[3, j] != 0.0
+        new = given.piece[1, j] != 0.0 or given.piece[2, j] != 0.0 or given.piece[3, j] != 0.0
         moves, jumps = moves or new, jumps or not lasting
-    if not moves and d.inputs.course.order == 0:
+    if not moves and d.inputs.piece.order == 0:
         return OK
-    course.order, course.middle, course.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
-    course.until = time + SAME_TIME / 4.0 * abs(time) if moves else math.inf
-    course.change_rate = CUBIC_CHANGE / h if moves else 0.0
+    piece.order, piece.middle, piece.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
+    piece.until = time + SAME_TIME / 4.0 * abs(time) if moves else math.inf
+    piece.change_rate = CUBIC_CHANGE / h if moves else 0.0
     given.jumps = 0
-    if d.given.changed != AT_ONCE:
-        d.given.changed = AT_ONCE if jumps else CONTINUES
+    if d.given.changed != REINITIALIZE:
+        d.given.changed = REINITIALIZE if jumps else CONTINUES
     return OK
 
 
@@ -309,11 +309,11 @@ def set_cubic(d, j, time, h):
     third = 0.25 * (s - s_end + v + v_end)
     if not abs(third) > ACCELERATION_ROUND_OFF * size:
         third = 0.0
-    given.course[3, j] = third
-    given.course[2, j] = 0.25 * (v_end - v)
-    given.course[1, j] = 0.5 * (s_end - s) - third
-    given.course[0, j] = 0.5 * (s + s_end) - given.course[2, j]
-    bend = (given.course[2, j] - 3.0 * third) * 8.0 - moved.acceleration[j] * h * h
+    given.piece[3, j] = third
+    given.piece[2, j] = 0.25 * (v_end - v)
+    given.piece[1, j] = 0.5 * (s_end - s) - third
+    given.piece[0, j] = 0.5 * (s + s_end) - given.piece[2, j]
+    bend = (given.piece[2, j] - 3.0 * third) * 8.0 - moved.acceleration[j] * h * h
     return abs(bend) <= ACCELERATION_ROUND_OFF * size
 
 

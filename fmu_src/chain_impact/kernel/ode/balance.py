@@ -104,7 +104,7 @@ def start_balance(d, time):
         square += model.mass[i] * reach * reach + (model.inertia[i] + joint_armature(d, i))
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
-    balance.unit_scale = balance.weight * reach + model.energy
+    balance.unit_scale = balance.weight * reach + model.energy_scale
     balance.start, balance.since = time, time
     rebase_energy(d)
     balance.at_start, balance.origin = balance.at_end, balance.at_end
@@ -264,7 +264,7 @@ def interpolates(d):
 def dissipates_evenly(d, middle):
     """Return whether the dissipated energy in the ``middle`` of the last step lies between its end values."""
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
-    scale = d.model.energy + abs(end) + impact_energy(d)
+    scale = d.model.energy_scale + abs(end) + impact_energy(d)
     slack = INTERPOLATED * OF_A_STEP * d.solver.tolerance * scale
     return min(start, end) - slack <= middle <= max(start, end) + slack
 

@@ -203,9 +203,9 @@ def set_scales(d, y, scale, contacts):
         scale[j] = size if j < ANGLES else 1.0
     for j in range(velocity_at(n), dissipated_at(n)):
         scale[j] = (size if j < omega_at(n) else 1.0) + abs(y[j])
-    scale[dissipated_at(n)] = d.model.energy + abs(y[dissipated_at(n)]) + impact_energy(d)
+    scale[dissipated_at(n)] = d.model.energy_scale + abs(y[dissipated_at(n)]) + impact_energy(d)
     if d.channels > 0:
-        scale[supplied_at(n)] = d.model.energy + abs(y[supplied_at(n)]) + impact_energy(d)
+        scale[supplied_at(n)] = d.model.energy_scale + abs(y[supplied_at(n)]) + impact_energy(d)
     for k in range(contacts):
         scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
 
@@ -225,7 +225,7 @@ def clear_faded(d, y):
 
 def no_step(d):
     """Return the status of a run in which no step is accepted, even the smallest."""
-    if d.rigid.unsolved == SQUEEZED:
+    if d.constraints.unsolved == SQUEEZED:
         return NO_ROOM
     return NOT_FINITE if d.trial.outcome == INFINITE else STEP_TOO_SMALL
 
@@ -284,7 +284,7 @@ def moment_error(d, row):
         moment += joint_damping(d, i) * abs(error[first + i] - spin)
         worst = max(worst, moment)
         turn, spin = error[ANGLES + i], error[first + i]
-    return worst / (d.model.energy * (1.0 + d.model.gravity_size / d.model.size))
+    return worst / (d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.size))
 
 
 def impact_energy(d):

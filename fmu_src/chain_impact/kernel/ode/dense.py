@@ -330,7 +330,7 @@ def reset_quadratures(d):
 def give_impulses(d):
     """Add to the totals the impulses of rigid walls in an impact, which were just found."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.rigid.impulse[k])
+        d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])
 
 
 def maximum_of(value_at):

@@ -130,7 +130,7 @@ def clearance_rates(d, z, rate):
 
 def extended_rate(d, z, elapsed, rate):
     """Set the rate ż ``elapsed`` [s] after the start, with the contact forces at the clearances in z."""
-    if d.inputs.course.order > 0 or d.channels > 0 or d.signals > 0:
+    if d.inputs.piece.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
     clear_loads(d)
@@ -194,8 +194,8 @@ def solve_shift(d, s, space, row, x):
         # impulse of the slider's damper and spring along its direction u, with the resistance κ and the
         # stiffness k: κ u·r_v + s k u·r_q
         sliding, slid = slide_along(d, x[velocity_at(n)], x[velocity_at(n) + 1]), slide_along(d, x[0], x[1])
-        push = slider_resistance(d, s) * sliding + s * slider_stiffness(d) * slid
-        add_along((0, d.slider.ux, d.slider.uy), space.load, push)
+        force = slider_resistance(d, s) * sliding + s * slider_stiffness(d) * slid
+        add_along((0, d.slider.ux, d.slider.uy), space.load, force)
     for k in range(compliant(d)):
         # impulse of the contact, with the impedance D and the stiffness k: D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]

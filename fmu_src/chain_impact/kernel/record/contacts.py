@@ -184,25 +184,27 @@ def latest_dtype() -> np.dtype:
     least_force="forces/holding.py",
     sample="events/contact_log.py",
 )
-def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
+def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """Return the layout of the constraints: the active contacts, then the sticking elements, packed.
 
-    Contacts with a force law are not in the active set.
+    Contacts with a force law are not in the active set. The units depend on what the caller asks for:
+    positions in m and impulses times s, speeds in m/s and impulses in N·s, or accelerations in m/s² and
+    forces in N.
     """
     rows = constraint_count(candidates, elements)
     return record(
-        # m, m/s or m/s², rad …: change of the coordinates by the impulses
+        # change of the coordinates by the impulses; of an angle in rad, rad/s or rad/s²
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or why the search for forces has failed in this step, see kernel/rows/constraints.py
         ("unsolved", INTEGER),
         ("in_active_set", INTEGER, (rows,)),  # 1: the impulse may differ from 0
         ("violated", INTEGER, (rows,)),  # 1: the impulse or residual has the wrong sign
-        ("start", REAL, (rows,)),  # m, m/s or m/s²: motion along the constraint without impulses
-        ("reached", REAL, (rows,)),  # m, m/s or m/s²: motion along the constraint with impulses
-        ("target", REAL, (rows,)),  # m, m/s or m/s²: the least required motion along the constraint
-        # m, m/s or m/s²: the missing part of the required motion; later this part times the impedance
+        ("start", REAL, (rows,)),  # motion along the constraint without impulses
+        ("reached", REAL, (rows,)),  # motion along the constraint with impulses
+        ("target", REAL, (rows,)),  # the least required motion along the constraint
+        # the missing part of the required motion; later this part times the impedance
         ("residual", REAL, (rows,)),
-        ("impulse", REAL, (rows,)),  # N·s or N: impulse or force of the constraint
+        ("impulse", REAL, (rows,)),  # impulse or force of the constraint
         ("impedance", REAL, (rows,)),  # kg, impedance D of the constraint
         # kg, resistance of a contact with a force law to a projection; else 0
         ("resistance", REAL, (rows,)),
@@ -215,8 +217,8 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 
 @written_by("rows/limits.py")
 def share_dtype(links: int, elements: int) -> np.dtype:
-    """Return the layout of the search for forces within the limits of friction, for the rows of `rigid`."""
-    # number of rows: not less than in `rigid`, as every candidate is an element; 0 without friction
+    """Return the layout of the search for forces within the limits of friction, for the constraints."""
+    # number of rows: not less than in `constraints`, as every candidate is an element; 0 without friction
     rows = 2 * elements
     return record(
         # m/s² or rad/s², accelerations of the coordinates by the forces
@@ -224,19 +226,19 @@ def share_dtype(links: int, elements: int) -> np.dtype:
         ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them
         # ±1: the sign of a sticking element's force at its limit; 0: the force is below it; packed
         ("at_limit", INTEGER, (elements,)),
-        ("impulse", REAL, (rows,)),  # N, the force p⁺ after an iteration
+        ("force", REAL, (rows,)),  # N, the force p⁺ after an iteration
         ("center", REAL, (rows,)),  # N, the force p before an iteration
         ("residual", REAL, (rows,)),  # m/s², the missing part of the required motion with the forces p
         # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺
         ("wanted", REAL, (rows,)),
         ("impedance", REAL, (rows,)),  # kg, the impedance D of a row inside the limits, else 0
         # N, impedance times residual of a row inside the limits, else the change of its force p
-        ("push", REAL, (rows,)),
+        ("correction", REAL, (rows,)),
     )
 
 
 @written_by("events/contact_log.py")
-def finished_dtype(candidates: int) -> np.dtype:
+def contact_log_dtype(candidates: int) -> np.dtype:
     """Return the layout of the log of contacts, a ring buffer: the ended contacts, then the active contacts.
 
     A caller that collects the ended contacts sets ``collected`` to ``count``. The log always contains the
@@ -276,28 +278,28 @@ def peaks_dtype() -> np.dtype:
     )
 
 
-@written_by("ode/dense.py", onset="forces/contact.py")
+@written_by("ode/dense.py", impulse_at_onset="forces/contact.py")
 def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 
     The quadratures that are integrated in a step are packed.
     """
-    places = candidates + elements + 3
+    count = candidates + elements + 3
     return record(
         ("wanted", INTEGER),  # 1: the quadratures are computed
-        ("onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact
+        ("impulse_at_onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact
         # value of each quadrature since the start, at the most recent time at which contacts began or ended
-        ("total", REAL, (places,)),
+        ("total", REAL, (count,)),
         # rate of each quadrature at the most recent time at which contacts began or ended
-        ("rate", REAL, (places,)),
+        ("rate", REAL, (count,)),
         ("count", INTEGER),
-        ("index", INTEGER, (places,)),  # indices in ``total`` of the quadratures that are integrated, packed
-        ("state", REAL, (places,)),  # values at the start of the last step
-        ("state_end", REAL, (places,)),  # values at the end of the last step
-        ("rate_end", REAL, (places,)),  # rates at the end of the last step
-        ("tried", REAL, (places,)),  # values at the end of the tried step
-        ("dense", REAL, (DENSE_COEFFICIENTS, places)),  # coefficients of the dense output of the last step
-        ("stage", REAL, (STAGES, places)),  # rates dq/ds at the stages, in the step's variable s
+        ("index", INTEGER, (count,)),  # indices in ``total`` of the quadratures that are integrated, packed
+        ("state", REAL, (count,)),  # values at the start of the last step
+        ("state_end", REAL, (count,)),  # values at the end of the last step
+        ("rate_end", REAL, (count,)),  # rates at the end of the last step
+        ("tried", REAL, (count,)),  # values at the end of the tried step
+        ("dense", REAL, (DENSE_COEFFICIENTS, count)),  # coefficients of the dense output of the last step
+        ("stage", REAL, (STAGES, count)),  # rates dq/ds at the stages, in the step's variable s
     )
 
 

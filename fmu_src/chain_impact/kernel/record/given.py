@@ -43,7 +43,7 @@ def model_dtype(links: int) -> np.dtype:
         ("has_base_joint", INTEGER),
         # 1: the chain has inputs other than motions of walls; they act in flight, too
         ("has_inputs", INTEGER),
-        ("followed", INTEGER),  # 1: all joints, and a slider, have servos, whose targets are inputs
+        ("has_servos", INTEGER),  # 1: all joints, and a slider, have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
         # ---- derived at initialization
         ("center_of_mass", REAL, (links,)),  # m from the proximal joint
@@ -70,7 +70,7 @@ def model_dtype(links: int) -> np.dtype:
         ("size", REAL),  # m, length of the longest link: the absolute scale of positions
         # J, twice the kinetic energy of the whole mass at one `size` per second, plus that of the armatures
         # at 1 rad/s: the absolute scale of energies
-        ("energy", REAL),
+        ("energy_scale", REAL),
     )
 
 
@@ -159,7 +159,7 @@ def solver_dtype() -> np.dtype:
     )
 
 
-def course_dtype(links: int) -> np.dtype:
+def piece_dtype(links: int) -> np.dtype:
     """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
         ("order", INTEGER),  # degree of the polynomials; 0: the inputs are constant
@@ -179,7 +179,7 @@ def course_dtype(links: int) -> np.dtype:
 
 
 @settable(AT_ANY_TIME)
-@written_by(changed="forces/inputs.py", course="forces/inputs.py")
+@written_by(changed="forces/inputs.py", piece="forces/inputs.py")
 def given_dtype(links: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
 
@@ -187,8 +187,8 @@ def given_dtype(links: int) -> np.dtype:
     the last piece at the start of a step.
     """
     return record(
-        # AT_ONCE: a value was set since the last step; CONTINUES: only the next piece of the inputs was set;
-        # 0: nothing was set
+        # REINITIALIZE: a value was set since the last step; CONTINUES: only the next piece of the inputs was
+        # set; 0: nothing was set
         ("changed", INTEGER),
         ("law", INTEGER),  # number of the contact law, from 1
         ("stiffness", REAL),  # N/m^exponent
@@ -207,7 +207,7 @@ def given_dtype(links: int) -> np.dtype:
         ("slider_force", REAL),
         ("slider_target_position", REAL),
         ("slider_target_velocity", REAL),
-        ("course", course_dtype(links)),
+        ("piece", piece_dtype(links)),
     )
 
 
@@ -226,7 +226,7 @@ def inputs_dtype(links: int) -> np.dtype:
         # m, position at which the spring has no force: a given value or an input
         ("slider_target_position", REAL),
         ("slider_target_velocity", REAL),  # m/s, velocity at which the damper has no force
-        ("course", course_dtype(links)),
+        ("piece", piece_dtype(links)),
     )
 
 
@@ -239,13 +239,13 @@ def motion_dtype(channels: int) -> np.dtype:
     """
     return record(
         # 1: the motion follows the values at communication points; 0: the scene gives polynomials
-        ("follows", INTEGER),
+        ("interpolates", INTEGER),
         ("jumps", INTEGER),  # 1: the speed of a belt jumps at the start of the piece of the inputs
         ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt
         ("position", REAL, (channels,)),  # m; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s
         ("acceleration", REAL, (channels,)),  # m/s²; 0 for a belt
-        ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of polynomials
+        ("piece", REAL, (DEGREE + 1, channels)),  # m, coefficients of polynomials
     )
 
 
@@ -264,7 +264,7 @@ def moved_dtype(channels: int) -> np.dtype:
         ("position", REAL, (channels,)),  # m, position at the time of the located points
         ("velocity", REAL, (channels,)),  # m/s, velocity at the time of the located points
         ("acceleration", REAL, (channels,)),  # m/s², acceleration at the time of the located points
-        ("course", REAL, (DEGREE + 1, channels)),  # m, coefficients of polynomials
+        ("piece", REAL, (DEGREE + 1, channels)),  # m, coefficients of polynomials
         # the given values of a channel after their most recent change
         ("given_position", REAL, (channels,)),  # m, given position
         ("given_velocity", REAL, (channels,)),  # m/s, given velocity
@@ -280,7 +280,7 @@ def moved_dtype(channels: int) -> np.dtype:
         # numbers with the value 0 that have derivatives with respect to given values (tangent/replay.py)
         ("added", REAL, (channels,)),  # m, added to `position`
         ("added_rate", REAL, (channels,)),  # m/s, added to `velocity`
-        ("added_push", REAL, (channels,)),  # m/s², added to `acceleration`
+        ("added_acceleration", REAL, (channels,)),  # m/s², added to `acceleration`
     )
 
 
@@ -317,10 +317,10 @@ def shift_dtype(candidates: int) -> np.dtype:
         ("channel", INTEGER),
         ("rest", REAL),  # m, offset of the wall if its motion has the position 0
         ("rate", REAL),  # m/s, speed of the wall along n
-        ("push", REAL),  # m/s², acceleration of the wall along n
+        ("acceleration", REAL),  # m/s², acceleration of the wall along n
         ("travel", REAL),  # m, travel of the belt along t
         ("belt_rate", REAL),  # m/s, speed of the belt along t
-        ("belt_push", REAL),  # m/s², acceleration of the belt along t
+        ("belt_acceleration", REAL),  # m/s², acceleration of the belt along t
     )
 
 

@@ -82,7 +82,7 @@ MAX_STALLED_PIVOTS = 3
 # The least impedance of a sticking element, relative to the impedance of the element with the largest limit.
 # With a smaller impedance, the residual falls too slowly.
 LEAST_SHARE = 1e-2
-# values of d.rigid.unsolved, the result of the search for constraint forces. MOVING: a held point still
+# values of d.constraints.unsolved, the result of the search for constraint forces. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
 # the largest number of pivots, in addition to 4 for each candidate; far more than was ever observed
@@ -90,13 +90,13 @@ ROUNDS = 30
 
 
 def set_impedance(d, amount):
-    """Set the impedance of each constraint: ``amount`` [kg] in the active set, else `rigid.resistance`.
+    """Set the impedance of each constraint: ``amount`` [kg] in the active set, else `constraints.resistance`.
 
     Sticking elements get a part of ``amount``, in proportion to their limits of friction.
     """
-    rigid = d.rigid
+    constraints = d.constraints
     for k in range(constraint_rows(d)):
-        rigid.impedance[k] = amount if rigid.in_active_set[k] else rigid.resistance[k]
+        constraints.impedance[k] = amount if constraints.in_active_set[k] else constraints.resistance[k]
     if amount > 0.0 and any_sticking(d):
         share_impedance(d)
 
@@ -111,38 +111,38 @@ def share_impedance(d):
         most = max(most, d.element.limit[d.element.stuck[i]])
     for i in range(friction.stuck_count):
         share = d.element.limit[d.element.stuck[i]] / most if most > 0.0 else 1.0
-        d.rigid.impedance[first + i] *= max(LEAST_SHARE, share)
+        d.constraints.impedance[first + i] *= max(LEAST_SHARE, share)
 
 
 def factorize_free(d):
     """Eliminate M for motions by impulses, with the resistance of contacts that are not in the active set."""
     set_impedance(d, 0.0)
-    factorize_contacts(d, FREE, d.rigid.impedance)
+    factorize_contacts(d, FREE, d.constraints.impedance)
 
 
 def solve_equality(d, scale):
     """Find the impulses that bring the active set from ``start`` to ``target``; others have no impulse.
 
     Args:
-        d: the instance, with the points located and the free motion factorized. ``d.rigid`` holds the problem
-            and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
+        d: the instance, with the points located and the free motion factorized. ``d.constraints`` holds the
+            problem and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
         scale: the largest motion of a point, to which round-off is relative.
 
     Returns:
         The largest residual that rigid walls leave, or 0 if they hold no point.
     """
-    rigid, impedance = d.rigid, holding_impedance(d)
+    constraints, impedance = d.constraints, holding_impedance(d)
     row = only_active(d)
     if row >= 0 and solve_single(d, row):
         return 0.0
     clear_impulses(d)
     if not any_point_held(d):
         set_impedance(d, GENTLE * mean_mass(d))
-        factorize_contacts(d, HELD, rigid.impedance)
+        factorize_contacts(d, HELD, constraints.impedance)
         find_residual(d)
         correct_impulses(d)
     set_impedance(d, impedance)
-    factorize_contacts(d, HELD, rigid.impedance)
+    factorize_contacts(d, HELD, constraints.impedance)
     worst = iterate(d, scale, impedance)
     if any_point_held(d):
         return worst
@@ -162,14 +162,14 @@ def iterate(d, scale, impedance):
     Returns:
         The largest residual.
     """
-    rigid, has_walls, round_off = d.rigid, any_point_held(d), SOLVED_RESIDUAL * scale
+    constraints, has_walls, round_off = d.constraints, any_point_held(d), SOLVED_RESIDUAL * scale
     before, worst, iterations = math.inf, find_residual(d), 0
     while worst > round_off or not iterated_enough(d, iterations):
         slow = has_walls and worst > round_off and not worst < SLOW_DECREASE * before
         if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
             impedance *= STIFFER
             set_impedance(d, impedance)
-            factorize_contacts(d, HELD, rigid.impedance)
+            factorize_contacts(d, HELD, constraints.impedance)
         elif (slow and iterated_enough(d, iterations)) or (not has_walls and iterations == SWEEPS):
             break
         correct_impulses(d)
@@ -184,11 +184,11 @@ def leave_free(d, share, noise):
     iterations adds D m to the impulse. A residual m below the ``noise`` may be the round-off of a constrained
     motion, and its impulse stays.
     """
-    rigid = d.rigid
+    constraints = d.constraints
     for k in range(constraint_rows(d)):
-        residual = rigid.residual[k]
+        residual = constraints.residual[k]
         above = residual * residual / (residual * residual + noise * noise)
-        rigid.impulse[k] -= share * above * SWEEPS * rigid.impedance[k] * residual
+        constraints.impulse[k] -= share * above * SWEEPS * constraints.impedance[k] * residual
     move_by_impulses(d)
 
 
@@ -196,7 +196,7 @@ def only_active(d):
     """Return the index of the only constraint in the active set, or −1 if the set has none or several."""
     only = -1
     for k in range(constraint_rows(d)):
-        if d.rigid.in_active_set[k]:
+        if d.constraints.in_active_set[k]:
             if only >= 0:
                 return -1
             only = k
@@ -208,21 +208,21 @@ def solve_single(d, row):
 
     This function solves for the chain's response once, the iteration about six times.
     """
-    rigid = d.rigid
+    constraints = d.constraints
     clear_loads_of(d, d.work.load)
     add_along(constraint(d, row), d.work.load, 1.0)
-    solve_space(d, d.work.link, d.work, FREE, rigid.change)
+    solve_space(d, d.work.link, d.work, FREE, constraints.change)
     mobility = along(constraint(d, row), d.work.motion)
     if row >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE:
         return False
-    impulse = (rigid.target[row] - rigid.start[row]) / mobility
-    for j in range(len(rigid.change)):
-        rigid.change[j] *= impulse
+    impulse = (constraints.target[row] - constraints.start[row]) / mobility
+    for j in range(len(constraints.change)):
+        constraints.change[j] *= impulse
     for k in range(constraint_rows(d)):
-        rigid.impulse[k] = impulse if k == row else 0.0
-        rigid.reached[k] = rigid.start[k] + impulse * along(constraint(d, k), d.work.motion)
+        constraints.impulse[k] = impulse if k == row else 0.0
+        constraints.reached[k] = constraints.start[k] + impulse * along(constraint(d, k), d.work.motion)
     count_other_work(d, 1)
     return True
 
@@ -238,44 +238,46 @@ def iterated_enough(_d, _iterations):
 
 def clear_impulses(d):
     """Set all impulses to zero, and the motion to the motion without impulses."""
-    rigid = d.rigid
-    for j in range(len(rigid.change)):
-        rigid.change[j] = 0.0
+    constraints = d.constraints
+    for j in range(len(constraints.change)):
+        constraints.change[j] = 0.0
     for k in range(constraint_rows(d)):
-        rigid.impulse[k], rigid.reached[k] = 0.0, rigid.start[k]
+        constraints.impulse[k], constraints.reached[k] = 0.0, constraints.start[k]
 
 
 def find_residual(d):
     """Set the residual target − motion of each constraint in the active set; return the largest size."""
-    rigid, worst = d.rigid, 0.0
+    constraints, worst = d.constraints, 0.0
     for k in range(constraint_rows(d)):
-        rigid.residual[k] = rigid.target[k] - rigid.reached[k] if rigid.in_active_set[k] else 0.0
-        worst = max(worst, abs(rigid.residual[k]))
+        constraints.residual[k] = (
+            constraints.target[k] - constraints.reached[k] if constraints.in_active_set[k] else 0.0
+        )
+        worst = max(worst, abs(constraints.residual[k]))
     return worst
 
 
 @inlined
 def correct_impulses(d):
     """Correct the impulses for the residuals, and find the motion with the corrected impulses."""
-    rigid, motion = d.rigid, d.work.motion
+    constraints, motion = d.constraints, d.work.motion
     # with impulses p, residuals m and impedances D: (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
     for k in range(constraint_rows(d)):
-        rigid.residual[k] *= rigid.impedance[k]
-    solve_contacts(d, HELD, rigid.residual, rigid.change)
+        constraints.residual[k] *= constraints.impedance[k]
+    solve_contacts(d, HELD, constraints.residual, constraints.change)
     for k in range(constraint_rows(d)):
-        if rigid.in_active_set[k]:
-            back = rigid.impedance[k] * along(constraint(d, k), motion)
-            rigid.impulse[k] += rigid.residual[k] - back
+        if constraints.in_active_set[k]:
+            back = constraints.impedance[k] * along(constraint(d, k), motion)
+            constraints.impulse[k] += constraints.residual[k] - back
     move_by_impulses(d)
     count_other_work(d, 1)
 
 
 def move_by_impulses(d):
     """Find the change of the coordinates, and the motions along all constraints, that the impulses cause."""
-    rigid = d.rigid
-    solve_contacts(d, FREE, rigid.impulse, rigid.change)
+    constraints = d.constraints
+    solve_contacts(d, FREE, constraints.impulse, constraints.change)
     for k in range(constraint_rows(d)):
-        rigid.reached[k] = rigid.start[k] + along(constraint(d, k), d.work.motion)
+        constraints.reached[k] = constraints.start[k] + along(constraint(d, k), d.work.motion)
     count_other_work(d, 1)
 
 
@@ -288,7 +290,7 @@ def solve_lcp(d, scale):
     definite (Murty 1974, Linear Algebra Appl 9:65). If the search does not terminate, the problem is recorded
     as unsolved. The arguments are those of ``solve_equality``.
     """
-    rigid, first = d.rigid, d.touch.compliant_count
+    constraints, first = d.constraints, d.touch.compliant_count
     count = d.touch.active_count - first
     fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
     for _ in range(ROUNDS + 4 * count):
@@ -299,8 +301,8 @@ def solve_lcp(d, scale):
         fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
         for i in range(count):
             k = first + count - 1 - i
-            if rigid.violated[k]:
-                rigid.in_active_set[k] = 1 - rigid.in_active_set[k]
+            if constraints.violated[k]:
+                constraints.in_active_set[k] = 1 - constraints.in_active_set[k]
                 if stalls_left < 0:
                     break
     note_unsolved(d)
@@ -308,26 +310,26 @@ def solve_lcp(d, scale):
 
 def clear_unsolved(d):
     """Forget unsolved problems; a tried step with an unsolved problem is refused."""
-    d.rigid.unsolved = SOLVED
+    d.constraints.unsolved = SOLVED
 
 
 def note_unsolved(d):
     """Record that forces or modes have not been found; at an event this ends the run."""
-    d.rigid.unsolved = UNSOLVED
+    d.constraints.unsolved = UNSOLVED
 
 
 def note_moving(d, tolerated):
     """Record MOVING if a point held by a rigid wall has more than the ``tolerated`` acceleration [m/s²]."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        if d.rigid.unsolved == SOLVED and abs(d.rigid.residual[k]) > tolerated:
-            d.rigid.unsolved = MOVING
+        if d.constraints.unsolved == SOLVED and abs(d.constraints.residual[k]) > tolerated:
+            d.constraints.unsolved = MOVING
 
 
 def note_squeezed(d, tolerated):
     """Record SQUEEZED if a held point stays deeper in its rigid wall than is ``tolerated`` [m]."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        if d.rigid.target[k] - d.rigid.reached[k] > tolerated:
-            d.rigid.unsolved = SQUEEZED
+        if d.constraints.target[k] - d.constraints.reached[k] > tolerated:
+            d.constraints.unsolved = SQUEEZED
 
 
 def count_stalls(wrong, fewest, stalls_left):
@@ -342,15 +344,15 @@ def count_violations(d, scale):
 
     Return the number of these candidates.
     """
-    rigid, largest, wrong = d.rigid, 0.0, 0
+    constraints, largest, wrong = d.constraints, 0.0, 0
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        largest = max(largest, abs(rigid.impulse[k]))
+        largest = max(largest, abs(constraints.impulse[k]))
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        if rigid.in_active_set[k]:
-            rigid.violated[k] = rigid.impulse[k] < -SIGN_TOLERANCE * largest
+        if constraints.in_active_set[k]:
+            constraints.violated[k] = constraints.impulse[k] < -SIGN_TOLERANCE * largest
         else:
-            rigid.violated[k] = rigid.reached[k] < rigid.target[k] - SIGN_TOLERANCE * scale
-        wrong += rigid.violated[k]
+            constraints.violated[k] = constraints.reached[k] < constraints.target[k] - SIGN_TOLERANCE * scale
+        wrong += constraints.violated[k]
     return wrong
 
 
@@ -374,10 +376,10 @@ def activate_all(d):
 
 def require(d, k, target):
     """Put constraint k into the active set; ``target`` is the least motion that it requires."""
-    d.rigid.in_active_set[k] = 1
-    d.rigid.target[k] = target
+    d.constraints.in_active_set[k] = 1
+    d.constraints.target[k] = target
 
 
 def release(d, k):
     """Take constraint k out of the active set."""
-    d.rigid.in_active_set[k] = 0
+    d.constraints.in_active_set[k] = 0

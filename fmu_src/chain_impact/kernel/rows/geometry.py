@@ -56,13 +56,13 @@ def place_walls(d):
         elif not at_wall(d, c):
             place_end(d, c)
         elif wall < len(WALLS):
-            place_side(d, c, wall)
+            set_side(d, c, wall)
         else:
             place_slope(d, c, wall - len(WALLS))
         d.shift.rest[c] = d.candidate.offset[c]
 
 
-def place_side(d, c, side):
+def set_side(d, c, side):
     """Set the normal and the offset of candidate c at a side of the box."""
     candidate = d.candidate
     nx, ny = NORMALS[side]
@@ -213,7 +213,7 @@ def gap_acceleration(d, c):
     """Return g̈ [m/s²] of candidate c, from the accelerated points."""
     acceleration = along(normal(d, c), d.work.acceleration)
     if d.channels > 0:
-        acceleration -= d.shift.push[c]
+        acceleration -= d.shift.acceleration[c]
     return acceleration
 
 
@@ -232,7 +232,9 @@ def tangential_rate(d, e):
 def tangential_acceleration(d, e):
     """Return the acceleration [m/s²] of element e along t relative to the belt, at accelerated points."""
     acceleration = along(tangent(d, e), d.work.acceleration)
-    return acceleration - d.shift.belt_push[e] if d.channels > 0 and e < d.candidates else acceleration
+    return (
+        acceleration - d.shift.belt_acceleration[e] if d.channels > 0 and e < d.candidates else acceleration
+    )
 
 
 def constraint_acceleration(d, k):
@@ -289,12 +291,12 @@ def largest_acceleration(d):
     """Return the largest component [m/s²] of the accelerations of all places and moving walls."""
     most = largest(d, d.work.acceleration)
     if d.channels > 0:
-        _, push = fastest_wall(d)
-        most = max(most, push)
+        _, acceleration = fastest_wall(d)
+        most = max(most, acceleration)
     return most
 
 
-def speed_bound(d, vectors):
+def length_bound(d, vectors):
     """Return a number that no vector of any place exceeds in length, for velocities or accelerations."""
     most = 0.0
     for k in range(d.links + 1):

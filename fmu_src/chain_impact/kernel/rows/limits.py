@@ -44,8 +44,8 @@ def share_within_limits(d):
     share, scale = d.share, largest_start(d)
     set_impedance(d, holding_impedance(d))
     for k in range(constraint_rows(d)):
-        share.center[k], share.impulse[k], share.inside[k] = 0.0, 0.0, 1
-        share.residual[k] = d.rigid.target[k] - d.rigid.start[k]
+        share.center[k], share.force[k], share.inside[k] = 0.0, 0.0, 1
+        share.residual[k] = d.constraints.target[k] - d.constraints.start[k]
     for _ in range(SWEEPS):
         minimize(d, scale)
         find_left(d)
@@ -63,7 +63,7 @@ def largest_start(d):
     """
     scale = 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        scale = max(scale, abs(d.rigid.start[k]))
+        scale = max(scale, abs(d.constraints.start[k]))
     return scale
 
 
@@ -75,7 +75,7 @@ def sign_at_limit(d, k):
     share, limit = d.share, most(d, k)
     if limit == 0.0:
         return 1 if share.residual[k] > 0.0 else -1
-    return 1 if share.impulse[k] >= limit else (-1 if share.impulse[k] <= -limit else 0)
+    return 1 if share.force[k] >= limit else (-1 if share.force[k] <= -limit else 0)
 
 
 def least(d, k):
@@ -114,9 +114,9 @@ def minimize(d, scale):
         row, part = first_at_limit(d)
         for k in range(d.touch.compliant_count, end):
             if share.inside[k]:
-                share.impulse[k] += part * (share.wanted[k] - share.impulse[k])
+                share.force[k] += part * (share.wanted[k] - share.force[k])
         if row >= 0:
-            share.inside[row], share.impulse[row] = 0, clipped(d, row, share.wanted[row])
+            share.inside[row], share.force[row] = 0, clipped(d, row, share.wanted[row])
         else:
             row = most_inside(d, scale)
             if row < 0 or work_exceeded(d):
@@ -133,7 +133,7 @@ def first_at_limit(d):
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         limit = clipped(d, k, share.wanted[k])
         if share.inside[k] and limit != share.wanted[k]:
-            there = (limit - share.impulse[k]) / (share.wanted[k] - share.impulse[k])
+            there = (limit - share.force[k]) / (share.wanted[k] - share.force[k])
             if there < part or first < 0:
                 first, part = k, there
     return first, part
@@ -143,10 +143,10 @@ def most_inside(d, scale):
     """Return the row at a limit whose force tends inward most, or −1 if none exceeds round-off."""
     share, row, largest, most_of_all = d.share, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        largest = max(largest, abs(share.impulse[k]))
+        largest = max(largest, abs(share.force[k]))
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        inward = abs(clipped(d, k, share.wanted[k]) - share.impulse[k])
-        round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.rigid.impedance[k]
+        inward = abs(clipped(d, k, share.wanted[k]) - share.force[k])
+        round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
         if not share.inside[k] and inward > max(round_off, most_of_all):
             row, most_of_all = k, inward
     return row
@@ -160,24 +160,24 @@ def solve_inside(d):
     share, motion = d.share, d.work.motion
     for k in range(constraint_rows(d)):
         moves = k < d.touch.compliant_count
-        share.impedance[k] = 0.0 if moves or not share.inside[k] else d.rigid.impedance[k]
-        share.push[k] = share.impedance[k] * share.residual[k]
+        share.impedance[k] = 0.0 if moves or not share.inside[k] else d.constraints.impedance[k]
+        share.correction[k] = share.impedance[k] * share.residual[k]
         if not moves and not share.inside[k]:
-            share.push[k] = share.impulse[k] - share.center[k]
+            share.correction[k] = share.force[k] - share.center[k]
     factorize_contacts(d, HELD, share.impedance)
-    solve_contacts(d, HELD, share.push, share.change)
+    solve_contacts(d, HELD, share.correction, share.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         left = share.residual[k] - along(constraint(d, k), motion)
-        share.wanted[k] = share.center[k] + d.rigid.impedance[k] * left
+        share.wanted[k] = share.center[k] + d.constraints.impedance[k] * left
     count_other_work(d, 1)
 
 
 def find_left(d):
     """Find the residuals that the present forces leave; the next iteration begins with both."""
     share = d.share
-    solve_contacts(d, FREE, share.impulse, share.change)
+    solve_contacts(d, FREE, share.force, share.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        share.center[k] = share.impulse[k]
-        reached = d.rigid.start[k] + along(constraint(d, k), d.work.motion)
-        share.residual[k] = d.rigid.target[k] - reached
+        share.center[k] = share.force[k]
+        reached = d.constraints.start[k] + along(constraint(d, k), d.work.motion)
+        share.residual[k] = d.constraints.target[k] - reached
     count_other_work(d, 1)

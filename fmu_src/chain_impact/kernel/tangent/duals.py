@@ -93,7 +93,7 @@ def block(d, number):
     return d.tangent_instances[number]
 
 
-def words(record):
+def as_words(record):
     """Return all dual numbers of a record as one array: each value is followed by its derivatives."""
     return record.words
 

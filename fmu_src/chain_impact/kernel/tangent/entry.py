@@ -12,7 +12,7 @@ from chain_impact.kernel.events.contact_log import update_own_to_output_time
 from chain_impact.kernel.observe import fill_outputs, refill_motion
 from chain_impact.kernel.ode.last_step import keep_state, return_to_kept_state, set_own_output_time
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent.duals import DIRECTIONS, block, words
+from chain_impact.kernel.tangent.duals import DIRECTIONS, as_words, block
 from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
 from chain_impact.kernel.tangent.step_ends import move_end
 from chain_impact.kernel.tangent.trust import share_reason, trusted
@@ -43,10 +43,10 @@ def observe_tangent(d, t):
     set_own_output_time(t, d.step.time)
     fill_outputs(t)
     if not trusted(t) or d.statistics.status != OK:
-        forget_slopes(words(t.output))
+        forget_slopes(as_words(t.output))
     elif t.trust.split:
-        forget_slopes(words(t.output.friction))
-        forget_slopes(words(t.output.load))
+        forget_slopes(as_words(t.output.friction))
+        forget_slopes(as_words(t.output.load))
 
 
 def observe_trial_of_tangent(_d, t):
@@ -54,7 +54,7 @@ def observe_trial_of_tangent(_d, t):
     return_to_kept_state(t)
     refill_motion(t)
     if not trusted(t):
-        forget_slopes(words(t.output))
+        forget_slopes(as_words(t.output))
 
 
 def forget_slopes(dual_numbers):
@@ -89,7 +89,7 @@ def all_valid(d):
 
 def words_of_all(d):
     """Return the number of words of 8 bytes of all tangent instances."""
-    return d.tangents * len(words(block(d, 0)))
+    return d.tangents * len(as_words(block(d, 0)))
 
 
 HOOKS = {

@@ -274,7 +274,7 @@ def stop_speeds(t):
     solve_stopping_impulses(t)
     first = velocity_at(t.links)
     for j in range(coordinate_count(t.links)):
-        t.step.state_end[first + j] += carried(0.0, 1.0, t.rigid.change[j])
+        t.step.state_end[first + j] += carried(0.0, 1.0, t.constraints.change[j])
     locate_points(t, t.step.state_end)
 
 

@@ -37,7 +37,7 @@ def forget_peaks(t, delay):
         c = t.touch.active_index[k]
         peak = t.touch.peak_force[c]
         if k >= t.touch.compliant_count:
-            at_end = value(t.rigid.sample[1, k])
+            at_end = value(t.constraints.sample[1, k])
         else:
             # the force does not jump, because the position and the velocity of the point do not
             gap, gap_rate = clearance(t, c)

@@ -139,7 +139,7 @@ def take_given(d, t):
     for j in range(d.channels):
         t.moved.added[j] = carried(0.0, 1.0, t.motion.position[j])
         t.moved.added_rate[j] = carried(0.0, 1.0, t.motion.velocity[j])
-        t.moved.added_push[j] = carried(0.0, 1.0, t.motion.acceleration[j])
+        t.moved.added_acceleration[j] = carried(0.0, 1.0, t.motion.acceleration[j])
     copy_modes(d, t)
 
 

@@ -109,7 +109,7 @@ Number rounded(double value); /* nine digits */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
 int is_whole(const Table *table); /* whole.c: whether all places in the table are valid */
 uint32_t checksum(const void *bytes, size_t size); /* CRC-32, as in zlib and PNG */
-static inline const void *in_table(const Table *table, int64_t place) { return (const char *)table + place; }
-const char *text_of(const Table *table, int64_t place);
+static inline const void *in_table(const Table *table, int64_t offset) { return (const char *)table + offset; }
+const char *text_of(const Table *table, int64_t offset);
 
 #endif

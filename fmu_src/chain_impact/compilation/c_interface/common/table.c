@@ -135,4 +135,4 @@ uint32_t checksum(const void *bytes, size_t size) {
     return ~crc;
 }
 
-const char *text_of(const Table *table, int64_t place) { return in_table(table, table->texts_at + place); }
+const char *text_of(const Table *table, int64_t offset) { return in_table(table, table->texts_at + offset); }

@@ -148,7 +148,7 @@ int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr
     if (IN(instance->phase) & BEFORE)
         instance->initialized = 0;
     else
-        instance->record[instance->table->changed_word].integer = AT_ONCE; /* re-initialized at the present time */
+        instance->record[instance->table->changed_word].integer = REINITIALIZE; /* re-initialized at the present time */
     return OK;
 }
 

@@ -10,20 +10,20 @@ static int64_t largest_size(int i) {
 }
 
 /* Return whether `count` items of a size lie inside the file, after its head, and are aligned for reading. */
-static int lies_in(const Table *table, int64_t place, int64_t count, uint64_t size) {
-    if (place < (int64_t)sizeof *table || place % (int64_t)sizeof(int64_t) != 0 || count < 0) return 0;
-    uint64_t from = (uint64_t)place;
+static int lies_in(const Table *table, int64_t offset, int64_t count, uint64_t size) {
+    if (offset < (int64_t)sizeof *table || offset % (int64_t)sizeof(int64_t) != 0 || count < 0) return 0;
+    uint64_t from = (uint64_t)offset;
     return from <= table->size && (uint64_t)count <= (table->size - from) / size;
 }
 
-/* Return whether a place, counted from the start of the texts, lies inside the texts. Each text ends, at the latest
+/* Return whether an offset, counted from the start of the texts, lies inside the texts. Each text ends, at the latest
    with the last byte of the file, which is 0. */
-static int is_text(const Table *table, int64_t place) {
-    return place >= 0 && place < (int64_t)table->size - table->texts_at;
+static int is_text(const Table *table, int64_t offset) {
+    return offset >= 0 && offset < (int64_t)table->size - table->texts_at;
 }
 
-static int are_texts(const Table *table, int64_t place, int64_t count) {
-    const int64_t *texts = in_table(table, place);
+static int are_texts(const Table *table, int64_t offset, int64_t count) {
+    const int64_t *texts = in_table(table, offset);
     for (int64_t i = 0; i < count; i++)
         if (!is_text(table, texts[i])) return 0;
     return 1;

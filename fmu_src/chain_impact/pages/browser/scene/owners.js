@@ -88,8 +88,8 @@ export function ownersOf(parts) {
   return {
     one: [{}],
     link: range(links).map((at) => {
-      const follows = inputs.joint_targets && joints.includes(at + 1);
-      return { n: at + 1, at, follows, rests: !follows, rubs: rubbingJoints.includes(at + 1) };
+      const hasTarget = inputs.joint_targets && joints.includes(at + 1);
+      return { n: at + 1, at, has_target: hasTarget, rests: !hasTarget, rubs: rubbingJoints.includes(at + 1) };
     }),
     point: range(links + 1 + sites.length).map((n) => ({ n, at: n })),
     joint: ofJoints(joints),

@@ -47,9 +47,9 @@ export function recordOf(kit, parts, rows, values, byName) {
   allStops.forEach((stop, k) => put("candidate_stop", SHARED.kernel.STOP_CODES[stop], pairs.length + k));
   put("has_base_joint", Number(chain.base !== "free"));
   put("has_inputs", Number(anyOnChain(inputs)));
-  put("followed", Number(inputs.joint_targets));
+  put("has_servos", Number(inputs.joint_targets));
   put("base_moves", Number(inputs.base_motion));
-  put("follows", 1);
+  put("interpolates", 1);
   const first = 2 * inputs.base_motion;
   movingWalls.forEach((_, k) => put("belt", 1, first + 2 * k + 1));
   const channelOf = (name) => (movingWalls.includes(name) ? first + 2 * movingWalls.indexOf(name) : -1);

@@ -137,7 +137,7 @@ export class Kernel {
         impacts.push(...this.#collectFinished());
       }
       this.reals[word] = value;
-      this.integers[this.scene.layout.inputsChanged] = BigInt(SHARED.kernel.AT_ONCE);
+      this.integers[this.scene.layout.inputsChanged] = BigInt(SHARED.kernel.REINITIALIZE);
     }
     const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
     const reason = Number(this.integers[this.scene.layout.reason]);
@@ -186,23 +186,23 @@ export class Kernel {
 
   /** Collect the finished contacts from the log; the oldest contacts are lost if they were not collected in time. */
   #collectFinished() {
-    const { finished, changes } = this.scene.layout;
-    const ended = Number(this.integers[finished.count]);
-    const first = Math.max(Number(this.integers[finished.collected]), ended - finished.capacity);
-    this.integers[finished.collected] = this.integers[finished.count];
+    const { contactLog, changes } = this.scene.layout;
+    const ended = Number(this.integers[contactLog.count]);
+    const first = Math.max(Number(this.integers[contactLog.collected]), ended - contactLog.capacity);
+    this.integers[contactLog.collected] = this.integers[contactLog.count];
     this.integers[changes] = 0n;
-    return this.#contactsInLog(ended - first, (index) => (first + index) % finished.capacity);
+    return this.#contactsInLog(ended - first, (index) => (first + index) % contactLog.capacity);
   }
 
   /** Return rows of the log of contacts. */
   #contactsInLog(count, rowOf) {
-    const { reals, integers, scene: { layout: { finished, impulses, loads } } } = this;
+    const { reals, integers, scene: { layout: { contactLog, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
     return Array.from({ length: count }, (_, index) => {
       const row = rowOf(index);
       const read = ([name, word]) =>
         [name, SHARED.contactLog.REALS.includes(name) ? reals[word + row] : Number(integers[word + row])];
-      return { ...Object.fromEntries(Object.entries(finished.fields).map(read)), ...unknown };
+      return { ...Object.fromEntries(Object.entries(contactLog.fields).map(read)), ...unknown };
     });
   }
 
@@ -211,10 +211,10 @@ export class Kernel {
    * has computed beyond the present time.
    */
   #unfinished() {
-    this.exports.follow(this.record);
-    const { finished, active } = this.scene.layout;
-    const ended = Number(this.integers[finished.count]);
-    return this.#contactsInLog(Number(this.integers[active]), (index) => (ended + index) % finished.capacity);
+    this.exports.log_contacts(this.record);
+    const { contactLog, active } = this.scene.layout;
+    const ended = Number(this.integers[contactLog.count]);
+    return this.#contactsInLog(Number(this.integers[active]), (index) => (ended + index) % contactLog.capacity);
   }
 }
 
