@@ -97,9 +97,8 @@ def check_together(scene: Contents) -> None:
             raise refusal(("chain", "links", i, "points"), "point_names", name=shown(twice[0]))
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
-            least = f"{low + 2 * contact.radius:.15g} [m], which is {axis}_min + 2 contact.radius"
-            path = ("box", f"{axis}_max")
-            raise SceneError(f"{path_text(path)} = {high} must be > {least}", path)
+            least = f"{low + 2 * contact.radius:.15g}"
+            raise refusal(("box", f"{axis}_max"), "box_width", value=high, least=least, axis=axis)
 
 
 def check_slider(scene: Contents) -> None:
@@ -185,8 +184,7 @@ def _check_links(chain: Chain) -> None:
         raise refusal(("chain", "links", 0, key), "no_joint", value=getattr(chain.links[0], key))
     for i, (low, high) in chain.joint_ranges.items():
         if not low < high:
-            path = ("chain", "links", i - 1, "joint_max")
-            raise SceneError(f"{path_text(path)} = {high} must be > {low} [rad], which is joint_min", path)
+            raise refusal(("chain", "links", i - 1, "joint_max"), "joint_range", value=high, least=low)
 
 
 def check_friction(scene: Contents) -> None:
@@ -208,13 +206,11 @@ def _check_coefficients(scene: Contents, table: DataPath, sliding: float, static
     """Refuse coefficients in a table that contradict each other or the contact law."""
     law = CONTACT_LAWS.get(scene.contact.model)
     if 0.0 < static < sliding:
-        path = (*table, "static_friction")
-        needed = f"must be >= {sliding}, the coefficient of sliding friction, or 0 for the same"
-        raise SceneError(f"{path_text(path)} = {static} {needed}", path)
+        raise refusal((*table, "static_friction"), "static_friction", value=static, least=sliding)
     if law and law.impulsive and max(sliding, static) > 0.0:
         key, value = ("friction", sliding) if sliding > 0.0 else ("static_friction", static)
-        needed = f"must be 0 for the contact model {law.id}: {WITHOUT_FRICTION}; choose a law with a force"
-        raise SceneError(f"{path_text((*table, key))} = {value} {needed}", (*table, key))
+        words = {"value": value, "law": law.id, "reason": WITHOUT_FRICTION}
+        raise refusal((*table, key), "rigid_friction", **words)
 
 
 def check_start(scene: Contents) -> None:

@@ -27,6 +27,10 @@ SENTENCES = {
     "wall_name": "= {value} must be none of {others}",
     "out_of_reach": "= {value} must be left out with its wall: no point can reach it: all points that may "
     "touch slide parallel to it",
+    "box_width": "= {value} must be > {least} [m], which is {axis}_min + 2 contact.radius",
+    "joint_range": "= {value} must be > {least} [rad], which is joint_min",
+    "static_friction": "= {value} must be >= {least}, the coefficient of sliding friction, or 0 for the same",
+    "rigid_friction": "= {value} must be 0 for the contact model {law}: {reason}; choose a law with a force",
     "points": "holds {point}, must hold {first} to {last} with a {base} base, each once",
     "point_names": "has two points with the name {name}",
     "no_stops": "= {value} must be left out: no link has a joint_min or joint_max",

@@ -3,6 +3,7 @@
 import { numberText } from "../base/format.js";
 import { inRadians } from "./angles.js";
 import { sumOf } from "./geometry.js";
+import { refuse } from "./refusals.js";
 
 export class Changes {
   #listeners = [];
@@ -132,24 +133,20 @@ function checkTogether(valueOf, parameters) {
   for (const name of parameters.keys()) {
     const [, table] = /^(.*)\.static_friction$/.exec(name) ?? [];
     const [least, sliding] = table ? [valueOf(name), valueOf(`${table}.friction`) ?? valueOf("contact.friction") ?? 0] : [0, 0];
-    if (least > 0 && least < sliding) {
-      throw new RangeError(`${name} = ${numberText(least)} must be >= ${numberText(sliding)}, ` +
-        "the coefficient of sliding friction, or 0 for the same");
-    }
+    if (least > 0 && least < sliding) refuse(name, "static_friction", { value: numberText(least), least: numberText(sliding) });
   }
   for (const name of parameters.keys()) {
     const [, link] = /^(.*)\.joint_max$/.exec(name) ?? [];
     const low = link && valueOf(`${link}.joint_min`);
     if (low !== undefined && valueOf(name) <= low) {
-      throw new RangeError(`${name} = ${numberText(valueOf(name))} must be > ${numberText(low)} [rad], which is joint_min`);
+      refuse(name, "joint_range", { value: numberText(valueOf(name)), least: numberText(low) });
     }
   }
   const radius = valueOf("contact.radius") ?? 0;
   for (const axis of ["x", "y"]) {
     const [low, high] = ["min", "max"].map((end) => valueOf(`box.${axis}_${end}`));
     if (high - low <= 2 * radius) {
-      throw new RangeError(`box.${axis}_max = ${numberText(high)} must be > ${numberText(low + 2 * radius)} [m], ` +
-        `which is ${axis}_min + 2 contact.radius`);
+      refuse(`box.${axis}_max`, "box_width", { value: numberText(high), least: numberText(low + 2 * radius), axis });
     }
   }
 }
