@@ -26,7 +26,7 @@ def test_a_package_that_is_there_is_imported():
         ),
     ],
 )
-def test_a_package_that_is_missing_names_this_python_and_where_the_extra_is_from(monkeypatch, origin, wanted):
+def test_a_missing_package_error_names_python_and_extra(monkeypatch, origin, wanted):
     monkeypatch.setattr(extras.sys, "executable", "/a venv/bin/python")
     known = SimpleNamespace(read_text=lambda _: origin and json.dumps(origin))
     monkeypatch.setattr(extras, "distribution", lambda _: known)

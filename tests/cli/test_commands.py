@@ -225,7 +225,7 @@ def test_a_picture_and_a_window_have_rows_of_their_own(run, here, fmu, monkeypat
 # --- compare ---------------------------------------------------------------------------------------------
 
 
-def test_compare_prints_a_row_for_each_law_and_advice_and_writes_what_was_asked_for(run, here):
+def test_compare_prints_each_law_and_writes_the_files(run, here):
     code, said, errors = run(
         "compare", "--set", "contact.restitution=0.5", "--set", "simulation.stop_time=0.6",
         "--csv", "laws.csv", "--plot", "laws.png",

@@ -85,7 +85,7 @@ def test_info_lists_models_and_laws(run):
         assert all(len(line.split()) > 2 for line in said.splitlines())
 
 
-def test_signs_are_printed_as_they_are_or_as_question_marks_where_the_console_has_few(run, here):
+def test_a_console_without_unicode_gets_question_marks(run, here):
     """Check the output of main() on consoles with and without Unicode signs."""
     text, odd = (ROD / "scene.toml").read_text("utf-8"), 'description = "[bold] λ [/] b"'
     (here / "odd.toml").write_text(re.sub('description = ".*"', odd, text), encoding="utf-8")

@@ -36,7 +36,7 @@ def sections(content):
 
 
 @pytest.mark.full("takes long")
-def test_the_module_is_small_imports_nothing_exports_what_a_page_calls_and_has_no_path():
+def test_the_browser_module_is_small_and_exports_the_called_functions():
     """The module has no function names either. .ci/run compares modules from two folders, byte by byte."""
     content = browser_module().read_bytes()
     found = sections(content)

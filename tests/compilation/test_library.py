@@ -169,7 +169,7 @@ def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in,
 
 
 @needs_compilers
-def test_a_kernel_with_derivatives_is_the_same_kernel_with_more_linked_to_it(stand_in):
+def test_derivatives_are_linked_to_the_unchanged_kernel(stand_in):
     plain, other = kernel_library(3), kernel_library(3, derivatives=True)
     assert plain.read_text() == "kernel for None"
     assert other.read_text() == "kernel for None and derivatives for None"

@@ -101,7 +101,7 @@ def test_a_frame_is_chosen_as_the_tip():
         scene(Robot(name="arm", bodies=bodies, gravity=DOWN), tip="hnd")
 
 
-def test_an_offset_along_the_axes_has_no_effect_and_a_held_joint_merges_two_bodies():
+def test_offsets_along_hinge_axes_vanish_and_held_joints_merge_bodies():
     robot = arm(hinge("a"), hinge("b"))
     aside = [body("b0", -1, (0.0, 0.0, 0.5), [hinge("a")]), body("b1", 0, (0.3, 0.7, 0.0), [hinge("b")])]
     aside.append(robot.bodies[-1])
@@ -121,7 +121,7 @@ def test_an_offset_along_the_axes_has_no_effect_and_a_held_joint_merges_two_bodi
 
 
 @pytest.mark.parametrize("plane", ["x,z", "-x,z"])
-def test_a_centre_of_mass_beside_the_line_stays_there_whichever_way_the_plane_is_seen(plane):
+def test_a_mirrored_plane_mirrors_the_centre_of_mass(plane):
     bodies = list(arm(hinge("a")).bodies)
     bodies[0] = body("b0", -1, (0.0, 0.0, 0.5), [hinge("a")], center=np.array([0.1, 0.0, 0.03]))
     found, done = scene(Robot(name="arm", bodies=bodies, gravity=DOWN), plane=plane)

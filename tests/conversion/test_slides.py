@@ -15,7 +15,7 @@ def cart(axis="1 0 0", more="", **parts):
     return arm(**parts).replace('<joint name="a"', rail)
 
 
-def test_a_slide_that_is_not_in_the_plane_or_not_before_the_hinges_is_refused_with_a_proposal(tmp_path):
+def test_a_slide_out_of_plane_or_after_a_hinge_is_refused(tmp_path):
     assert "joint rail slides" in (told := refused(tmp_path, cart("0 1 0")))
     assert "--joints a,b takes joints" in told
     finger = '<body pos=".3 0 0"><joint name="finger" type="slide" axis="1 0 0"/><geom size=".02"/></body>'

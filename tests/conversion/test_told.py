@@ -160,7 +160,7 @@ def test_a_carriage_that_touches_the_floor_is_told(tmp_path):
     )
 
 
-def test_an_ellipsoid_that_reaches_beyond_the_points_is_told_with_the_distance(tmp_path):
+def test_the_part_of_an_ellipsoid_beyond_its_points_is_told(tmp_path):
     heel = '<geom type="ellipsoid" pos=".2 0 -.1" size=".05 .02 .1" mass=".1"/>'
     text = arm(world=FLOOR.format("")).replace("<site", f"{heel}<site")
     _, done = read(tmp_path, text)
@@ -175,7 +175,7 @@ def test_dozens_of_shapes_are_one_line(tmp_path):
     assert line.startswith("shapes 30 ellipsoids: do not touch as shapes")
 
 
-def test_of_dozens_of_shapes_only_those_that_a_wall_can_touch_first_are_points(tmp_path):
+def test_only_shapes_that_can_touch_a_wall_first_become_points(tmp_path):
     balls = "".join(f'<geom type="sphere" size=".05" pos=".{i:02} 0 0" mass="0"/>' for i in range(10, 30))
     scene, _ = read(tmp_path, arm(more=balls, world=FLOOR.format("")))
     assert [(site.x, site.radius) for i, site in scene.chain.sites if i == 0] == [

@@ -68,7 +68,7 @@ def test_equal_scenes_have_equal_pictures_whatever_the_settings_of_matplotlib():
         assert (page(PreparedScene(load_scene("ramp")), 2), icon(prepared.scene)) == before
 
 
-def test_the_page_says_whose_the_model_is_and_has_each_kind_of_variable_in_one_row():
+def test_the_documentation_page_has_the_author_and_a_row_for_each_kind():
     said = {"author": "Jane <Doe>", "version": "1.2", "copyright": "2026 Jane Doe", "license": "MIT"}
     prepared = PreparedScene(load_scene("four_link_box").with_values(said))
     text = page(prepared, 2)

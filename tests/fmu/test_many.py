@@ -104,7 +104,7 @@ def test_native_instances_leave_nothing_behind(strict, clean):
 
 
 @pytest.mark.full("takes long")
-def test_pythonfmu_instances_leave_no_more_behind_than_those_of_an_empty_slave(all_fmus, foreign, clean):
+def test_a_pythonfmu_instance_leaks_no_more_than_an_empty_slave(all_fmus, foreign, clean):
     """pythonfmu's wrapper executes the script for every instance and never frees its code and names."""
     ours = clean(growth, all_fmus["pythonfmu"]["rod_drop"], 200, 1000)
     empty = clean(growth, foreign, 200, 1000)

@@ -59,7 +59,7 @@ def binaries(fmu):
 
 
 @pytest.mark.parametrize("platform", ZIG_TARGETS)
-def test_binaries_ask_for_libraries_of_the_system_only_and_have_no_path_of_this_machine(binaries, platform):
+def test_binaries_need_system_libraries_only_and_hold_no_local_path(binaries, platform):
     entry, data = binaries[platform]
     assert entry.filename == f"binaries/{platform}/RodDrop{ZIG_TARGETS[platform][1]}"
     found = binary(data)

@@ -61,7 +61,7 @@ def test_a_table_drives_an_fmu_as_it_drives_the_scene(tmp_path, capsys):
         record_fmu(fmu, inputs=(table, "linear"))
 
 
-def test_what_is_driven_is_told_to_be_the_derivative_of_what_comes_before_it(tmp_path):
+def test_a_driven_rate_is_the_derivative_of_the_driven_position(tmp_path):
     text = (
         ARM
         + """

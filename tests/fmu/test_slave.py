@@ -30,7 +30,7 @@ def path(all_fmus):
     return all_fmus["pythonfmu"]["rod_drop"]
 
 
-def test_only_the_files_that_are_needed_and_another_script_for_another_value(path, tmp_path):
+def test_the_fmu_has_only_needed_files_and_a_script_for_its_values(path, tmp_path):
     names = zipfile.ZipFile(path).namelist()
     rest = [name for name in names if not name.startswith(("resources/pythonfmu/", "extra/"))]
     script, slave = sorted((name for name in rest if name.endswith(".py")), key=len)

@@ -68,7 +68,7 @@ def test_a_call_pauses_after_its_work_and_goes_on():
 
 
 @pytest.mark.parametrize(("logged", "full"), [(0, False), (6, False), (7, True), (8, True), (100, True)])
-def test_the_log_of_changes_is_full_where_one_more_of_each_element_has_no_room(logged, full):
+def test_the_log_of_changes_is_full_without_room_for_each_element(logged, full):
     d = begun(pendulum())  # a pendulum of two elements, whose modes both change at the start
     assert (d.elements, d.changes.count, len(d.changes.time)) == (2, 2, 8)
     d.changes.count = logged

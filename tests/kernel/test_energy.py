@@ -51,7 +51,7 @@ def test_kinetic_and_potential_energy_are_those_of_the_centres_of_mass(base, cou
 
 
 @BASES
-def test_what_is_stored_is_that_of_the_springs_and_of_the_contacts_that_are_pressed(base, count):
+def test_stored_energy_is_that_of_springs_and_pressed_contacts(base, count):
     _, d, y, (first, _second) = prepared(base, count)
     assert d.model.has_joint_springs == (count > 1 or base == "pinned")
     springs = joints.spring_energy(d, y)

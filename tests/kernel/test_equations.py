@@ -62,7 +62,7 @@ def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
 
 @BASES
 @pytest.mark.parametrize("sprung", [0, 1])
-def test_moments_of_the_joints_act_on_both_links_and_their_powers_are_theirs(base, count, sprung):
+def test_joint_moments_act_on_both_links_with_their_power(base, count, sprung):
     """Gᵀ (u − c G ω) with the rates G ω of the joints; dissipated Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
     d.model.has_joint_springs = sprung

@@ -91,7 +91,7 @@ def test_a_size_follows_from_the_error_of_the_one_before(monkeypatch, errors, lo
     assert trials.noted == ["accept"]
 
 
-def test_a_step_that_its_method_makes_longer_ends_with_the_piece_of_an_input(monkeypatch):
+def test_a_lengthened_step_ends_with_the_piece_of_the_inputs(monkeypatch):
     for limit, size in ((math.inf, 1.2 * SIZE), (0.6 * SIZE, 0.6 * SIZE)):
         trials = Trials(monkeypatch, [0.5], limit=limit)
         monkeypatch.setattr(loop, "prepare", lambda _, h: 1.2 * h)

@@ -125,7 +125,7 @@ def test_a_full_dot_shows_a_joint_that_sticks(show_recording):
         assert page.locator(".stuck-joint").count() == count
 
 
-def test_a_joint_with_stops_has_an_arc_and_its_impacts_are_told_in_the_units_of_the_angle(show_recording):
+def test_a_joint_with_stops_has_an_arc_and_impacts_in_angles(show_recording):
     page = show_recording(record_slowly(knee()))
     assert page.locator("polyline.range").count() == 1
     assert page.locator("polyline.range-mark").count() == 2

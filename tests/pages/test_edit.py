@@ -186,7 +186,7 @@ def refusal_of(script, contents, more=()):
 
 
 @pytest.mark.parametrize(("path", "value", "told"), REFUSED, ids=[told for *_, told in REFUSED])
-def test_contents_that_cannot_be_are_refused_with_the_key_and_what_is_allowed(script, path, value, told):
+def test_wrong_contents_are_refused_with_key_and_allowed_values(script, path, value, told):
     contents = changed(path, value)
     with pytest.raises(SceneError):
         scene_from_dict(contents, "written.toml")

@@ -54,7 +54,7 @@ def refusal(page):
     return page.locator("#edit-text").inner_text()
 
 
-def test_links_walls_and_stops_are_added_and_removed_and_the_page_has_the_numbers_of_simulate(show, tmp_path):
+def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
     page = show()
     page.get_by_role("slider", name="Restitution").press("ArrowLeft")
     restitution = page.evaluate("chainImpact.parameters['contact.restitution']")
@@ -117,7 +117,7 @@ DROP = """([name, text]) => {
 }"""
 
 
-def test_a_dropped_file_is_the_scene_of_the_page_with_its_own_sliders_link_and_map(show, open_page, address):
+def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, address):
     page = show()
     text = scene_path("sliding_rod").read_text(encoding="utf-8")
     page.evaluate(DROP, ["sliding_rod.toml", text])

@@ -176,7 +176,7 @@ def test_a_loop_plays_again_and_a_key_fills_the_screen(show):
     until(page, "document.fullscreenElement === null")
 
 
-def test_the_list_has_what_is_left_of_each_speed_and_the_chart_has_the_loop_of_an_impact(show):
+def test_the_list_has_speed_ratios_and_the_chart_has_the_force_loop(show):
     page = show()
     first = simulate("four_link_box").impacts[0]
     page.get_by_role("button", name="Go to impact 1, ").click()

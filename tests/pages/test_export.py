@@ -96,7 +96,7 @@ def test_the_scene_file_of_the_page_is_the_scene_with_its_changes(show, model, c
     assert load_scene(file).values == load_scene(model).with_values(changes).values
 
 
-def test_a_table_that_is_too_large_or_not_complete_is_told_where_it_is_asked_for(show):
+def test_the_export_tells_a_table_that_is_too_large_or_incomplete(show):
     page = show(hash_="#simulation.step_size=1e-9")
     page.get_by_role("button", name="Export…").click()
     page.get_by_role("button", name="Outputs as CSV").click()

@@ -48,7 +48,7 @@ def test_round_off_of_the_largest_value_is_shown_as_zero(script):
     assert found == [[[0.5, 0], [1e-11]], [[0]]]
 
 
-def test_an_angle_is_shown_in_degrees_where_these_are_shorter_and_stand_for_the_same_number(script):
+def test_an_angle_is_shown_in_degrees_if_that_is_shorter_and_exact(script):
     changed, turned, short, length = script.evaluate(ANGLES)
     assert changed == []
     assert (turned, short, length) == ("-25 deg", "0.5", "3.141592653589793")

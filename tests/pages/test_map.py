@@ -104,7 +104,7 @@ def test_a_run_that_a_scene_would_refuse_has_no_colour(show):
         page.locator("#map-text").get_by_text(text).wait_for()
 
 
-def test_a_map_that_is_closed_stops_and_another_takes_the_place_of_one_that_is_not_complete(show):
+def test_a_closed_map_stops_and_a_new_one_replaces_an_incomplete_one(show):
     page = show(hash_="#simulation.stop_time=400")
     page.get_by_role("button", name="Map…").click()
     page.get_by_role("button", name="Simulate 41 × 41 runs").click()

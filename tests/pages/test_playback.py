@@ -44,7 +44,7 @@ def test_it_plays_on_its_own_and_pauses(show_recording):
     assert time_after(page, 100) > stopped
 
 
-def test_it_stands_still_for_who_asked_for_less_motion_and_its_clock_passes_as_it_says(show_recording):
+def test_a_page_with_reduced_motion_starts_paused(show_recording):
     """In 1/3 s: a fraction of a millisecond at an impact, otherwise as long or twice as long."""
     page = show_recording(stopped=True)
     assert time_after(page, 500) == 0.0

@@ -118,7 +118,7 @@ def test_ten_seconds_of_four_links_are_small():
     assert len(html(record_slowly(scene))) < 1_500_000
 
 
-def test_of_very_many_rows_those_stay_that_are_shown_and_those_beside_impacts(monkeypatch):
+def test_thinned_rows_keep_shown_rows_and_rows_beside_impacts(monkeypatch):
     monkeypatch.setattr(recorded, "MOST_ROWS", 1000)
     whole = simulate("four_link_box", output_step=1e-5)
     found = recorded.thinned(whole, 0.6)

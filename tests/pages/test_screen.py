@@ -118,7 +118,7 @@ def test_joints_at_rest_are_given_velocities(show):
         settle(page)
 
 
-def test_an_arrow_that_is_dragged_ends_where_the_pointer_is_and_on_its_stem_the_joint_rests(show):
+def test_a_dragged_arrow_ends_at_the_pointer_and_rests_at_its_stem(show):
     page = show("four_link_box", AT_REST)
     x, y = middle(page, "velocity 0")
     drag(page, "velocity 0", (-30.0, -60.0))
@@ -193,7 +193,7 @@ def angle(page, link=4):
     return parameters(page)[f"initial.angle[{link}]"]
 
 
-def test_a_finger_drags_a_joint_does_not_scroll_and_a_second_one_does_not_take_it_away(show):
+def test_a_finger_drags_a_joint_and_a_second_finger_does_not(show):
     page = show(viewport=PHONE, has_touch=True)
     first, second = middle(page, "joint 4"), middle(page, "joint 1")
     lower = second + np.array([0, 40])

@@ -80,7 +80,7 @@ def test_what_cannot_be_drawn_is_refused(result):
         result.plot(curves="*")
 
 
-def test_outputs_that_are_always_zero_are_told_at_the_foot_and_large_forces_have_a_prefix(result):
+def test_zero_outputs_are_told_at_the_foot_and_large_forces_have_a_prefix(result):
     page = result.plot(curves="contact[*].*.force")
     (axes,) = page.axes
     named = [text.get_text() for text in axes.get_legend().get_texts()]

@@ -6,7 +6,7 @@ from chain_impact.pictures.figures import least_figure
 
 
 @pytest.mark.parametrize("lines", [12, 40])
-def test_the_least_height_is_found_by_halves_where_a_figure_tells_only_whether_it_fits(lines):
+def test_the_least_height_is_found_by_bisection(lines):
     heights = []
 
     def fill(figure):

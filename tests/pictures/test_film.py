@@ -124,9 +124,7 @@ def shaken():
     return record_slowly(load_scene("shaken_pendulum").with_values({"simulation.stop_time": 0.1}))
 
 
-def test_a_sine_that_drives_an_input_has_eight_frames_in_a_period_and_the_film_tells_how_slow_it_is(
-    drawn, shaken, tmp_path
-):
+def test_a_driving_sine_has_eight_frames_in_a_period(drawn, shaken, tmp_path):
     times, rates = drawn(shaken, tmp_path / "film.gif")
     assert np.diff(times).max() * 40.0 <= 1 / 8 + 1e-9
     assert rates == pytest.approx(20 / (8 * 40.0), rel=1e-6)
@@ -232,7 +230,7 @@ def test_rates_as_text(rate, text):
     assert rate_text(rate) == text
 
 
-def test_arrows_have_lengths_by_the_cube_root_of_the_force_and_the_ruler_has_round_forces():
+def test_arrow_lengths_go_with_the_cube_root_of_the_force():
     scale = ArrowScale(2000.0, 1.0)
     assert scale.length(2000.0) == pytest.approx(LONGEST_ARROW)
     assert scale.length(250.0) == pytest.approx(LONGEST_ARROW / 2.0)

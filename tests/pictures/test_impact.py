@@ -89,7 +89,7 @@ def test_a_comparison_draws_itself_at_any_width_and_into_axes(tmp_path):
     assert comparison.plot(tmp_path / "laws.pdf") is None
 
 
-def test_of_a_contact_that_lasts_the_impact_is_shown_and_that_it_lasts_is_told():
+def test_a_lasting_contact_shows_its_impact_and_that_it_lasts():
     """The peak stays visible, and the loop is open."""
     result = simulate(driven(stop_time=1.0))
     number = 1 + int(np.flatnonzero(np.isnan(result.impacts["end"]))[0])

@@ -117,7 +117,7 @@ def test_the_motion_fills_its_panel(name):
     assert box.width > 0.4 * page.bbox.width or box.height > 0.85 * height
 
 
-def test_a_broad_motion_has_the_whole_width_and_a_page_without_impacts_no_empty_panel():
+def test_a_broad_motion_has_the_whole_width():
     page = recorded("clattering_rod").plot()
     motion, _, energy, _ = page.axes
     assert motion.get_window_extent().width > 0.8 * page.bbox.width
@@ -263,7 +263,7 @@ def test_panels_are_drawn_into_axes_that_are_there():
     assert one.get_xlabel() == "x [m]"
 
 
-def test_legends_of_different_figures_keep_all_their_entries_and_one_figure_has_none_twice():
+def test_legends_have_each_entry_once():
     result = recorded("sliding_rod")
 
     def entries(*axes):

@@ -86,7 +86,7 @@ def test_texts_name_the_joint_and_the_unit():
     assert [line for line in lines if " rad/s " in line]
 
 
-def test_rows_of_impacts_at_stops_with_loads_fit_into_80_columns_and_stand_below_their_heads():
+def test_rows_of_impacts_with_loads_fit_into_80_columns():
     result = simulate(load_scene("arm_at_stop").with_values({"outputs.loads": True}))
     (table,) = [part for part in summary(result) if not isinstance(part, str)]
     lines = list(plain_lines(table))
@@ -128,7 +128,7 @@ def test_touches_have_the_moments_of_stops(up, stop):
     assert moments.keys() == {"joint_min", "joint_max"}
 
 
-def test_the_picture_has_a_mark_for_each_stop_and_an_axis_of_their_own_for_their_speeds():
+def test_impacts_at_stops_have_marks_and_their_own_axis():
     page, recording = Figure(figsize=SIZE, layout="constrained"), swung()
     fill(page, recording)
     names = {name for axes in page.axes for name in axes.get_legend_handles_labels()[1]}

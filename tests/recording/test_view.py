@@ -64,7 +64,7 @@ def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
 
 
 @pytest.mark.parametrize(("far", "whole"), [(1.9, True), (2.1, False)])
-def test_a_closed_room_is_seen_whole_where_it_is_asked_for_and_not_far_larger_than_the_motion(far, whole):
+def test_a_closed_room_is_seen_whole_unless_it_is_far_larger(far, whole):
     walls = half_planes({"x_min": -0.1, "x_max": 2.1, "y_min": -0.1}, {"roof": (0.0, 2.0 + far, np.pi)})
     view, near = seen(SQUARE, walls, room=1.0)
     assert len(near) == (4 if whole else 3)

@@ -47,7 +47,7 @@ def others(file, allowed):
     return [m for m in imported(file) if not any(m == one or m.startswith(f"{one}.") for one in allowed)]
 
 
-def test_the_kernel_imports_numbers_numpy_and_itself_only_and_the_slave_the_standard_library():
+def test_kernel_and_slave_import_only_what_they_may():
     allowed = ("dataclasses", "fractions", "math", "numpy", "typing", "chain_impact.kernel")
     found = {file.name: others(file, allowed) for file in (PACKAGE / "kernel").rglob("*.py")}
     found[SLAVE.name] = others(SLAVE, (*sys.stdlib_module_names, "pythonfmu"))
@@ -95,7 +95,7 @@ def test_no_folders_of_the_pages_need_each_other_and_each_script_says_what_it_is
     graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
 
 
-def test_docs_and_benchmarks_need_the_helpers_of_the_tests_only_and_no_helper_needs_them():
+def test_docs_and_benchmarks_import_only_helpers_of_the_tests():
     """Tests of the docs import both; so the arrows go one way."""
     scripts = [file for folder in ("docs", "benchmarks") for file in (ROOT / folder).glob("*.py")]
     needed = {name for file in scripts for name in imported(file) if name.split(".")[0] == "tests"}

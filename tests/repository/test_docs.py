@@ -273,7 +273,7 @@ def test_the_start_page_of_the_site_opens_with_a_page_that_simulates():
         try_it.begin_with_page("<h1>chain-impact</h1>")
 
 
-def test_pictures_of_the_gallery_lead_to_the_pages_that_simulate_and_names_to_the_pages_of_models():
+def test_links_of_the_gallery_lead_to_their_pages():
     source = (ROOT / "docs" / "models" / "index.md").read_text(encoding="utf-8")
     pictures = re.findall(
         r"\]\(\.\./images/(\w+)\.png\)\{[^}]*\}\]\((\w+)\.md\)<br>\[`(\w+)`\]\((\w+)\.md\)", source

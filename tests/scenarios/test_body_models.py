@@ -18,7 +18,7 @@ def test_the_rocking_block_is_the_rectangle_of_the_closed_forms():
     assert link.inertia == pytest.approx(link.mass * BLOCK.reach**2 / 3, rel=1e-15)
 
 
-def test_the_quarter_period_of_the_rocking_block_is_that_of_the_exact_equation_on_a_rigid_floor():
+def test_the_rocking_block_has_the_exact_quarter_period():
     assert simulated_quarter_period(1e-12) == pytest.approx(quarter_period(), abs=1e-11)
 
 

@@ -15,7 +15,7 @@ STEP, ROWS = 5e-3, 1201  # s
 
 
 @pytest.mark.full("builds two FMUs")
-def test_the_controller_balances_the_pole_also_as_the_cart_hits_its_stop_and_the_pole_is_pushed(tmp_path):
+def test_the_controller_balances_the_pole_through_impact_and_push(tmp_path):
     """The reference is a Chain that a Python loop steps with the same gains."""
     options = ["-o", tmp_path, "--plot", tmp_path / "cart.png"]
     subprocess.run([sys.executable, FOLDER / "co_simulation.py", *options], check=True)

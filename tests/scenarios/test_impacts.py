@@ -282,7 +282,7 @@ def test_the_record_holds_everything():
     assert instance.words.tobytes() == other.words.tobytes()
 
 
-def test_a_bounce_off_which_links_turn_far_faster_does_not_hold_up_the_solver():
+def test_a_bounce_that_spins_links_fast_does_not_stop_the_solver():
     """A step as long as the previous step would make 15 turns; its errors overflow."""
     wall = 2.290016350654996
     values = {

@@ -46,7 +46,7 @@ def test_a_servo_swings_to_its_target_as_the_damped_oscillator(method):
     assert not result.energy["dissipated"].any()
 
 
-def test_a_servo_follows_a_sinusoidal_target_with_the_amplitude_and_phase_of_its_transfer_function():
+def test_a_servo_follows_a_sine_as_its_transfer_function_says():
     """A (k + i c ω)/(k − J ω² + i c ω), plus a decaying part from the start."""
     pace, inertia = 3.0, INERTIA + ARMATURE
     targets = {

@@ -288,7 +288,7 @@ RESTING = [
 
 
 @pytest.mark.parametrize(("walls", "stops"), [("zhang_sharf", "newton_impact"), ("newton_impact", "flores")])
-def test_rigid_stops_and_walls_with_a_force_hold_an_arm_together_and_the_other_way_round(walls, stops):
+def test_rigid_stops_and_force_walls_hold_an_arm_together(walls, stops):
     """An arm rests on its stop and on a floor: the moments about the base, and about the knee, balance."""
     scene = arm(
         RESTING,
@@ -318,7 +318,7 @@ def test_rigid_stops_and_walls_with_a_force_hold_an_arm_together_and_the_other_w
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("law", ["zhang_sharf", "lankarani_nikravesh", "kelvin_voigt"])
 @pytest.mark.parametrize(("walls", "stops"), [(None, "newton_impact"), ("newton_impact", None)])
-def test_the_peak_of_a_force_is_the_largest_one_also_where_rigid_contacts_strike_or_hold(law, walls, stops):
+def test_the_peak_force_is_the_largest_beside_rigid_contacts(law, walls, stops):
     """A rigid impact makes the force of other contacts jump; a held contact influences their rates."""
     exponent = 1.0 if law == "kelvin_voigt" else 1.5
     scene = arm(
@@ -359,7 +359,7 @@ def after_impact(scene, rigid):
     [("floor", [-2.0, -2.5]), ("floor", [2.5, -4.0]), ("stop", [2.0, -4.0]), ("stop", [-2.0, -2.5])],
 )
 @pytest.mark.parametrize("law", ["zhang_sharf", "kelvin_voigt"])
-def test_a_contact_begins_after_a_rigid_impact_at_the_same_moment_if_it_still_approaches(rigid, omegas, law):
+def test_a_contact_begins_with_a_simultaneous_rigid_impact(rigid, omegas, law):
     """Without approach after the rigid impact, no contact begins and no impact is listed."""
     laws = ("newton_impact", law) if rigid == "floor" else (law, "newton_impact")
     scene = together(*laws, omegas)
@@ -375,7 +375,7 @@ def test_a_contact_begins_after_a_rigid_impact_at_the_same_moment_if_it_still_ap
         assert at_once[second]["peak_force"] > 1.0
 
 
-def test_steps_after_an_impact_are_as_long_as_before_it_while_a_rigid_stop_holds_another_joint():
+def test_a_held_joint_does_not_shorten_steps_after_an_impact():
     """An arm rests on its rigid stop, while its tip bounces on a compliant floor."""
     links = [{"length": 0.5, "mass": 5.0, "joint_min": -0.1}, {"length": 0.3, "mass": 0.2}]
     scene = arm(

@@ -36,7 +36,7 @@ def test_nine_in_ten_of_many_chains_that_rest_have_derivatives():
     assert found[OPEN] < 0.2 * found[FOUND]
 
 
-def test_how_points_that_stick_share_friction_has_no_derivative_once_something_was_left_open():
+def test_the_share_of_friction_has_no_derivative_after_an_open_choice():
     found = 0
     for seed in range(FEW):
         run = simulate(thrown(seed), sensitivities=["contact.friction"])
@@ -49,7 +49,7 @@ def test_how_points_that_stick_share_friction_has_no_derivative_once_something_w
     assert found > 0
 
 
-def test_what_friction_leaves_open_is_told_as_a_part_of_the_largest_derivative():
+def test_the_open_part_of_friction_is_told_relative_to_the_largest_derivative():
     runs = [simulate(thrown(seed), sensitivities=PARAMETERS) for seed in range(FEW)]
     shares = [share for run in runs for share in shares_left_open(run)]
     assert shares

@@ -138,7 +138,7 @@ def test_a_damaged_state_is_refused_and_changes_nothing(arm):
     assert chain.save() == state
 
 
-def test_a_state_with_a_new_checksum_that_the_kernel_cannot_go_on_with_is_refused(arm):
+def test_an_unsound_state_with_a_right_checksum_is_refused(arm):
     chain = Chain(arm)
     state = chain.save()
     head = len(state) - chain._reals.nbytes

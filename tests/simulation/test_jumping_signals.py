@@ -95,7 +95,7 @@ def jump_of(one, change, time=0.104, name="pull"):
 
 
 @pytest.mark.parametrize("text", [lifted(0.0, 12.0, rises=False), lifted(12.0, 0.0)])
-def test_a_largest_force_at_two_jumps_at_one_time_has_no_derivative_by_the_time_of_one(text):
+def test_a_peak_at_two_simultaneous_jumps_has_no_derivative_by_either_time(text):
     scene = parse_scene(text + jump_of("tip.force.y", 1.0), "x")
     by = ["signal.push.time[2]", "link[1].mass"]
     run = simulate(scene, sensitivities=by)
@@ -104,7 +104,7 @@ def test_a_largest_force_at_two_jumps_at_one_time_has_no_derivative_by_the_time_
     assert np.isfinite(run.sensitivity("point[1].y", by[0])).all()
 
 
-def test_a_largest_force_at_three_jumps_at_one_time_has_no_derivative_by_the_time_of_any():
+def test_a_peak_at_three_simultaneous_jumps_has_no_derivative_by_any_time():
     text = lifted(0.0, 12.0, rises=False)
     text += jump_of("tip.force.x", 1.0, name="along") + jump_of("tip.force.y", 1.0, name="up")
     by = ["signal.push.time[2]", "signal.along.time[2]", "signal.up.time[2]"]
@@ -134,7 +134,7 @@ def test_two_jumps_after_the_largest_force_in_a_wall_leave_it_its_derivatives(re
     assert run.impact_sensitivity("peak_force", by[1])[0] == pytest.approx(slope, rel=1e-5)
 
 
-def test_a_largest_force_in_a_wall_at_two_jumps_has_no_derivative_by_the_time_of_one():
+def test_a_wall_peak_at_two_jumps_has_no_derivative_by_either_time():
     """The slopes on both sides differ: 6772 and 6426 N/s."""
     text = pressed_hard("kelvin_voigt") + jump_of("tip.force.x", -5.0, 0.012)
     by = ["signal.push.time[2]", "link[1].mass"]

@@ -42,7 +42,7 @@ def test_no_law_is_named_whose_contact_does_not_end():
     assert advice(replace(comparison, runs=forces)).endswith(": none of these laws")
 
 
-def test_what_an_impact_that_is_not_free_can_reach_is_told_over_the_stiffness():
+def test_the_reach_of_an_impact_that_is_not_free_is_told_over_stiffness():
     """Servos press the tip onto the wall: without losses its rebound has 0.70 of its approach speed."""
     found = compare(driven(), laws=["zhang_sharf", "lee_wang", "newton_impact"])
     assert not found.is_free

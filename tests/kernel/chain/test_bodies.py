@@ -139,7 +139,7 @@ def sites_of(reference):
     return [(i, site["x"], site["y"]) for i, link in enumerate(reference.links) for site in link["points"]]
 
 
-def test_accelerations_with_forces_at_points_of_links_are_those_of_lagranges_equations(moving):
+def test_accelerations_by_forces_at_sites_agree_with_lagrange(moving):
     d, y, reference, _ = moving
     n, force = d.links, reference.force.copy()
     d.candidate.offset[:] = 0.3  # the floor is above some points

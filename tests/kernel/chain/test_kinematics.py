@@ -67,7 +67,7 @@ def test_points_can_be_placed_for_link_vectors_that_are_known():
 
 @BASES
 @COUNTS
-def test_a_change_of_the_coordinates_moves_the_points_as_their_jacobians_say(count, base):
+def test_a_change_of_coordinates_moves_points_by_their_jacobians(count, base):
     rng = np.random.default_rng([2, count])
     scene, d = chain(rng, count, base)
     y, change = random_state(rng, d), rng.normal(size=count + 2)
@@ -78,7 +78,7 @@ def test_a_change_of_the_coordinates_moves_the_points_as_their_jacobians_say(cou
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_largest_component_is_found_wherever_it_stands_also_among_the_places_of_joints(sign):
+def test_the_largest_component_is_found_at_points_and_joints(sign):
     for axis, row in [(axis, row) for axis in "xy" for row in range(5) if axis == "x" or row < 3]:
         _, d = stopped_chain(2)
         motion = d.work.motion

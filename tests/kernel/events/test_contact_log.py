@@ -28,7 +28,7 @@ STIFFNESS = 1e8
 
 @pytest.mark.parametrize("tolerance", [3e-3, 1e-3])
 @pytest.mark.parametrize("seed", range(15))
-def test_the_largest_force_of_an_elastic_contact_is_that_at_its_largest_depth(seed, tolerance):
+def test_an_elastic_contact_has_its_peak_force_at_its_largest_depth(seed, tolerance):
     """F = K δ^(3/2). At loose tolerances a step may begin before a peak and end with the contact."""
     random = np.random.default_rng(seed)
     initial = {
@@ -166,7 +166,7 @@ def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
 
 
 @pytest.mark.parametrize("due", [False, True])
-def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_forgotten(due, monkeypatch):
+def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatch):
     """The step keeps an onset and mode changes exactly at the communication point."""
     d, motion = pressed(TURNING)
     d.touch.event[:4] = ONSET, END, KINK, NONE

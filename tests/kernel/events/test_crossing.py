@@ -20,9 +20,7 @@ from tests.kernel.steps import Motion, free_motion, gaps_of, set_step, translati
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize(("near", "touching"), [(1, 0), (3, 0), (0, 1), (2, 2)])
 @pytest.mark.parametrize("seed", range(8))
-def test_the_first_crossing_is_where_the_first_clearance_or_depth_falls_through_zero(
-    seed, near, touching, base
-):
+def test_the_first_crossing_is_the_first_fall_through_zero(seed, near, touching, base):
     d, motion = moving([seed, near, touching], near=near, touching=touching, base=base)
     d.touch.event[:] = 7
     theta, whose = first_fall(d, motion)
@@ -127,7 +125,7 @@ def test_the_curvature_of_a_clearance_is_bounded_and_not_by_too_much(seed, base)
     assert (d.search.curvature < 3.0 * most + 1.0).all()
 
 
-def test_the_points_of_an_implicit_step_that_are_in_contact_have_their_own_bound():
+def test_contacts_in_an_implicit_step_have_their_own_bound():
     d, _ = moving(3, touching=2)
     held = d.touch.active_index[:2]
     before = d.search.curvature.copy()

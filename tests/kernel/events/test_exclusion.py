@@ -48,7 +48,7 @@ def phi_all(d, motion):
 @pytest.mark.parametrize("touching", [0, 2])
 @pytest.mark.parametrize("near", [0.02, 0.2, 2.0])
 @pytest.mark.parametrize("seed", range(6))
-def test_no_event_is_excluded_that_happens_and_none_is_looked_for_far_from_walls(seed, near, touching):
+def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
     d, motion = stepped([seed, touching], near=near, touching=touching)
     values = phi_all(d, motion)
     happens = (values.min(axis=0) < 0.0).any()
@@ -95,7 +95,7 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
 
 
 @pytest.mark.parametrize("held", [False, True])
-def test_the_search_follows_those_that_may_cross_but_not_those_that_a_rigid_wall_holds(held):
+def test_the_search_follows_free_candidates_but_no_held_ones(held):
     _, d = chain(np.random.default_rng(0), 2)
     motion = translation(d, [0.0], [0.0, -1.0])
     walls_away(d)
@@ -136,7 +136,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
 
 @pytest.mark.parametrize("active", [False, True])
 @pytest.mark.parametrize("seed", range(10))
-def test_a_clearance_stays_above_the_least_bernstein_coefficient_of_its_interpolant(seed, active):
+def test_a_clearance_is_above_its_least_bernstein_coefficient(seed, active):
     """The interpolant is the Hermite interpolant of order 6, by SciPy; a margin is subtracted."""
     rng = np.random.default_rng(seed)
     _, d = chain(rng, 1)
@@ -209,7 +209,7 @@ def quiet_start(regularized=-1):
     return d
 
 
-def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and_goes_on():
+def test_a_touching_point_is_near_unless_its_contact_is_regularized():
     d = quiet_start()
     assert exclusion.remains_far(d)
     for what in (exclusion.NOTHING, exclusion.VALUES):
@@ -229,7 +229,7 @@ def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and
 
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])
 @pytest.mark.parametrize("end", [0.0, 1.4, 1.6])
-def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_anew(speed, end):
+def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, end):
     """The check is at either end of the step."""
     d, _ = stepped(0, touching=1)
     d.touch.impact_speed[0], d.touch.speed[0] = 3.0, 3.0 * speed
@@ -314,7 +314,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
 
 
 @pytest.mark.parametrize("lengths", [(2.0, 0.01), (0.01, 2.0, 0.02), (1.0, 1.0, 0.5), (2.0,)])
-def test_near_a_stop_it_counts_that_both_links_of_the_joint_may_have_an_error(lengths):
+def test_the_error_near_a_stop_is_that_of_both_links(lengths):
     """Each angle may have an error of the tolerance; one link is far longer than the others."""
     tolerance, last = 1e-3, len(lengths)
     links = [{"length": length, "mass": 1.0} for length in lengths]

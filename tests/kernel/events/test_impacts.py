@@ -97,7 +97,7 @@ def test_an_impact_is_moreaus(seed, count, base):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_push(seed):
+def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     """0 ≤ F ⟂ g̈ ≥ 0, where g̈ comes from gravity alone because all speeds are small."""
     d, y, jacobian, response, w, candidates = touching(seed)
     y[6:12] = 0.0
@@ -137,7 +137,7 @@ def test_points_that_all_but_touch_are_neighbours():
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
-def test_an_impact_aims_at_rebounds_of_what_arrives_fast_and_brings_the_rest_to_rest(restitution):
+def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
     """e = 0 for a held contact, for a slow arrival, and for a rebound too slow to leave."""
     d, y, _jacobian, response, w, candidates = touching(1, POINTS, kinds=NONE)
     d.touch.event[candidates] = ONSET, NEIGHBOUR, NONE, ONSET
@@ -303,7 +303,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     assert d.contact_log.point[0] == d.candidate.point[6]
 
 
-def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it():
+def test_released_points_leave_the_wall_and_held_points_stay():
     d, _y, *_ = touching(1, POINTS[:3], kinds=NONE)
     d.constraints.in_active_set[:3] = 1, 0, 1
     impacts.release_contacts(d)
@@ -333,7 +333,7 @@ def test_a_release_is_a_first_guess_of_who_is_let_go():
     assert results[0] == results[1]
 
 
-def test_contacts_with_a_force_take_the_rates_after_it_and_the_side_of_their_kink(monkeypatch):
+def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     rng = np.random.default_rng(47)
     _, d = chain(rng, 2)
     touched, sides = [0, 5, 9], []
@@ -354,7 +354,7 @@ def test_contacts_with_a_force_take_the_rates_after_it_and_the_side_of_their_kin
             assert (d.touch.speed[c], d.touch.force_rate[c]) == (77.0, -5.0)
 
 
-def test_a_contact_with_a_force_that_is_due_at_an_impact_begins_if_its_point_still_moves_inward():
+def test_a_due_force_contact_begins_if_its_point_moves_inward_after_the_impact():
     found = set()
     for seed in range(12):
         d, y, jacobian, _, w, (rigid, soft) = touching(seed, (1, 6))

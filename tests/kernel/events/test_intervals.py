@@ -71,7 +71,7 @@ def test_of_several_candidates_the_one_that_is_unsettled_decides():
 
 @pytest.mark.parametrize("active", [0, 1])
 @pytest.mark.parametrize("whole", [False, True])
-def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(whole, active):
+def test_a_small_depth_at_the_end_of_a_step_is_no_onset(whole, active):
     """A contact that ends keeps its end in this step.
 
     The onset of a lasting contact lies in this step or the next.
@@ -85,7 +85,7 @@ def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(w
 
 
 @pytest.mark.parametrize("active", [0, 1])
-def test_a_point_that_is_deep_without_having_moved_there_is_an_onset_but_no_end(active):
+def test_a_deep_point_without_inward_motion_is_an_onset(active):
     d = interval(1e-13, -1e-9, (0.0, 1.0), 0.0, active=active)
     assert crossing.check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
     d.search.clear_start[0] = -1e-11  # the candidate has been at this depth before
@@ -153,7 +153,7 @@ def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(b
         (0.6, [1.0, 0.5, 1.0, 0.75, 0.625, 0.75, 1.0]),
     ],
 )
-def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_that(monkeypatch, near, ends):
+def test_intervals_are_halved_where_needed_and_widen_again(monkeypatch, near, ends):
     """The intervals of the bisection are [k/2ⁿ, (k+1)/2ⁿ], here down to 1/8 where they contain an event."""
     _, d = stopped_chain(1, "pinned")
     seen = []
@@ -166,7 +166,7 @@ def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_t
     assert seen == ends
 
 
-def test_the_curvature_of_a_stop_is_that_of_its_joint_and_of_a_point_that_of_the_links_before_it(bounded):
+def test_curvature_bounds_of_stops_and_points_hold(bounded):
     d, along_x, along_y = bounded
     d.step.regularized = NO_CONTACT
     crossing.bound_curvature(d)

@@ -166,7 +166,7 @@ def test_a_clearance_that_is_round_off_is_no_distance_from_an_onset(gap, accepts
     assert lands(landed([gap, gap], rate=-1e-7, size=4e-8)) == accepts
 
 
-def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cannot_be_shorter():
+def test_events_of_the_shortest_step_are_at_its_end():
     assert onset_fraction(landed([0.1, 0.1], kind=KINK)) == -1.0
     assert onset_fraction(landed([0.1, 0.1], size=1e-13)) == -1.0
     d = landed([0.1, 0.1], size=1e-11)
@@ -177,7 +177,7 @@ def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cann
     assert accepted(d)
 
 
-def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_of_one_that_cannot(
+def test_an_incredible_onset_refuses_the_step_or_is_dropped(
     monkeypatch,
 ):
     # a step of 1e-12 s, or a step near the resolution of time, cannot become shorter
@@ -208,7 +208,7 @@ def found_leaving(d):
 
 
 @pytest.mark.parametrize("implicit", [False, True])
-def test_an_explicit_step_whose_ends_do_not_tell_has_its_dense_output_looked_at(implicit):
+def test_an_explicit_step_with_undecided_ends_is_searched_inside(implicit):
     d, _ = moving(0, near=0)
     d.inputs.piece.change_rate, d.step.dense_for = 1e9, OUTPUTS
     if implicit:

@@ -65,7 +65,7 @@ def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shap
     assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)
 
 
-def test_what_is_below_zero_at_no_sample_is_not_found_and_the_first_that_is_is():
+def test_the_first_negative_sample_is_found():
     def found(place, *others):
         below = (place, *others)
 
@@ -123,7 +123,7 @@ def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     assert first_crossing(d, 1, 1.0) == 0.0  # the contact starts on the other side of its kink
 
 
-def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event():
+def test_the_first_kink_counts_and_kinks_at_one_time_are_one_event():
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
     found = find_force_event(d, -1.0)
     assert found == pytest.approx(0.5, abs=1e-14)

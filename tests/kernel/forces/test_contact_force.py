@@ -169,7 +169,7 @@ def test_the_uncut_force_is_a_spring_and_a_damper(law):
 
 
 @LAWS
-def test_a_force_continued_from_its_own_side_is_the_force_as_long_as_it_stays_there(law):
+def test_a_continued_force_is_the_force_on_its_own_side(law):
     d = contact_of(law.id)
     d.touch.kink_margin[0] = 0.0
     for depth in DEPTHS:
@@ -280,7 +280,7 @@ def test_a_users_law_gives_the_force_and_its_slopes_are_differences(own):
     assert forces.law_slopes(own, 0, 1e-3, -0.4) == (0.0, 0.0)
 
 
-def test_slopes_of_a_users_law_that_fall_count_as_none_and_without_one_the_law_is_its_own(own, monkeypatch):
+def test_negative_slopes_of_a_users_law_count_as_zero(own, monkeypatch):
     monkeypatch.setattr(user_law, "force", lambda depth, rate, *_: 5.0 - depth - rate)
     assert forces.user_slopes(own, 0, 1.0, 1.0) == (0.0, 0.0)
     monkeypatch.undo()

@@ -127,7 +127,7 @@ def test_coefficients_of_friction_are_checked(given, sliding, static, refused):
     assert own_law.check_law(d, c) == own_law.check_laws(d) == refused
 
 
-def test_a_law_is_derived_when_it_or_its_restitution_has_changed_also_for_contacts_that_last():
+def test_a_changed_law_or_restitution_is_derived_also_for_lasting_contacts():
     _, d = chain(np.random.default_rng(4), 3)
     touch(d, [2, 5])
     d.touch.impact_speed[:], d.touch.effective_mass[:] = 1.5, 2.0

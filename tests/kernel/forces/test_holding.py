@@ -29,7 +29,7 @@ def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
-def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(base):
+def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
     """g̈ + W F = 0, where g̈ is the acceleration without forces."""
     d, y, _jacobian, response, w = problem(base)
     rate = np.zeros(len(y))
@@ -59,7 +59,7 @@ def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(ba
         assert own.least_force[c] == (-1e9 if c % 2 else min(0.0, own.impulse[k]))
 
 
-def test_the_momentum_that_errors_explain_is_that_of_the_tolerance_and_of_a_fall():
+def test_tolerated_momentum_is_that_of_tolerance_and_a_small_fall():
     """m √(2 (g + 1/s²·size) RISE size) + m tol (size/s + v)."""
     d, *_ = problem()
     total = d.model.mass.sum()
@@ -71,7 +71,7 @@ def test_the_momentum_that_errors_explain_is_that_of_the_tolerance_and_of_a_fall
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_explain(seed):
+def test_stopping_impulses_pull_by_no_more_than_errors_explain(seed):
     d, _y, _, _, w = problem(seed=seed)
     own = d.constraints
     for size in (1.0, 1e-9):  # s, for a motion and for errors
@@ -92,7 +92,7 @@ def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_expl
 
 @pytest.mark.parametrize("tolerance", [1e-12, 1e3])
 @pytest.mark.parametrize("bad", [False, True])
-def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_missing(bad, tolerance):
+def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
     """Where W is nearly singular a small gap needs large rotations; then separate points stay in place."""
     d, _, _, response, _ = problem(pressed=(1, 1))
     own, size = d.constraints, d.model.size
@@ -139,9 +139,7 @@ def test_what_meeting_the_walls_takes_of_the_kinetic_energy_is_dissipated(base):
 
 @pytest.mark.parametrize(("moved", "again"), [(0.99, False), (1.01, True)])
 @pytest.mark.parametrize("turns", [False, True])
-def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths(
-    monkeypatch, moved, again, turns
-):
+def test_a_projection_is_judged_by_residuals_and_link_lengths(monkeypatch, moved, again, turns):
     d, *_ = problem(pressed=(1, 1))
     own, size, called = d.constraints, d.model.size, []
     own.start[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]

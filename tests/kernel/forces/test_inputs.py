@@ -86,7 +86,7 @@ def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
 @pytest.mark.parametrize(
     ("name", "k"), [("joint_torque", 0), ("joint_torque", 1), ("tip_force", 0), ("tip_force", 1)]
 )
-def test_constants_that_are_given_anew_are_not_in_use_if_one_of_them_is_another(name, k):
+def test_inputs_are_not_in_use_if_one_differs(name, k):
     d = driven(order=0)
     assert inputs.inputs_in_use(d)
     d.given[name][k] += 1.0

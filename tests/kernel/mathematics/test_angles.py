@@ -55,7 +55,7 @@ def test_the_cosine_and_sine_of_an_angle_are_those_of_each_quarter_turn(quarter)
         np.testing.assert_allclose(cosine_and_sine(angle), (np.cos(angle), np.sin(angle)), rtol=0, atol=3e-16)
 
 
-def test_angles_are_in_reach_as_long_as_their_sizes_add_up_to_less_than_the_largest():
+def test_angles_are_in_range_while_their_sum_is_below_the_limit():
     angles = np.array([9 * LARGEST_ANGLE, -0.6 * LARGEST_ANGLE, 0.39 * LARGEST_ANGLE, 9 * LARGEST_ANGLE])
     assert in_reach(angles, 1, 2)
     assert in_reach(angles, 1, 0)

@@ -61,7 +61,7 @@ def test_a_step_that_changes_the_ledger_or_is_not_finite_is_refused(entry, theta
         assert before == d["balance"]["at_end"]
 
 
-def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_too_much():
+def test_a_run_ends_if_the_energy_balance_drifts_too_fast():
     d = after_a_step()
     balance.start_balance(d, 0.0)
     own, ledger_now = d.balance, float(d.balance.at_end)

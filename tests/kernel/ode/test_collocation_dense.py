@@ -78,7 +78,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     assert (np.delete(d.search.curvature, d.touch.active_index[:2]) == -1.0).all()
 
 
-def test_in_between_the_coordinates_take_the_changes_that_bring_them_to_the_clearances(step, monkeypatch):
+def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
     """The changes are zero at the ends of the step; they are tested at a third and two thirds."""
     d, rng = step, np.random.default_rng(43)
     collocation.keep_stages(d, False)

@@ -35,9 +35,7 @@ def test_few_steps_of_an_impact_are_rejected(tolerance, stiffness, restitution):
 
 @pytest.mark.parametrize("power", [0.0, 0.25, 1.5])
 @pytest.mark.parametrize("restitution", [1.0, 0.3])
-def test_a_force_rises_in_the_time_in_which_its_depth_is_reached_or_damping_stops_the_point(
-    power, restitution
-):
+def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution):
     """δ*/v₀ (1 + damping over elastic force)^(−1/(p+1))."""
     rng = np.random.default_rng(7)
     _, d = chain(rng, 1)
@@ -104,7 +102,7 @@ def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
 
 
 @pytest.mark.parametrize("error", [0.0, 1.0, np.nextafter(1.0, 2.0), 1e300, math.inf, math.nan])
-def test_a_step_is_accepted_with_an_error_of_the_tolerance_and_without_a_larger_one(error):
+def test_a_step_is_accepted_up_to_the_tolerance(error):
     _, d = chain(np.random.default_rng(1), 2)
     control.conclude(d, error, 0.7)
     assert control.accepted(d) == (error <= 1.0)
@@ -116,7 +114,7 @@ def test_a_step_is_accepted_with_an_error_of_the_tolerance_and_without_a_larger_
     assert (d.trial.error, d.trial.cost_factor) == (0.5, 0.7)
 
 
-def test_a_try_has_its_size_and_a_run_begins_without_the_error_of_an_earlier_one():
+def test_a_new_run_forgets_the_error_of_the_last_step():
     _, d = chain(np.random.default_rng(1), 2)
     begin_step(d)
     methods.attempt(d, 1e-3)

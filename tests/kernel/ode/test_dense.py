@@ -78,7 +78,7 @@ def test_a_moment_of_a_step_in_another_variable_is_found(d, start, end, theta):
     assert dense.fraction(d, 3.0 + time(theta)) == pytest.approx(found, abs=1e-7)
 
 
-def test_of_two_moments_the_one_before_time_runs_back_is_it_and_what_comes_after_the_step_is_its_end(d):
+def test_the_first_of_two_times_on_the_dense_output_is_taken(d):
     time = falling(d, 0.3, -0.2)  # back from θ = 0.6 on
     for theta in (0.05, 0.3, 0.59):
         assert dense.regularized_fraction(d, time(theta)) == pytest.approx(theta, rel=1e-6)

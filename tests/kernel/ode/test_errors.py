@@ -80,7 +80,7 @@ def test_what_is_not_finite_is_infinitely_wrong(bad, where):
     assert control.scaled_errors(d) == (0.0, 0.0)
 
 
-def test_the_largest_of_two_errors_are_over_their_scales_as_far_as_they_are_counted():
+def test_two_errors_are_the_largest_scaled_components():
     one, other = np.array([-1.0, 2.0, 9.0]), np.array([3.0, -4.0, math.nan])
     weight = np.array([0.4, 0.5, 1.0])
     assert control.largest_errors(one, other, weight, 2) == pytest.approx((1.0, 2.0), rel=1e-15)
@@ -125,7 +125,7 @@ def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
     assert control.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
 
 
-def test_the_errors_of_clearances_are_those_of_the_coordinates_along_the_normals():
+def test_errors_of_clearances_are_errors_of_coordinates_along_normals():
     scene, d, touched, y = deep()
     d.work.error[:] = np.random.default_rng(6).uniform(-1e-6, 1e-6, d.work.error.shape)
     locate_points(d, y)

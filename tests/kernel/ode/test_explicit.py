@@ -276,7 +276,7 @@ def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
 
 
 @pytest.mark.parametrize("first", [0, 1])
-def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_way_to_it(first):
+def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)
     d.step.state_end[:] = struck(rng, d, [1, 6, 8])

@@ -120,7 +120,7 @@ def test_order_is_nine_with_any_jacobian(kind):
 
 
 @pytest.mark.parametrize("kind", JACOBIANS)
-def test_the_error_estimates_are_of_order_six_and_five_and_what_is_made_of_them_of_seven(kind, estimated):
+def test_error_estimates_have_orders_five_and_six_and_combine_to_seven(kind, estimated):
     """f is interpolated by five values in E, with an error of h⁵, and by four in E′; both are times h."""
     _, step = problem(oscillator, JACOBIANS[kind])
     error_of, sizes, found = estimated(oscillator, JACOBIANS[kind]), (0.05, 0.025, 0.0125), []
@@ -134,7 +134,7 @@ def test_the_error_estimates_are_of_order_six_and_five_and_what_is_made_of_them_
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 
 
-def test_linear_problem_with_its_own_matrix_is_solved_at_once_as_the_stability_function_says():
+def test_a_linear_problem_is_solved_in_one_iteration():
     matrix = np.array([[-2.0, 1.0], [0.5, -3.0]])
     step, _ = problem(lambda y: matrix @ y, lambda y: matrix)
     start = np.array([1.0, -2.0])

@@ -80,7 +80,7 @@ def test_the_mismatch_is_that_of_the_worst_contact_by_its_depth(step, k):
     assert extended.largest_mismatch(d, z) == pytest.approx(1e-4 / depths[k], rel=1e-9)
 
 
-def test_a_projection_tells_its_largest_weighted_change_and_the_mismatch_before(step):
+def test_a_projection_returns_its_largest_change_and_residual(step):
     scene, d, touched, y, z = step
     moved = y.copy()
     assert extended.project_clearances(d, z, moved) == (0.0, 0.0)  # consistent coordinates stay

@@ -9,7 +9,7 @@ ORDER = 9
 C, MATRIX = np.array(radau.NODES), np.array(radau.Q)
 
 
-def test_each_stage_is_of_the_stage_order_and_the_result_of_its_order_and_no_more():
+def test_stages_and_result_have_exactly_their_orders():
     """Σ_j Q_ij c_j^(k−1) = c_i^k/k. The method is stiffly accurate, and collocates at the end."""
     for k in range(1, radau.RADAU_STAGES + 1):
         np.testing.assert_allclose(MATRIX @ C ** (k - 1), C**k / k, rtol=0, atol=2e-16)

@@ -193,7 +193,7 @@ def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
         assert sundman.lone_contact(d) == right
 
 
-def test_at_the_wall_a_point_that_arrives_is_in_contact_and_one_that_leaves_is_not():
+def test_at_a_wall_an_arriving_point_is_in_contact():
     seen = set()
     for seed in range(6):
         d, c, _ = contact(seed)

@@ -97,7 +97,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
 @pytest.mark.parametrize(
     "pressed", [(0, 0, 0, 0), (1, 1, 1, 1), (1, 0, 0, 1), (1, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)]
 )
-def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(base, pressed):
+def test_all_pressed_contacts_reach_their_targets(base, pressed):
     """A single pressed contact takes one solution, and several contacts take a few sweeps."""
     d, _, _, response, w = problem(base, pressed)
     own, rows, before, alone = d.constraints, np.flatnonzero(pressed), d.limits.other_work, sum(pressed) == 1

@@ -130,7 +130,7 @@ def differenced(d, y, change):
     return (gaps[0] - gaps[1]) / (2 * h)
 
 
-def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(stopped):
+def test_the_clearance_of_a_stop_is_angle_times_lever_arm(stopped):
     """g = s (ψ − joint_min) or s (joint_max − ψ); its rate equals a difference along the motion."""
     d, y = stopped
     size, angles, joints = (
@@ -221,7 +221,7 @@ def test_any_place_may_be_the_fastest(place):
     assert length_bound(d, d.work.motion) == (4.25 if place <= 3 else 0.5)
 
 
-def test_round_off_is_that_of_both_coordinates_of_a_point_or_of_both_angles_of_a_joint():
+def test_round_off_of_clearances_is_that_of_coordinates_or_angles():
     d = stopped_chain(3, "pinned")[1]
     y, position, size = np.zeros(len(d.step.state)), d.work.position, d.model.size
     position.x[:], position.y[:] = np.linspace(-3.0, 3.0, len(position.x)), 2.5

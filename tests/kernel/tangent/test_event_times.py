@@ -39,7 +39,7 @@ def test_an_event_is_late_by_its_clearance_over_its_rate(monkeypatch, tangent, k
     assert parts(event_times.delay_of_crossing(tangent, 1, kind)) == (0.0, [1.5, -3.0])
 
 
-def test_a_contact_that_is_latched_anew_is_late_by_its_speed_over_its_acceleration(monkeypatch, tangent):
+def test_a_relatched_contact_is_late_by_speed_over_acceleration(monkeypatch, tangent):
     """The event function is φ = −ġ − 2 v₀, with φ̇ = −g̈."""
     monkeypatch.setattr(event_times, "clearance", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0)))
     monkeypatch.setattr(event_times, "gap_acceleration", lambda _t, c: dual(-4.0 * c, 9.0, 9.0))

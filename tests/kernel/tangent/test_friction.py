@@ -110,9 +110,7 @@ def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, t, ended
         ((-1e-3, 0.4, True), [(trust.SLOW_CHANGE, 1)]),
     ],
 )
-def test_sliding_that_begins_at_no_certain_time_matters_where_the_force_drops(
-    monkeypatch, t, ended, given, reasons
-):
+def test_an_uncertain_start_of_sliding_matters_if_the_force_drops(monkeypatch, t, ended, given, reasons):
     """A drop of 9 N (1 − 3/4) gives 3 kg a speed in a delay of −φ′/φ̇."""
     rate, static, small = given
     margin_of(monkeypatch, t, rate)  # below √tolerance · 9 N · 2 rad/s

@@ -125,9 +125,7 @@ WAVES = [0.9 * FALLS, *PAUSE, 0.8 * FALLS**2, *PAUSE, 0.0]
         ([1e300 * 0.5**k for k in range(MOST)], (False, MOST)),
     ],
 )
-def test_an_iteration_ends_when_it_has_converged_or_its_corrections_fall_no_more(
-    monkeypatch, corrections, right
-):
+def test_an_iteration_ends_at_convergence_or_stagnation(monkeypatch, corrections, right):
     assert iterated(monkeypatch, corrections) == right
 
 
@@ -153,7 +151,7 @@ def slopes(start, end, parts):
     return d, SimpleNamespace(implicit=own)
 
 
-def test_a_correction_is_relative_to_the_derivatives_at_the_end_in_its_worst_direction():
+def test_a_correction_is_relative_to_the_worst_direction():
     """Weighted sums: 2·(3 + 1) and 10·(1 − 0.5) in one direction, 2 and 20 in the other."""
     d, t = slopes(
         [(3.0, 1.0), (1.0, 2.0)], [(1.0, 0.0), (-0.5, 0.0)], {(0, 0): (-0.04,), (2, 1): (0.004, 0.06)}

@@ -199,7 +199,7 @@ def test_a_force_jumps_that_differs_beside_rest(monkeypatch, rising, falling, ri
     assert asked == [(2, 1e-3, 5e-10, False), (2, 1e-3, -5e-10, False)]
 
 
-def test_derivatives_are_trusted_up_to_the_time_of_the_reason_which_names_its_impact():
+def test_derivatives_are_trusted_up_to_the_named_impact():
     t = instance()
     assert trust.trusted(t)
     for time, right in ((TIME + 0.1, True), (TIME, False), (TIME - 0.1, False)):

@@ -286,7 +286,7 @@ def test_residuals_that_are_no_noise_are_said():
     )
 
 
-def test_the_last_residual_of_a_data_set_is_no_neighbour_of_the_next_ones_first():
+def test_residuals_of_two_data_sets_are_no_neighbours():
     def said(residuals):
         """Return the report on residuals with a row for each data set."""
         count = residuals.size

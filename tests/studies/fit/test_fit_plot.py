@@ -79,7 +79,7 @@ def test_a_file(found, tmp_path):
     assert (tmp_path / "fit.svg").read_text(encoding="utf-8").rstrip().endswith("</svg>")
 
 
-def test_the_model_has_the_measured_inputs_and_a_column_may_be_of_impacts_that_it_has_not():
+def test_a_fit_uses_measured_inputs_and_allows_missing_impacts():
     arm, time = load_scene("pinned_arm"), np.linspace(0.0, 0.3, 31)
     torque = 0.6 * np.sin(9.0 * time)
     angle = simulate(arm, inputs={"joint[1].torque": (time, torque)}, stop_time=0.3)["link[1].angle"][-1]

@@ -114,7 +114,7 @@ def test_ctrl_c_keeps_the_rows_that_are_done_and_the_same_command_goes_on(interr
     assert whole == rows_of(table.with_stem("other"))
 
 
-def test_another_sweep_does_not_go_on_with_rows_that_an_interrupted_one_has_left(interrupted, capsys):
+def test_a_sweep_ignores_rows_left_by_another_sweep(interrupted, capsys):
     command, table = interrupted
     kept = rows_of(table)
     assert cli.main([*command, "--set", "contact.stiffness=1e7"]) == 2
