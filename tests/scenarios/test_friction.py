@@ -282,7 +282,7 @@ def test_dissipated_energy_falls_by_no_more_than_the_tolerance(law):
 
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
-def test_the_impulse_of_friction_converges_with_stiffness(method):
+def test_the_impulse_of_friction_is_mu_times_that_of_a_very_stiff_floor(method):
     """An undamped rod trembles on the floor; during slip, vx + µ (vy + g t) stays constant."""
     contact = {"model": "hertz", "stiffness": 1e14, "friction": 0.3}
     start = {"position": [0.0, 0.0], "angles": [0.0], "velocity": [2.0, 0.0]}

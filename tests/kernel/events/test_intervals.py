@@ -71,7 +71,7 @@ def test_of_several_candidates_the_one_that_is_unsettled_decides():
 
 @pytest.mark.parametrize("active", [0, 1])
 @pytest.mark.parametrize("whole", [False, True])
-def test_a_small_depth_at_the_end_of_a_step_is_no_onset(whole, active):
+def test_a_harmless_interval_at_the_end_of_a_step_has_no_crossing(whole, active):
     """A contact that ends keeps its end in this step.
 
     The onset of a lasting contact lies in this step or the next.
