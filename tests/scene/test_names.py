@@ -49,6 +49,8 @@ def test_only_what_is_alike_is_near():
 def test_a_name_of_one_part_is_nearest_to_a_name_with_such_a_last_part():
     names = ["link[1].mass", "link[1].length", "link[2].length"]
     assert nearest("lenght", names) == "link[1].length"
+    stops = [*names, "stop.stiffness", "contact.stiffness"]
+    assert nearest("stifness", stops) == nearest("stiffness", stops) == "contact.stiffness"
     assert nearest("mass", names) == "link[1].mass"
     assert nearest("force", names) is None
 

@@ -207,10 +207,10 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
     """Return the name that is most similar to ``name``, or None.
 
     Names that differ by their numbers only have priority, ``link[1].mass`` for ``link.mass``; then names with
-    the same last part, ``contact[1].y_min.force`` for ``joint[1].force``. If ``name`` has one part and no
-    name is similar, the shortest name with a similar last part is returned, ``link[1].length`` for
-    ``lenght``. A similarity is a number from 0 to 1. A name needs at least the similarity ``at_least``, or
-    SAME_LAST if the last part is the same.
+    the same last part, ``contact[1].y_min.force`` for ``joint[1].force``. If ``name`` has one part, a name
+    with a similar last part has priority: one of [contact], else the shortest, ``contact.stiffness`` for
+    ``stifness`` and ``link[1].length`` for ``lenght``. A similarity is a number from 0 to 1. A name needs at
+    least the similarity ``at_least``, or SAME_LAST if the last part is the same.
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
     bare = NUMBER.sub("", name)
@@ -224,12 +224,14 @@ def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | Non
             alike, key=lambda one: sum(abs(a - b) for a, b in zip(_numbers(one), numbers, strict=True))
         )
     same = [one for one in every if owner and len(last) > 1 and one.rpartition(".")[2] == last]
+    if not owner:
+        first = sorted(every, key=lambda one: (not one.startswith("contact."), len(one)))
+        by_last = {one.rpartition(".")[2]: one for one in reversed(first)}
+        if alike := get_close_matches(name, by_last, n=1, cutoff=LIKE_LAST):
+            return by_last[alike[0]]
     found = get_close_matches(name, every, n=1, cutoff=at_least)
     if not found or found[0] not in same:
         found = get_close_matches(name, same, n=1, cutoff=SAME_LAST) or found
-    if not found and not owner:
-        by_last = {one.rpartition(".")[2]: one for one in sorted(every, key=len)[::-1]}
-        found = [by_last[last] for last in get_close_matches(name, by_last, n=1, cutoff=LIKE_LAST)]
     return next(iter(found), None)
 
 
