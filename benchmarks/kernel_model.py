@@ -41,7 +41,7 @@ from chain_impact.compilation.functions import compiled
 from chain_impact.compilation.lower import lowered
 from chain_impact.compilation.record_type import INSTANCE, vector
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.equations import mechanical_energy, state_rate, stored_energy
+from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.events.marks import END, NONE, ONSET, RELATCH
@@ -71,7 +71,7 @@ MARGIN = 5e-2
 def rate_at(d, y, out):
     """Set the first components of f(y)."""
     d.statistics.rhs_evaluations += 1
-    state_rate(d, y, d.work.stage[0])
+    rate_from_state(d, y, d.work.stage[0])
     for j in range(len(y)):
         out[j] = d.work.stage[0, j]
 
@@ -161,7 +161,7 @@ def switch(d, clock, values, found):
     value, slope = least_event(d, y)
     if slope < 0.0 and abs(value) < -slope * POLISH:
         dt = -value / slope
-        state_rate(d, y, d.work.stage[0])
+        rate_from_state(d, y, d.work.stage[0])
         for j in range(len(y)):
             y[j] += dt * d.work.stage[0, j]
         clock[0] += dt
@@ -247,7 +247,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
         if not (energy <= limits[0] and deepest <= limits[1]):
             limits[0], limits[1] = energy, deepest
             return step
-        state_rate(d, y, stage[0])
+        rate_from_state(d, y, stage[0])
         if euler:
             for j in range(n):
                 y[n + j] += dt * stage[0, n + j]
@@ -257,7 +257,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
                 part = dt if k == 3 else 0.5 * dt
                 for j in range(size):
                     z[j] = y[j] + part * stage[k - 1, j]
-                state_rate(d, z, stage[k])
+                rate_from_state(d, z, stage[k])
             for j in range(size):
                 y[j] += dt * (stage[0, j] + 2.0 * (stage[1, j] + stage[2, j]) + stage[3, j]) / 6.0
     limits[0], limits[1] = highest, deepest

@@ -13,7 +13,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw, lossless_depth
 from chain_impact.pictures.style import BLACK, DPI, GREY, PALETTE, STYLE, headline, legend_at_foot
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.scene.tables import Contact
@@ -43,8 +43,7 @@ def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
     The result is a row of ``Result.impacts``.
     """
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
-    n, k = contact.exponent, contact.stiffness
-    depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))
+    depth = lossless_depth(0.5 * mass * speed**2, contact.stiffness, contact.exponent)
     stop = (
         2.0 * HEIGHT + LONGEST * depth
     ) / speed  # the formula also holds for a depth comparable with the height

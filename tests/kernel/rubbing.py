@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
+    joint_or_slider,
     list_friction,
-    rubbing_joint,
     set_friction_used,
 )
 from chain_impact.kernel.rows.geometry import tangent, tangential_acceleration, tangential_position
@@ -65,7 +65,7 @@ def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray
             jacobian = point_jacobian(scene, y[2 : d.links + 2], int(d.candidate.point[e]))
             rows.append(np.array([tx, ty]) @ jacobian)
         else:
-            row, i = np.zeros(d.links + 2), rubbing_joint(d, e)
+            row, i = np.zeros(d.links + 2), joint_or_slider(d, e)
             row[2 + i] = d.model.size
             if i > 0:
                 row[1 + i] = -d.model.size
@@ -119,7 +119,7 @@ class AtRest:
         """Return t·a of all elements, from the kernel's values at the end of the last step."""
         d, rate = self.d, np.zeros(len(self.d.step.state_end))
         locate_points(d, d.step.state_end)
-        located_rate(d, d.step.state_end, rate)
+        rate_from_points(d, d.step.state_end, rate)
         accelerate_points(d, d.step.state_end, rate)
         return np.array([tangential_acceleration(d, e) for e in self.elements])
 

@@ -134,7 +134,7 @@ def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, c
     d, rates = at_end_of_a_step([ONSET]), []
     monkeypatch.setattr(loop, "apply_events", lambda _: changed)
     loop.ensure_rate(d)
-    monkeypatch.setattr(last_step, "state_rate", lambda _d, _y, rate: rates.append(rate.copy()))
+    monkeypatch.setattr(last_step, "rate_from_state", lambda _d, _y, rate: rates.append(rate.copy()))
     d.work.rate_end[:] = np.arange(len(d.work.y))
     before = d.statistics.rhs_evaluations
     loop.apply_pending_events(d)

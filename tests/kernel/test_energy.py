@@ -77,7 +77,7 @@ def test_no_motion_changes_the_ledger(base, count, law):
     if d.contact.any_rigid:
         touch(d, [])
     rate, h, ends, scale = np.zeros(len(y)), 1e-6, [], []
-    equations.state_rate(d, y, rate)
+    equations.rate_from_state(d, y, rate)
     for side in (h, -h):
         moved = y + side * rate
         kinematics.locate_points(d, moved)

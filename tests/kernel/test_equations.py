@@ -97,7 +97,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
         d.work.moment[:] = 9.0
     else:
         d.work.moment[:] = 0.0
-    equations.loaded_rate(d, y, 1.5, rate)
+    equations.free_rate_from_loads(d, y, 1.5, rate)
     angles, free = y[2 : count + 2], free_coordinates(d)
     force = generalized_force(scene, angles, omega_of(d, y), loads, moments)
     expected = np.zeros(count + 2)
@@ -117,20 +117,20 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
         contact.latch_onset(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
-    equations.located_rate(d, y, rate)
+    equations.rate_from_points(d, y, rate)
     loads = vectors(d.work.load)
-    equations.loaded_rate(d, y, contact.apply_contacts(d), expected)
+    equations.free_rate_from_loads(d, y, contact.apply_contacts(d), expected)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
     assert (vectors(d.work.load) == loads).all()
-    equations.state_rate(d, y, whole)
+    equations.rate_from_state(d, y, whole)
     np.testing.assert_array_equal(whole[:-2], rate[:-2])
     # without the walls: rigid walls have no forces here
     make_rigid(d)
     contact.clear_loads(d)
     only_inputs = vectors(d.work.load)
-    equations.loaded_rate(d, y, 0.0, expected)
+    equations.free_rate_from_loads(d, y, 0.0, expected)
     d.work.load.x[:] = d.work.load.y[:] = 9.0
-    equations.free_rate(d, y, rate)
+    equations.free_rate_from_inputs(d, y, rate)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
     assert (vectors(d.work.load) == only_inputs).all()
     assert np.abs(rate[:-2] - whole[:-2]).max() > 1.0
@@ -145,9 +145,9 @@ def test_rigid_walls_hold_what_touches_them_by_forces_that_do_no_work(base, touc
     candidates = [5, 14][:touching]
     y = struck(rng, d, candidates, 0.0)
     rate, expected = np.full((2, len(y)), np.nan)
-    equations.located_rate(d, y, rate)
+    equations.rate_from_points(d, y, rate)
     forces = d.touch.force[candidates].tolist()
-    equations.free_rate(d, y, expected)
+    equations.free_rate_from_inputs(d, y, expected)
     if touching:
         assert np.abs(rate[:-2] - expected[:-2]).max() > 0.1
         d.touch.force[:] = np.nan
@@ -163,22 +163,22 @@ def test_in_free_flight_no_point_is_located():
     y = random_state(rng, d)
     rate, other = np.full(len(y), np.nan), np.full(len(y), np.nan)
     d.work.position.x[:] = 77.0
-    equations.state_rate(d, y, rate)
+    equations.rate_from_state(d, y, rate)
     assert (d.work.position.x == 77.0).all()
     kinematics.locate_points(d, y)
-    equations.located_rate(d, y, other)
+    equations.rate_from_points(d, y, other)
     np.testing.assert_array_equal(rate[:-2], other[:-2])
     # an input acts on the tip, whose speed gives the input's power
     d.model.has_inputs, d.inputs.tip_force[0] = 1, 2.0
     d.work.velocity.x[:] = 77.0
-    equations.state_rate(d, y, rate)
+    equations.rate_from_state(d, y, rate)
     assert rate[state.supplied_at(3)] == pytest.approx(2.0 * d.work.velocity.x[3])
     assert d.work.velocity.x[3] != 77.0
     # a contact also needs located points, without any input
     d.model.has_inputs = 0
     touch(d, [2])
     d.work.velocity.x[:] = 77.0
-    equations.state_rate(d, y, rate)
+    equations.rate_from_state(d, y, rate)
     assert d.work.velocity.x[3] != 77.0
 
 
@@ -187,5 +187,5 @@ def test_the_inputs_are_those_at_the_time_of_the_state():
     d.inputs.piece.order, d.inputs.piece.scale, d.step.clock = 1, 1.0, 0.5
     d.inputs.piece.joint_torque[:2, 0] = 1.0, 2.0
     y[state.time_at(1)] = 0.25
-    equations.located_rate(d, y, np.zeros(len(y)))
+    equations.rate_from_points(d, y, np.zeros(len(y)))
     assert d.inputs.joint_torque[0] == 1.0 + 2.0 * 0.75

@@ -84,7 +84,7 @@ def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
         joints = count > 1 or base == "pinned"
         expected = springs and joints, (dampers or springs) and joints
         assert (d.model.has_joint_springs, d.model.has_springs_or_dampers) == expected
-        assert (d.model.joint_bound > 0.0) == expected[1]
+        assert (d.model.joint_rate_bound > 0.0) == expected[1]
 
 
 IMPACTS = ("time", "speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse")

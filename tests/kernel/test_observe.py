@@ -41,7 +41,7 @@ def seen(theta):
     y = motion.at(theta * SIZE)
     wall_at(d, IN, y, -1e-3)
     wall_at(d, OUT, y, 2e-3)
-    d.quadrature.wanted = 1
+    d.quadrature.computed = 1
     touch(d, [IN, OUT])
     locate_points(d, y)
     for c in (IN, OUT):

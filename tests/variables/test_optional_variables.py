@@ -110,8 +110,9 @@ def test_a_scene_with_friction_has_its_variables():
     assert found["contact.friction"].record_path == ("given", "friction")
     assert found["wall.x_max.static_friction"].record_path == ("walls", "static_friction", 1)
     assert found["contact[1].x_min.friction_force"].record_path == ("output", "friction", "force", 4)
-    assert found["joint[3].friction_moment"].record_path == ("output", "friction", "joint_moment", 2)
-    assert found["joint[3].sticking"].record_path == ("output", "friction", "joint_sticking", 2)
+    of_joint = {"friction_moment": "joint_or_slider_friction", "sticking": "joint_or_slider_sticking"}
+    for name, field in of_joint.items():
+        assert found[f"joint[3].{name}"].record_path == ("output", "friction", field, 2)
     units = [found[f"contact[4].y_max.{key}"].unit for key in touches]
     assert (units, found["joint[3].friction_moment"].unit) == (["N", "N.s", "1"], "N.m")
     assert (found["joint[3].sticking"].minimum, found["joint[3].sticking"].maximum) == (0.0, 1.0)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
+from chain_impact.kernel.forces.laws import lossless_depth
 from chain_impact.scene.angles import DEGREES
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
@@ -261,18 +262,13 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)
     energy = mass * size * size
-    depth = _depth(contact.stiffness, contact.exponent, energy)
+    depth = lossless_depth(0.5 * energy, contact.stiffness, contact.exponent)
     force = contact.stiffness * depth**contact.exponent
     scales = {"size": size, "energy": energy, "momentum": mass * size, "depth": depth, "force": force}
     if stops.stiffness is not None and stops.exponent is not None:
-        depth = _depth(stops.stiffness, stops.exponent, energy)
+        depth = lossless_depth(0.5 * energy, stops.stiffness, stops.exponent)
         scales |= {"stop depth": depth, "stop moment": stops.stiffness * depth**stops.exponent}
     return scales
-
-
-def _depth(stiffness: float, n: float, energy: float) -> float:
-    depth: float = ((n + 1.0) * energy / (2.0 * stiffness)) ** (1.0 / (n + 1.0))
-    return depth
 
 
 def type_name(variable: Variable) -> str:

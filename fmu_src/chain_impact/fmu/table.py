@@ -28,7 +28,7 @@ VARIABLE = {
     **dict.fromkeys(("word", "set_word"), "q"),
     "length": "q",  # number of words from `word` on; more than one for an array
     **dict.fromkeys(("type", "kind"), "i"),  # indices in TYPES and KINDS
-    **dict.fromkeys(("name", "allowed"), "i"),  # places of texts
+    **dict.fromkeys(("name", "allowed"), "i"),  # offsets of texts
 }
 """Field of the structure ``Variable`` of the C interface → format. A word is an index in the record, counted
 in doubles."""
@@ -39,7 +39,7 @@ HEAD = {
     **dict.fromkeys(("variable_count", "status_count", "part_count"), "q"),
     **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "part_word"), "q"),
     **dict.fromkeys(("contradiction_word", "position_word"), "q"),  # of motions; 0 if nothing moves
-    # places in bytes from the beginning of the file; places of texts are from `texts_at`
+    # offsets in bytes from the beginning of the file; offsets of texts are from `texts_at`
     **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),
     "record_size": "q",
 }

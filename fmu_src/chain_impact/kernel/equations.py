@@ -1,6 +1,14 @@
 """The equations of motion ẏ = f(y), which combine all parts of the model, and the energy balance.
 
-chain/state.py describes y.
+chain/state.py describes y. Six functions set ẏ. The end of a name says what must be known already; a "free"
+rate is without the forces of constraints:
+
+    rate_from_state             y; the points are located only if forces act on them
+    rate_and_points_from_state  y; the points are located
+    rate_from_points            the located points
+    true_rate_from_inputs       the located points and the inputs; no force continues beyond its kink
+    free_rate_from_inputs       the located points and the inputs
+    free_rate_from_loads        the link vectors, the inputs and the loads at all places
 """
 
 from chain_impact.kernel.chain.elimination import accelerations
@@ -26,6 +34,7 @@ from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,
     omega_at,
+    relative,
     sundman_u_at,
     supplied_at,
     time_at,
@@ -95,48 +104,45 @@ def mechanical_energy(d, y):
 
 def rotor_energy(d, y):
     """Return the kinetic energy [J] of the armatures, the sum of ½ I_a (ω_i − ω_{i−1})²."""
-    energy, before = 0.0, 0.0
+    energy = 0.0
     for i in range(d.links):
-        omega = y[omega_at(d.links) + i]
-        change = omega - before
-        energy += 0.5 * joint_armature(d, i) * (change * change)
-        before = omega
+        rate = relative(y, omega_at(d.links), i)
+        energy += 0.5 * joint_armature(d, i) * (rate * rate)
     return energy
 
 
 @inlined
-def state_rate(d, y, rate):
+def rate_from_state(d, y, rate):
     """Set rate = f(y), with the active contacts and the present inputs."""
     # in free flight no force acts at a point, so the positions of points and walls are not needed
     if d.touch.active_count > 0 or d.model.has_inputs or d.friction.count > 0:
-        rate_of_points(d, y, rate)
+        rate_and_points_from_state(d, y, rate)
     else:
         link_vectors(d, y)
-        loaded_rate(d, y, 0.0, rate)
+        free_rate_from_loads(d, y, 0.0, rate)
 
 
-def rate_of_points(d, y, rate):
+def rate_and_points_from_state(d, y, rate):
     """Set rate = f(y), and locate the points."""
     locate_points(d, y)
-    located_rate(d, y, rate)
+    rate_from_points(d, y, rate)
 
 
 @inlined
-def located_rate(d, y, rate):
-    """Set rate = f(y), as ``state_rate`` does, for the located points."""
+def rate_from_points(d, y, rate):
+    """Set rate = f(y) for the located points, and evaluate the inputs."""
     ensure_inputs(d, y)
-    free_rate(d, y, rate)
+    free_rate_from_inputs(d, y, rate)
     constrain(d, y, rate)
 
 
-def true_rate(d, y, rate):
-    """Set the rate ẏ as ``located_rate`` does, but with the true forces, which do not continue beyond a kink.
+def true_rate_from_inputs(d, y, rate):
+    """Set rate = f(y) with the true forces of contacts, which do not continue beyond a kink.
 
-    The inputs must have their values in this state. The dissipated power in ẏ does not contain the contacts'
-    part.
+    The dissipated power in ẏ does not contain the contacts' part.
     """
     apply_true_contacts(d)
-    loaded_rate(d, y, 0.0, rate)
+    free_rate_from_loads(d, y, 0.0, rate)
     constrain(d, y, rate)
 
 
@@ -149,13 +155,13 @@ def constrain(d, y, rate):
         rate[supplied_at(d.links)] += power_of_motion(d, y, rate)
 
 
-def free_rate(d, y, rate):
-    """Set rate = f(y) for the located points, without the forces of constraints."""
-    loaded_rate(d, y, apply_contacts(d), rate)
+def free_rate_from_inputs(d, y, rate):
+    """Set rate = f(y) for the located points and the present inputs, without the forces of constraints."""
+    free_rate_from_loads(d, y, apply_contacts(d), rate)
 
 
-def loaded_rate(d, y, dissipated, rate):
-    """Set rate = f(y) for the loads in the record.
+def free_rate_from_loads(d, y, dissipated, rate):
+    """Set rate = f(y) for the loads in the record, without the forces of constraints.
 
     ``dissipated`` is the power [W] that contacts and sliding friction dissipate.
     """
@@ -198,27 +204,26 @@ def joint_moments(d, y):
     and spring: +τ_i on link i, −τ_i on link i − 1. A free base has no joint to carry τ_1. In a drive all
     power of τ_i is supplied.
     """
-    dissipated, supplied, before = 0.0, 0.0, 0.0
+    dissipated, supplied = 0.0, 0.0
     # without inputs the tip has no force; its velocity, which is not computed in flight, is then not read
     if d.model.has_inputs:
         force, velocity, tip = d.inputs.tip_force, d.work.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]
     for i in range(d.links):
-        torque, omega = 0.0, y[omega_at(d.links) + i]
+        torque = 0.0
         if i >= first_joint(d):
-            relative = omega - before
+            rate = relative(y, omega_at(d.links), i)
             if is_drive(d, i):
                 torque = joint_torque(d, y, i)
-                supplied += torque * relative
+                supplied += torque * rate
             else:
-                damping = d.inputs.joint_damping[i] * relative
+                damping = d.inputs.joint_damping[i] * rate
                 torque = d.inputs.joint_torque[i] - damping
-                dissipated += damping * relative
-                supplied += d.inputs.joint_torque[i] * relative
+                dissipated += damping * rate
+                supplied += d.inputs.joint_torque[i] * rate
         d.work.moment[i] = torque
         if i > 0:
             d.work.moment[i - 1] -= torque
-        before = omega
     if d.model.has_drive_limits:
         d.drive.margin = min(d.drive.margin, mode_margin(d, y))
     if d.model.has_joint_springs:

@@ -7,8 +7,8 @@ from chain_impact.kernel.chain.inertia import corner_of_box, in_use, inertia_of_
 from chain_impact.kernel.chain.joints import (
     first_joint,
     joint_armature,
-    joint_bound,
     joint_damping,
+    joint_rate_bound,
     resists,
     spring_stiffness,
 )
@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
 from chain_impact.kernel.chain.slider import slider_damping, slider_stiffness
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
-from chain_impact.kernel.equations import mechanical_energy, state_rate, stored_energy
+from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.base import check_base
 from chain_impact.kernel.events.contact_log import clear_log
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
@@ -226,7 +226,7 @@ def derive_resistance(d):
             model.has_joint_springs, model.has_springs_or_dampers = 1, 1
     if d.slides and (resists(slider_damping(d)) or resists(slider_stiffness(d))):
         model.has_springs_or_dampers = 1
-    model.joint_bound = joint_bound(d)
+    model.joint_rate_bound = joint_rate_bound(d)
 
 
 def check_parameters(d):
@@ -318,7 +318,7 @@ def check_links(d):
 
 def first_size(d):
     """Return a first step size [s], from how fast the links turn; the error control adapts the size later."""
-    state_rate(d, d.step.state, d.work.rate_start)
+    rate_from_state(d, d.step.state, d.work.rate_start)
     return in_flight(d, d.step.state, d.work.rate_start)
 
 

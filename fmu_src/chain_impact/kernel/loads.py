@@ -23,8 +23,8 @@ import math
 
 from chain_impact.kernel.chain.joints import first_joint, joint_armature, joint_torque
 from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points
-from chain_impact.kernel.chain.state import omega_at
-from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.chain.state import omega_at, relative
+from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.contact import set_joint_top
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, maximum_of
@@ -124,14 +124,12 @@ def fill_loads(d, y, rate):
     """
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
-    before = 0.0
     for i in range(d.links):
-        alpha = rate[omega_at(d.links) + i]
         # the drive's torque minus the torque that accelerates the armature I_a: τ − I_a (α_i − α_{i−1})
-        out.load.moment[i] = joint_torque(d, y, i) - joint_armature(d, i) * (alpha - before)
+        armature = joint_armature(d, i) * relative(rate, omega_at(d.links), i)
+        out.load.moment[i] = joint_torque(d, y, i) - armature
         if d.elements > 0:
-            out.load.moment[i] += out.friction.joint_moment[i]
-        before = alpha
+            out.load.moment[i] += out.friction.joint_or_slider_friction[i]
     if d.slides:
         fill_guide(d)
     for row in range(d.links, d.loads):
@@ -271,7 +269,7 @@ def load_joints_at(d, theta):
     y, rate = d.work.y, d.work.rate
     interpolate(d.step, theta, y)
     locate_points(d, y)
-    located_rate(d, y, rate)
+    rate_from_points(d, y, rate)
     accelerate_points(d, y, rate)
     joint_forces(d, d.touch.force, d.element.force, d.transmitted.x, d.transmitted.y)
 

@@ -7,13 +7,13 @@ the state and of integrals, such as impulses, stay unchanged until the next step
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import signal_at
-from chain_impact.kernel.chain.sites import site_place
-from chain_impact.kernel.chain.slider import along_slider, slider_position
-from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, time_at
-from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate
+from chain_impact.kernel.chain.sites import point_of_site, site_place
+from chain_impact.kernel.chain.slider import rate_along_line, slider_position
+from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, relative, supplied_at, time_at
+from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
 from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.contact import apply_true_contacts
-from chain_impact.kernel.forces.friction import STICKS, rubbing_joint
+from chain_impact.kernel.forces.friction import STICKS, joint_or_slider
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
@@ -69,13 +69,13 @@ def fill_motion(d, theta):
     """Fill the outputs of motion, forces and energies at the fraction θ of the last step."""
     n, out, work, y, rate = d.links, d.output, d.work, d.work.y, d.work.rate
     fill_state(d, theta)
-    true_rate(d, y, rate)
+    true_rate_from_inputs(d, y, rate)
     accelerate_points(d, y, rate)
     fill_points(d, work.acceleration, out.point_acceleration)
     for i in range(n):
         out.angular_acceleration[i] = rate[omega_at(n) + i]
     if d.slides:
-        out.slider_acceleration = along_slider(d, rate)
+        out.slider_acceleration = rate_along_line(d, rate)
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)
@@ -88,7 +88,7 @@ def fill_points(d, vectors, out):
     for k in range(d.links + 1):
         out[k, 0], out[k, 1] = vectors.x[k], vectors.y[k]
     for s in range(d.sites):
-        k, place = d.links + 1 + s, site_place(d, s)
+        k, place = point_of_site(d, s), site_place(d, s)
         out[k, 0], out[k, 1] = vectors.x[place], vectors.y[place]
 
 
@@ -106,17 +106,12 @@ def fill_state(d, theta):
     work = d.work
     fill_points(d, work.position, out.point_position)
     fill_points(d, work.velocity, out.point_velocity)
-    angle, turning = 0.0, 0.0
     for i in range(n):
-        out.angle[i] = y[ANGLES + i]
+        out.angle[i], out.joint_angle[i] = y[ANGLES + i], relative(y, ANGLES, i)
         out.angular_velocity[i] = y[omega_at(n) + i]
-        out.joint_angle[i], out.joint_angular_velocity[i] = (
-            out.angle[i] - angle,
-            out.angular_velocity[i] - turning,
-        )
-        angle, turning = out.angle[i], out.angular_velocity[i]
+        out.joint_angular_velocity[i] = relative(y, omega_at(n), i)
     if d.slides:
-        out.slider_position, out.slider_velocity = slider_position(d, y), along_slider(d, y)
+        out.slider_position, out.slider_velocity = slider_position(d, y), rate_along_line(d, y)
     for m in range(d.channels):
         out.channel[m] = d.moved.position[m]
     for j in range(d.signals):
@@ -149,16 +144,17 @@ def fill_friction(d):
     friction, out = d.friction, d.output.friction
     for e in range(d.elements):
         out.force[e], out.sticking[e] = 0.0, 0.0
-        out.joint_moment[e], out.joint_sticking[e] = 0.0, 0.0
+        out.joint_or_slider_friction[e], out.joint_or_slider_sticking[e] = 0.0, 0.0
     for i in range(friction.count):
         e = d.element.index[i]
         mode = d.element.mode[e]
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidates:
-            joint = rubbing_joint(d, e)
+            k = joint_or_slider(d, e)
             # friction on a slider is a force, so the lever arm is 1
-            arm = d.model.size if joint < d.links else 1.0
-            out.joint_moment[joint], out.joint_sticking[joint] = arm * d.element.force[e], sticks
+            arm = d.model.size if k < d.links else 1.0
+            out.joint_or_slider_friction[k] = arm * d.element.force[e]
+            out.joint_or_slider_sticking[k] = sticks
         else:
             out.sticking[e] = sticks
             # sliding friction −s µ F_n in the direction −s, with the coefficient µ and the true normal force

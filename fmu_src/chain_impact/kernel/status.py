@@ -44,7 +44,7 @@ STATUS_TEXT = {
     NOT_FINITE: "the state or its energy is no longer finite: initial values, parameters or "
     "inputs are too large",
     EVENT_STORM: "too many contacts begin and end in too short a time: a larger "
-    "contact.minimum_impact_speed or a smaller contact.restitution brings points to rest, a larger "
+    "contact.minimum_impact_speed or a smaller contact.restitution brings points to rest; a larger "
     "stops.minimum_impact_speed or a smaller stops.restitution brings joints at stops to rest; walls that "
     "move must leave room; a joint at its joint_torque_limit needs a smaller joint_stiffness",
     STARTS_INSIDE_WALL: "a contact point starts beyond a wall, or a joint beyond a stop",

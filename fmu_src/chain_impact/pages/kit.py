@@ -56,7 +56,7 @@ PATHS: dict[str, DataPath] = {
     "belt": ("motion", "belt", AT),
     "channel": ("shift", AT, "channel"),
     "kept": ("latest", "kept"),
-    "impulses": ("quadrature", "wanted"),
+    "impulses": ("quadrature", "computed"),
     **{f"wall_{key}": ("walls", key, AT) for key in ("restitution", "friction", "static_friction")},
     "stop_law": ("stops", "law"),
     **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1).names or ()},
@@ -223,7 +223,7 @@ def _layout() -> dict[str, Any]:
         "status": word_terms(("statistics", "status")),
         "reason": word_terms(("fault", "part")),
         "time": word_terms(("step", "time")),
-        "impulses": word_terms(("quadrature", "wanted")),
+        "impulses": word_terms(("quadrature", "computed")),
         "loads": word_terms(("loads",)),
         "contactLog": {
             "count": word_terms(("contact_log", "count")),

@@ -76,7 +76,7 @@ def course_of(
         inside = np.unique((onset + times).clip(onset, end))
     before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)
     outputs = rerun(np.concatenate([[before], inside, [after]]))
-    at, sign = place_of(prepared, impact)
+    at, sign = contact_output(prepared, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
     if len(speed):  # at onset and end the output is 0, as the penetration is 0
@@ -92,7 +92,7 @@ def course_of(
     )
 
 
-def place_of(prepared: PreparedScene, impact: np.void) -> tuple[int, float]:
+def contact_output(prepared: PreparedScene, impact: np.void) -> tuple[int, float]:
     """Return the index of an impact's contact in the outputs, and the sign of its force there.
 
     The sign is −1 at a ``joint_max``: both stops of a joint share one output.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,7 +61,12 @@ def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
 
 def at_stop(scene: Scene, wall: int) -> bool:
     """Return whether the wall with an index in ``scene.wall_names`` stands for the stops of joints."""
-    return bool(scene.chain.stops) and scene.wall_names[wall] in STOPS
+    return is_stop(wall, scene.wall_names, bool(scene.chain.stops))
+
+
+def is_stop(wall: int, wall_names: Sequence[str], has_stops: bool) -> bool:
+    """Return whether a wall stands for the stops of joints; without stops, any wall may have their names."""
+    return has_stops and wall_names[wall] in STOPS
 
 
 def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterator[np.ndarray]:

@@ -16,14 +16,14 @@ import numpy as np
 from chain_impact.recording.bodies import outlines_from, rail_from, site_radii
 from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import NO_IMPACTS
-from chain_impact.recording.joint_stops import JointRange, touching_place
+from chain_impact.recording.joint_stops import JointRange, is_stop, touching_place
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, Touch
 from chain_impact.recording.tables import save_impacts
 from chain_impact.recording.text import plural, what
 from chain_impact.scene.bodies import Rail
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.names import SLIDER_STOPS
 from chain_impact.scene.reading import matching
 from chain_impact.system import written_whole
 from chain_impact.variables.hints import output_hint
@@ -239,7 +239,7 @@ class Recording:
 
     def is_stop(self, wall: int) -> bool:
         """Return whether the wall with a number stands for the stops of joints."""
-        return bool(self.stops) and self.wall_names[wall] in STOPS
+        return is_stop(wall, self.wall_names, bool(self.stops))
 
     def toucher(self, impact: np.void) -> str:
         """Return the name of the point or joint of an impact.

@@ -100,7 +100,7 @@ class Chain:
         self._accesses = {v.name: _access(v, prepared.table_row(v)) for v in prepared.variables}
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
-        self._finished_word = word_index(dtype, ("contact_log", "count"))
+        self._ended_word = word_index(dtype, ("contact_log", "count"))
         self._collected_word = word_index(dtype, ("contact_log", "collected"))
         self._contradiction_word = word_index(dtype, ("moved", "contradiction"))
         self._warned = False
@@ -174,7 +174,7 @@ class Chain:
             # notices Ctrl-C
             self._collect()
             if self._instance.status != OK:
-                raise SimulationError(self._instance.status, self.time, None, self._instance.place)
+                raise SimulationError(self._instance.status, self.time, None, self._instance.reason)
         self._collect()
         self._observed = True
         if not self._warned and self._integers[self._contradiction_word]:
@@ -293,12 +293,11 @@ class Chain:
         status = self._instance.observe()
         if status != self._instance.status:
             at = f"{self.scene.name}: at t = {self.time:.9g} s"
-            raise SceneError(
-                f"{at} the values that are set cannot take effect: {fault_text(status, self._instance.place)}"
-            )
+            text = fault_text(status, self._instance.reason)
+            raise SceneError(f"{at} the values that are set cannot take effect: {text}")
 
     def _collect(self) -> None:
-        ended = self._integers[self._finished_word] != self._integers[self._collected_word]
+        ended = self._integers[self._ended_word] != self._integers[self._collected_word]
         if ended or self._integers[self._changes_word]:
             self._impacts.append(self._instance.collect())
 

@@ -93,7 +93,7 @@ class InputCourse:
             return
         at = int(self.first.searchsorted(row, side="right")) - 1
         powers, given, changed = self.pieces.powers[at], record["given"], False
-        course, motion = given["piece"], record["motion"]
+        piece, motion = given["piece"], record["motion"]
         motion["interpolates"], motion["jumps"] = 1, self.slips[at]
         for m, (part, name, *indices) in enumerate(self.paths):
             index = indices[0] if indices else 0  # the path of a slider's input has no index
@@ -107,15 +107,15 @@ class InputCourse:
             changed |= values[key] != powers[0, m]
             values[key] = powers[0, m]
             if part != MOTION:
-                course[name][1 : len(powers), index] = powers[1:, m]
+                piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
         # the settings of polynomials are not written if motions follow values at communication points: all
         # other inputs are then constant, and the kernel itself computes the polynomials of motions
         steady = motion["interpolates"] and len(motion["position"]) > 0
-        if not steady and (settings["order"] or course["order"]):
-            changed = changed or any(course[name] != value for name, value in settings.items())
+        if not steady and (settings["order"] or piece["order"]):
+            changed = changed or any(piece[name] != value for name, value in settings.items())
             for name, value in settings.items():
-                course[name] = value
+                piece[name] = value
         if changed:
             anew = row != self.first[at] or self.restarts[at]
             given["changed"] = REINITIALIZE if anew else CONTINUES

@@ -54,9 +54,9 @@ class SimulationError(RuntimeError):
         return type(self), (self.status, self.time, self.result, self.place)
 
 
-def fault_text(status: int, place: str) -> str:
-    """Return the sentence for a status, with the words for the place if there is one."""
-    return f"{STATUS_TEXT[status]}: {place}" if place else STATUS_TEXT[status]
+def fault_text(status: int, reason: str) -> str:
+    """Return the sentence for a status, with the words for the reason if there is one."""
+    return f"{STATUS_TEXT[status]}: {reason}" if reason else STATUS_TEXT[status]
 
 
 class Rows(Protocol):
@@ -175,7 +175,7 @@ class Instance:
         """
         self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
-            raise SimulationError(self.status, 0.0, None, self.place)
+            raise SimulationError(self.status, 0.0, None, self.reason)
 
     def observe(self) -> int:
         """Fill the outputs of the record at the present time; return the status.
@@ -307,7 +307,7 @@ class Instance:
         table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
         impacts = table.T.take(numbers, 0, mode="wrap")
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
-        if not self.record["quadrature"]["wanted"]:
+        if not self.record["quadrature"]["computed"]:
             rows["impulse"] = np.nan
         if not self.prepared.sizes.loads:
             rows["joint_force"] = np.nan
@@ -319,7 +319,7 @@ class Instance:
         return self._integers.item(self._log_at.status)
 
     @property
-    def place(self) -> str:
+    def reason(self) -> str:
         """The words for the reason of a refusal, such as a point and a wall; "" if there is none."""
         number = int(self.record["fault"]["part"])
         return parts_in_words(self.prepared.scene)[number - 1] if number else ""

@@ -165,7 +165,7 @@ def simulate(
     if prepared.sizes.channels and instance.record["moved"]["contradiction"]:
         warn(scene.name, instance.contradictions)
     if instance.status != OK:
-        raise SimulationError(instance.status, instance.time, result, instance.place)
+        raise SimulationError(instance.status, instance.time, result, instance.reason)
     return result
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, lossless_depth
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene, with_values
@@ -83,7 +83,7 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
 def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
     """Return the stiffness for the exponent ``needed`` with which a lossless impact is equally deep."""
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
-    depth = ((n + 1.0) * energy / stiffness) ** (1.0 / (n + 1.0))
+    depth = lossless_depth(energy, stiffness, n)
     return float((needed + 1.0) * energy / depth ** (needed + 1.0))
 
 

@@ -158,7 +158,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     d["latest"]["kept"] = scene.outputs.impacts
     asked = scene.outputs
     rubbed = scene.has_friction and asked.energies
-    d["quadrature"]["wanted"] = asked.contacts or asked.impacts > 0 or asked.loads or rubbed
+    d["quadrature"]["computed"] = asked.contacts or asked.impacts > 0 or asked.loads or rubbed
     stops = scene.chain.stops
     if stops:
         last = len(pairs) - len(scene.slider_stops)

@@ -224,8 +224,8 @@ OUTPUTS = (
         of="slider",
         prefix="slider",
         rows="""
-        friction_force | N | dry friction on the carriage, along the line | friction.joint_moment.{at}   | force | feedthrough
-        sticking       | 1 | 1 while it sticks by dry friction, else 0    | friction.joint_sticking.{at} |       | feedthrough minimum=0 maximum=1
+        friction_force | N | dry friction on the carriage, along the line | friction.joint_or_slider_friction.{at}   | force | feedthrough
+        sticking       | 1 | 1 while it sticks by dry friction, else 0    | friction.joint_or_slider_sticking.{at} |       | feedthrough minimum=0 maximum=1
         """,
         heading=SLIDER,
         when=("outputs.contacts", "rubs"),
@@ -276,8 +276,8 @@ OUTPUTS = (
         of="rubbing joint",
         prefix="joint[{n}]",
         rows="""
-        friction_moment | N.m | moment of dry friction on link {n}        | friction.joint_moment   | energy | feedthrough
-        sticking        | 1   | 1 while it sticks by dry friction, else 0 | friction.joint_sticking |        | feedthrough minimum=0 maximum=1
+        friction_moment | N.m | moment of dry friction on link {n}        | friction.joint_or_slider_friction   | energy | feedthrough
+        sticking        | 1   | 1 while it sticks by dry friction, else 0 | friction.joint_or_slider_sticking |        | feedthrough minimum=0 maximum=1
         """,
         heading=JOINT,
         when=("outputs.contacts",),

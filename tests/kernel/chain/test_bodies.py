@@ -11,7 +11,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.response import HELD, factorize, no_impedance
-from chain_impact.kernel.equations import mechanical_energy, state_rate
+from chain_impact.kernel.equations import mechanical_energy, rate_from_state
 from chain_impact.kernel.forces.contact import begin_force_contact, list_touching
 from chain_impact.kernel.rows.compliance import solve_space
 from chain_impact.kernel.rows.geometry import clear_loads_of, join
@@ -148,7 +148,7 @@ def test_accelerations_by_forces_at_sites_agree_with_lagrange(moving):
         begin_force_contact(d, c)
     list_touching(d)
     rate = np.zeros_like(y)
-    state_rate(d, y, rate)
+    rate_from_state(d, y, rate)
     sites = sites_of(reference)
     for c in range(d.candidates):
         _, jacobian, _ = reference.point(*sites[d.candidate.point[c] - n - 1])

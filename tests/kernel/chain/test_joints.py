@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.joints import (
-    joint_bound,
     joint_damping,
-    joint_rate,
+    joint_rate_bound,
     joint_resistance,
+    largest_joint_rate,
     resists,
     spring_energy,
     spring_stiffness,
@@ -96,16 +96,16 @@ def test_the_joint_bound_is_near_the_largest_eigenvalue(count, base):
         mobility, damping, _ = assembled(damped, angles)
         exact = np.abs(np.linalg.eigvals(mobility * damping)).max()
         d = prepared(damped, angles)
-        rate = joint_rate(d, y)
+        rate = largest_joint_rate(d, y)
         assert rate == pytest.approx((damping * np.diag(mobility)).max(), rel=1e-9, abs=1e-12)
         assert 0.4 * exact <= rate <= 1.0001 * exact
-        assert joint_bound(d) >= exact * (1.0 - 1e-12)
+        assert joint_rate_bound(d) >= exact * (1.0 - 1e-12)
         stiffness = assembled(sprung, angles)[2]
         exact = np.sqrt(np.abs(np.linalg.eigvals(mobility * stiffness)).max())
         d = prepared(sprung, angles)
-        assert 0.63 * exact <= joint_rate(d, y) <= 1.0001 * exact
-        assert joint_bound(d) >= exact * (1.0 - 1e-12)
+        assert 0.63 * exact <= largest_joint_rate(d, y) <= 1.0001 * exact
+        assert joint_rate_bound(d) >= exact * (1.0 - 1e-12)
         d.inputs.joint_damping[:] = damping
         upper = np.eye(count, 2 * count, k=count)
         companion = np.vstack([upper, np.hstack([-mobility * stiffness, -mobility * damping])])
-        assert joint_bound(d) >= np.abs(np.linalg.eigvals(companion)).max() * (1.0 - 1e-9)
+        assert joint_rate_bound(d) >= np.abs(np.linalg.eigvals(companion)).max() * (1.0 - 1e-9)

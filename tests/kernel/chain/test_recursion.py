@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.chain.elimination import accelerations
 from chain_impact.kernel.chain.kinematics import link_vectors
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.equations import rate_from_state
 from tests.helpers.models.lagrange import lagrange_accelerations
 from tests.helpers.models.reference import generalized_force, mass_matrix, set_vectors
 from tests.kernel.chains import chain, random_state
@@ -25,7 +25,7 @@ def test_accelerations_are_lagranges(count, base):
     loads[count] = rng.uniform(-5.0, 5.0, 2)
     d.inputs.joint_torque[:], d.inputs.tip_force[:] = torques, loads[count]
     rate, half = np.full(len(y), np.nan), count + 2
-    state_rate(d, y, rate)
+    rate_from_state(d, y, rate)
     expected = lagrange_accelerations(scene, y[2:half], y[half : 2 * half], torques, loads)
     np.testing.assert_array_equal(rate[:half], y[half : 2 * half])
     np.testing.assert_allclose(rate[half : 2 * half], expected, rtol=0.0, atol=1e-11 * np.abs(expected).max())

@@ -186,7 +186,7 @@ def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatc
 def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch):
     d, motion = pressed(TURNING)
     d.step.time = d.step.start + 0.25
-    d.quadrature.wanted = 1
+    d.quadrature.computed = 1
     reset_quadratures(d)
     d.quadrature.state_end[0], d.quadrature.total[1] = 5.0, 1.0
     d.quadrature.state[0], d.quadrature.dense[:, 0] = 2.0, 0.0

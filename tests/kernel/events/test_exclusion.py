@@ -87,7 +87,7 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
         elif field == "change_rate":
             d.inputs.piece.change_rate = 1.1 / d.step.size
         else:
-            d.model.joint_bound = 20.0 / d.step.size
+            d.model.joint_rate_bound = 20.0 / d.step.size
         assert not exclusion.excludes_events(d)
         if field != "fade":
             assert d.search.suspect.tolist() == list(range(d.candidates))
@@ -125,7 +125,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         motion = translation(d, [0.0], [0.0])
         walls_away(d)
         set_step(d, motion, 0.5, start=2.0)
-        d.inputs.piece.change_rate, d.model.joint_bound = turn / 0.5, fade / 0.5
+        d.inputs.piece.change_rate, d.model.joint_rate_bound = turn / 0.5, fade / 0.5
         touch(d, range(d.candidates) if active else [])
         d.touch.impact_speed[:], d.touch.speed[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.joints import joint_bound
+from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import handlers
 from chain_impact.kernel.events.handlers import (
@@ -227,7 +227,7 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d = arrived(touching=[0, C])
     d.step.method, d.touch.impact_speed[C], d.touch.depth_scale[C] = method, 4.0, 0.1
     d.inputs.joint_damping[:], d.model.has_springs_or_dampers = 1e12, 1
-    d.model.joint_bound = joint_bound(d)
+    d.model.joint_rate_bound = joint_rate_bound(d)
     choose_size(d, C, False)
     sizes = [control.at_onset(d, C, one) for one in (EXPLICIT, method)]
     assert d.step.method == method

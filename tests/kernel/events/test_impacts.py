@@ -131,7 +131,7 @@ def test_points_that_all_but_touch_are_neighbours():
         press_in(d, c, -part_of * limit)
     d.touch.active[1] = d.touch.active[13] = 1
     d.touch.event[:] = NONE
-    impacts.include_near_contacts(d)
+    impacts.join_near_contacts(d)
     assert np.flatnonzero(d.touch.active).tolist() == [1, 2, 5, 13]
     assert np.flatnonzero(d.touch.event == NEIGHBOUR).tolist() == [2, 5]
 
@@ -343,7 +343,7 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     d.work.velocity.x[:] = 1e9  # velocities of an earlier state
     d.touch.speed[:], d.touch.force_rate[:] = 77.0, -5.0
     monkeypatch.setattr(impacts, "set_kink_side", lambda _, c: sides.append(int(c)))
-    impacts.follow_jump(d)
+    impacts.set_rates_after_impulses(d)
     assert sides == [0, 9]
     for c in touched:
         if c in sides:

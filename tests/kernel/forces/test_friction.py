@@ -23,7 +23,7 @@ def rate_of(d, y):
     """Return ẏ with the present modes; the points get their accelerations from ẏ."""
     rate = np.zeros(len(y))
     locate_points(d, y)
-    equations.located_rate(d, y, rate)
+    equations.rate_from_points(d, y, rate)
     accelerate_points(d, y, rate)
     return rate
 
@@ -33,7 +33,7 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     _, d, _ = rubbing_chain(np.random.default_rng(1), base, contacts, joints)
     found, own = elements_of(d), d.friction
     assert found[: own.contact_count] == [int(c) for c in d.touch.active_index[:contacts]]
-    assert [friction.rubbing_joint(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
+    assert [friction.joint_or_slider(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.used
     assert not geometry.any_sticking(d)
     d.element.mode[found[-1]] = friction.STICKS

@@ -33,7 +33,7 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
     """g̈ + W F = 0, where g̈ is the acceleration without forces."""
     d, y, _jacobian, response, w = problem(base)
     rate = np.zeros(len(y))
-    equations.free_rate(d, y, rate)
+    equations.free_rate_from_inputs(d, y, rate)
     own, before = d.constraints, rate.copy()
     # g̈ by the second difference of g along the motion
     candidates = d.touch.active_index[:4].tolist()
@@ -174,7 +174,7 @@ def test_the_force_of_one_that_sticks_alone_is_that_of_the_iteration(base, conta
         monkeypatch.setattr(constraints, "only_active", only_active)
         d, y = stuck_chain(base, contacts, True, [stuck])
         rate = np.zeros(len(y))
-        equations.free_rate(d, y, rate)
+        equations.free_rate_from_inputs(d, y, rate)
         free = rate.copy()
         holding.add_constraint_forces(d, y, rate)
         e = d.element.stuck[0]

@@ -114,7 +114,7 @@ def at_start(tolerance=1e-8, **tables):
     scene, d = chain(rng, N, **tables)
     d.step.state_end[:] = struck(rng, d, [])
     d.step.method, d.solver.tolerance = IMPLICIT, tolerance
-    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
     return scene, d
 
 
@@ -147,7 +147,7 @@ def stiff_joint(damping, tolerance=1e-8):
     scene, d = at_start(tolerance)
     d.inputs.joint_damping[:] = 0.0, damping, 0.0
     d.model.has_springs_or_dampers, d.implicit.listing = 1, STALE
-    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
     across = np.zeros(N + 2)
     across[2:4] = -1.0, 1.0
     vector = np.linalg.solve(mass_matrix(scene, d.step.state_end[2 : N + 2]), across)
@@ -181,7 +181,7 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
     assert collocation.prepare(d, 0.1) == 0.1
     d.solver.tolerance = 1e-8
     d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # the chain turns as one body
-    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
     d.work.rate_start[velocity_at(N) :] = 0.0
     assert collocation.prepare(d, 0.1) == 0.1
     d, _, _ = stiff_joint(0.0)

@@ -20,7 +20,7 @@ def step():
     """Return an implicit step with two contacts and random stages, whose first point is in the walls."""
     rng = np.random.default_rng(41)
     _, d = chain(rng, LINKS)
-    d.quadrature.wanted = 1
+    d.quadrature.computed = 1
     touch(d, [0, 1])
     own = d.implicit
     d.step.state[:] = random_state(rng, d)

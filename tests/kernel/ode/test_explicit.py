@@ -133,7 +133,7 @@ def test_dense_output_fulfils_every_condition_of_order_7(order):
 def tried(d, h):
     """Return the record after a step of the size h has been tried."""
     d["step"]["state_end"][-1] = 0.0  # the time since the start of the step
-    equations.state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
+    equations.rate_from_state(d, d["step"]["state_end"], d["work"]["stage"][0])
     methods.attempt(d, h)
     return d
 
@@ -280,7 +280,7 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)
     d.step.state_end[:] = struck(rng, d, [1, 6, 8])
-    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
     # the last contact moves inward
     gaps, speeds, left = [-1e-3, -1e-3, -1e-5], [0.5, 0.5, -1.0], []
     gaps[first] /= 3.0
@@ -307,7 +307,7 @@ def test_in_its_own_variable_a_step_passes_the_end_of_a_contact_that_is_near():
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)
     d.step.state_end[:] = struck(rng, d, [6])
-    equations.state_rate(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
     d.touch.depth_scale[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
     u, slope = d.step.state_end[root], d.work.stage[0, root] = 0.3, -0.8
     longest = toward_end(d, 1e3)

@@ -23,8 +23,8 @@ def touching():
     touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (0, 2)]
     y = struck(rng, d, touched)
     d.step.state_end[:] = y
-    equations.state_rate(d, y, d.work.rate_start)
-    d.quadrature.wanted = 1
+    equations.rate_from_state(d, y, d.work.rate_start)
+    d.quadrature.computed = 1
     dense.reset_quadratures(d)
     d.quadrature.state_end[:2], d.quadrature.rate_end[:2] = [3.0, 4.0], [30.0, 40.0]
     return scene, d, touched, y
@@ -35,7 +35,7 @@ def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching)
     assert extended.compliant(d) == 2
     places = [at(d, k) for at in (gap_at, rate_at, extended.quadrature_at) for k in range(2)]
     assert [*places, extended.extended_size(d)] == list(range(FIRST, FIRST + 7))
-    d.quadrature.wanted = 0
+    d.quadrature.computed = 0
     dense.reset_quadratures(d)
     assert extended.extended_size(d) == FIRST + 4
     make_rigid(d, np.arange(d.candidates) == touched[0])

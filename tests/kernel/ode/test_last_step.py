@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import kinematics, state
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.ode import explicit, last_step, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
@@ -37,7 +37,7 @@ def with_a_step(d, h=H):
 
 def exact_rate(d, y):
     rate = np.zeros_like(y)
-    state_rate(d, y.copy(), rate)
+    rate_from_state(d, y.copy(), rate)
     return rate
 
 

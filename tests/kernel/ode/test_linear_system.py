@@ -21,7 +21,7 @@ def linearized(turn, stiffness, damping):
     """Return a chain that touches the stiffest floor, linearized where it is, with impulses followed."""
     changes = {("chain", "links", i, "joint_damping"): damping * (1 + i) for i in range(1, N)}
     instance = touching(1e-4, {} if damping == 0.0 else changes, turn)
-    instance.record["quadrature"]["wanted"] = 1
+    instance.record["quadrature"]["computed"] = 1
     instance.advance(0.8)
     d = Plain(instance.record)
     # two joints get springs, and one of them loses its damper

@@ -71,7 +71,7 @@ def test_points_that_a_rigid_wall_releases_have_the_integral_of_their_force(tole
 def test_without_them_the_motion_is_the_same_bit_by_bit():
     scene = load_scene("four_link_box")
     without = replace(scene, outputs=replace(scene.outputs, contacts=False, impacts=0))
-    assert Instance(without).record["quadrature"]["wanted"] == 0
+    assert Instance(without).record["quadrature"]["computed"] == 0
     one, other = simulate(scene), simulate(without)
     for name in ("point_position", "point_velocity", "force", "dissipated"):
         np.testing.assert_array_equal(one.outputs[name], other.outputs[name])
@@ -90,7 +90,7 @@ def d():
     """Return two contacts whose impulses, forces and stages are all different."""
     rng = np.random.default_rng(13)
     _, d = chain(rng, 2)
-    d.quadrature.wanted = 1
+    d.quadrature.computed = 1
     touch(d, TOUCHED)
     for name in FIELDS:
         d.quadrature[name][:] = rng.uniform(1.0, 9.0, len(d.quadrature[name]))
@@ -112,7 +112,7 @@ def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
     touch(d, [2])
     dense.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == [2]
-    d.quadrature.wanted = 0
+    d.quadrature.computed = 0
     dense.reset_quadratures(d)
     assert d.quadrature.count == 0
 
@@ -121,7 +121,7 @@ def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
 def test_those_of_dry_friction_follow(contacts, joints):
     """The integrals of dry friction follow: one for each element, and the friction energy."""
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
-    d.quadrature.wanted = 1
+    d.quadrature.computed = 1
     dense.reset_quadratures(d)
     own, touched = d.quadrature, d.touch.active_index[:contacts]
     last = d.candidates + d.elements
@@ -210,7 +210,7 @@ def test_a_new_phase_starts_from_the_totals(d):
 
 @pytest.mark.parametrize("name", ["append", "roll_back", "commit", "reset"])
 def test_without_them_nothing_is_done(d, name):
-    d.quadrature.wanted, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
+    d.quadrature.computed, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
     before = d._record.tobytes()
     getattr(dense, f"{name}_quadratures")(d)
     assert d._record.tobytes() == before

@@ -88,7 +88,7 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
     d, c, y = contact()
     y[U] = u
     in_time, rate, again = np.zeros((3, len(y)))
-    equations.state_rate(d, y, in_time)
+    equations.rate_from_state(d, y, in_time)
     sundman.regularize(d, y, in_time, rate)
     right = u / (1.0 + u * u) * in_time
     # du/ds = δ̇/(2 δ* (1 + u²))
@@ -119,7 +119,7 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
     """u″ equals the change of u′ over a short distance in s, along which u, points and speeds move."""
     d, _, y = contact()
     n, rate = LINKS, np.zeros(len(y))
-    equations.state_rate(d, y, rate)
+    equations.rate_from_state(d, y, rate)
     kinematics.accelerate_points(d, y, rate)
     slope, p = sundman.root_rate(d, u), dense.time_rate(u)
     found = sundman.root_curve(d, u, slope)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.kernel.chain.joints import joint_rate
+from chain_impact.kernel.chain.joints import largest_joint_rate
 from chain_impact.kernel.forces.contact import contact_slopes
 from chain_impact.kernel.ode import control, methods
 from chain_impact.kernel.ode.control import AUTO, EXPLICIT, IMPLICIT
@@ -86,7 +86,7 @@ def jointed(rng, touching=False):
     tip = d.candidate.point.tolist().index(2)
     if touching:
         struck(rng, d, [tip])
-    return d, tip, joint_rate(d, d.step.state_end)
+    return d, tip, largest_joint_rate(d, d.step.state_end)
 
 
 @pytest.fixture
@@ -106,7 +106,7 @@ def pressed(rng):
 
 def test_the_rate_of_joints_counts_where_its_bound_exceeds_what_is_stiff(rng):
     d, _, rate = jointed(rng)
-    bound = d.model.joint_bound
+    bound = d.model.joint_rate_bound
     assert rate < bound
     # below this limit the bound replaces the rate, whose computation costs more
     for number, right in ((0.99 * STIFF, 0.99 * STIFF), (1.01 * STIFF, 1.01 * STIFF * rate / bound)):

@@ -21,9 +21,9 @@ from chain_impact.kernel.rows.geometry import (
     length_bound,
     lever,
     normal,
-    place_slope,
+    place_box_wall,
+    place_sloped_wall,
     place_walls,
-    set_side,
     tangent,
     tangential_rate,
     to_joints,
@@ -95,11 +95,11 @@ def test_a_candidate_can_be_given_any_wall(c):
     scene, d = prepared(box=True)
     planes = list(scene.half_planes.values())
     for side in range(len(WALLS)):
-        set_side(d, c, side)
+        place_box_wall(d, c, side)
         assert normal(d, c)[1:] == planes[side].normal
         assert d.candidate.offset[c] == planes[side].offset
     for w, (angle, point) in enumerate(SLOPES):
-        place_slope(d, c, w)
+        place_sloped_wall(d, c, w)
         along, n = np.array([math.cos(angle), math.sin(angle)]), np.array(normal(d, c)[1:])
         assert along[0] * n[1] - along[1] * n[0] == pytest.approx(1.0, abs=1e-15)  # n is to the left
         for distance in (0.0, 0.7):

@@ -6,7 +6,7 @@ from scipy.linalg import cholesky
 from scipy.optimize import lsq_linear
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.friction import STICKS, list_sticking
 from chain_impact.kernel.rows.constraints import LEAST_SHARE
 from chain_impact.kernel.rows.geometry import constraint_rows
@@ -43,7 +43,7 @@ def solve(d):
     """Return the holding forces of all sticking elements at the end of the last step."""
     rate = np.zeros(len(d.step.state_end))
     locate_points(d, d.step.state_end)
-    located_rate(d, d.step.state_end, rate)
+    rate_from_points(d, d.step.state_end, rate)
 
 
 def forces(d):

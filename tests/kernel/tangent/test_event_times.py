@@ -16,7 +16,7 @@ from tests.kernel.tangent.dual import dual
 def tangent(monkeypatch):
     """Return an instance at the end of a step of 0.2 s: y = (2, 1) with derivatives, and ẏ = (3, −1)."""
     monkeypatch.setattr(event_times, "locate_points", lambda _t, _y: None)
-    monkeypatch.setattr(event_times, "located_rate", lambda _t, _y, _rate: None)
+    monkeypatch.setattr(event_times, "rate_from_points", lambda _t, _y, _rate: None)
     monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)
     t = SimpleNamespace(touch=SimpleNamespace(impact_speed=[dual(0.5, 1.0, 2.0)] * 2))
     t.step = SimpleNamespace(

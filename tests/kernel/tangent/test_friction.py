@@ -82,10 +82,10 @@ def margin_of(monkeypatch, t, rate):
     monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)
     monkeypatch.setattr(friction, "fastest_speed", lambda _t: 4.0)
 
-    def located_rate(t, y, rate):
+    def rate_from_points(t, y, rate):
         t.element.force[1] = t.element.force[2] = -y[0]
 
-    monkeypatch.setattr(event_times, "located_rate", located_rate)
+    monkeypatch.setattr(event_times, "rate_from_points", rate_from_points)
     return located
 
 
@@ -239,7 +239,7 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     monkeypatch.setattr(friction, "excess", lambda _t, _e: dual(1e-9))
     monkeypatch.setattr(friction, "tangential_rate", lambda *_: dual(known))
     monkeypatch.setattr(friction, "tangential_acceleration", lambda *_: dual(known))
-    for name in ("list_sticking", "located_rate", "accelerate_points", "stop_speeds"):
+    for name in ("list_sticking", "rate_from_points", "accelerate_points", "stop_speeds"):
         monkeypatch.setattr(friction, name, lambda *_: None)
     monkeypatch.setattr(friction, "settling_time", lambda _t: 0.5)
     monkeypatch.setattr(friction, "negligible", lambda *_: False)

@@ -31,7 +31,7 @@ from chain_impact.kernel.chain.kinematics import clear_joints, link_vectors, zer
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.chain.sites import clear_link_moments
 from chain_impact.kernel.chain.slider import slide_along, slider_damping, slider_stiffness, wanted_force
-from chain_impact.kernel.chain.state import ANGLES, omega_at
+from chain_impact.kernel.chain.state import ANGLES, omega_at, relative
 from chain_impact.kernel.functions import has_dual_rule
 
 
@@ -68,8 +68,7 @@ def resists(constant):
 
 def stretch(d, y, i):
     """Return φ_i [rad], the angle of link i's joint relative to the rest or target angle of its spring."""
-    before = y[ANGLES + i - 1] if i > 0 else 0.0
-    return y[ANGLES + i] - before - d.inputs.joint_target_angle[i]
+    return relative(y, ANGLES, i) - d.inputs.joint_target_angle[i]
 
 
 def is_drive(d, i):
@@ -101,9 +100,9 @@ def wanted_torque(d, y, i):
     """
     if i < first_joint(d):
         return 0.0
-    inputs, first = d.inputs, omega_at(d.links)
-    turning = y[first + i] - (y[first + i - 1] if i > 0 else 0.0)
-    rate, bent = turning - inputs.joint_target_velocity[i], stretch(d, y, i)
+    inputs = d.inputs
+    rate = relative(y, omega_at(d.links), i) - inputs.joint_target_velocity[i]
+    bent = stretch(d, y, i)
     return wanted_drive(
         inputs.joint_torque[i], inputs.joint_damping[i], rate, inputs.joint_stiffness[i], bent
     )
@@ -136,7 +135,7 @@ def mode_margin(d, y):
     return least
 
 
-def joint_bound(d):
+def joint_rate_bound(d):
     """Return an upper bound [1/s] on the rates of all motions that springs and dampers cause.
 
     The springs and dampers are those of the joints and of a slider.
@@ -162,7 +161,7 @@ def rate_of(resistance, inertia):
     return math.inf if resistance > 0.0 else 0.0
 
 
-def joint_rate(d, y):
+def largest_joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
     The docstring of this module defines ρ_i and ω_i; those of a slider count, too. The function stores the
@@ -184,7 +183,7 @@ def joint_rate(d, y):
             solve(d, work.link, work, FREE, work.change)
             work.load.joint[i] = 0.0
             # g_iᵀ M⁻¹ g_i, the change of the relative angular velocity by a unit angular impulse in the joint
-            mobility = work.change[ANGLES + i] - (work.change[ANGLES + i - 1] if i > 0 else 0.0)
+            mobility = relative(work.change, ANGLES, i)
             fastest = max(fastest, c * mobility, math.sqrt(k * mobility))
     if d.slides:
         work.load.x[0], work.load.y[0] = d.slider.ux, d.slider.uy

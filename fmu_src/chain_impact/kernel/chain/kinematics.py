@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.sites import (
     site_place,
     turn_sites,
 )
-from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
+from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sine, direction
 
@@ -115,10 +115,8 @@ def place_joints(d, values, first, vectors):
 
     The numbers of the N links begin at index ``first`` of ``values``.
     """
-    before, size = 0.0, d.model.size
     for i in range(d.links):
-        vectors.x[joint_place(d, i)] = size * (values[first + i] - before)
-        before = values[first + i]
+        vectors.x[joint_place(d, i)] = d.model.size * relative(values, first, i)
 
 
 def accelerate_points(d, y, rate):

@@ -26,6 +26,18 @@ def site_place(d, s):
 
 
 @inlined
+def point_of_site(d, s):
+    """Return the number of site s as a point: the sites come after the points 0…N."""
+    return d.links + 1 + s
+
+
+@inlined
+def site_of_point(d, point):
+    """Return the index of the site with the number ``point``, which is > N."""
+    return point - d.links - 1
+
+
+@inlined
 def site_arm(d, links, s):
     """Return the arm r [m] of site s from its link's proximal joint, for the link vectors in ``links``."""
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]

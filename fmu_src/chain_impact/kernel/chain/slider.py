@@ -25,8 +25,8 @@ def slider_position(d, y):
     return slide_along(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
 
 
-def along_slider(d, y):
-    """Return ṡ [m/s] if y is a state, or s̈ [m/s²], the acceleration, if y is the rate of a state."""
+def rate_along_line(d, y):
+    """Return the rate ṡ [m/s] of the coordinate if y is a state, and s̈ [m/s²] if y is the rate of a state."""
     n = d.links
     return slide_along(d, y[velocity_at(n)], y[velocity_at(n) + 1])
 
@@ -66,7 +66,7 @@ def wanted_force(d, y):
     position s₀.
     """
     inputs = d.inputs
-    rate = along_slider(d, y) - inputs.slider_target_velocity
+    rate = rate_along_line(d, y) - inputs.slider_target_velocity
     return wanted_drive(inputs.slider_force, d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y))
 
 
@@ -80,7 +80,7 @@ def slider_power(d, y):
 
     A drive supplies the whole power of motor, spring and damper, and dissipates none.
     """
-    rate = along_slider(d, y)
+    rate = rate_along_line(d, y)
     if is_slider_drive(d):
         return 0.0, slider_force(d, y) * rate
     return d.slider.damping * rate * rate, d.inputs.slider_force * rate
@@ -94,5 +94,5 @@ def slider_spring_energy(d, y):
 
 def carriage_energy(d, y):
     """Return kinetic and potential energy [J] of the carriage."""
-    rate, gravity = along_slider(d, y), d.model.gravity
+    rate, gravity = rate_along_line(d, y), d.model.gravity
     return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

@@ -8,6 +8,8 @@ integration variable of a step: u = √(δ/δ*) of the regularized contact, with
 expected penetration δ* (ode/sundman.py), and the time t since the start of the step [s].
 """
 
+from chain_impact.kernel.functions import inlined
+
 # index of the first angle in y, and in any change of all coordinates; the base's two coordinates come first
 ANGLES = 2
 
@@ -50,3 +52,12 @@ def time_at(n):
 def state_size(n):
     """Return the length of the state vector y."""
     return 2 * n + 8
+
+
+@inlined
+def relative(values, first, i):
+    """Return the angle or the rate of a link relative to the link before; for i = 0, link 1, its own value.
+
+    The values of the links begin at index ``first``.
+    """
+    return values[first + i] - (values[first + i - 1] if i > 0 else 0.0)

@@ -4,7 +4,7 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
 from chain_impact.kernel.forces.contact import (
     contact_force,
@@ -103,7 +103,7 @@ def update_held_extremes(d):
     length = fraction(d, step.end) - first
     for j in range(HELD_SAMPLES):
         interpolate(step, first + length * j / (HELD_SAMPLES - 1), d.work.y)
-        state_rate(d, d.work.y, d.work.rate)
+        rate_from_state(d, d.work.y, d.work.rate)
         for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]

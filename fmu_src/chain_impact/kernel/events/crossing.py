@@ -14,6 +14,7 @@ import math
 
 from chain_impact.kernel.chain import motion
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.sites import site_of_point
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sundman_u_now
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
@@ -278,7 +279,7 @@ def links_part(d, c):
     links, point = d.work.reach, d.candidate.point[c]
     if point <= d.links:
         return links[point]
-    s = point - d.links - 1
+    s = site_of_point(d, point)
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
     return links[i] + math.sqrt(along * along + beside * beside) * (links[i + 1] - links[i])
 

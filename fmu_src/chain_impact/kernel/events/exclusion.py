@@ -75,7 +75,7 @@ def excludes_events(d):
     # The remainder of the interpolant of a clearance φ is h⁶ φ⁽⁶⁾/46080, with the step size h. Its estimate
     # is ten times the remainder for the tip of a stretched chain in uniform rotation, plus the remainder for
     # a motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|.
-    fade = (d.step.end - d.step.start) * d.model.joint_bound
+    fade = (d.step.end - d.step.start) * d.model.joint_rate_bound
     way = way_per_radian(d)
     if d.channels > 0:
         way += travel_of_piece(d)

@@ -14,7 +14,7 @@ within the limits of friction (rows/limits.py); a solution of that problem alway
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
-from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, drop_changes
 from chain_impact.kernel.events.onset_modes import begins, decide_onsets
 from chain_impact.kernel.events.sampled import excess, rest_speed
@@ -23,9 +23,9 @@ from chain_impact.kernel.forces.friction import (
     STICKS,
     against,
     clear_other_forces,
+    joint_number,
     list_friction,
     list_sticking,
-    rubbing_joint,
     set_anchor,
     set_friction_used,
     set_mode,
@@ -159,7 +159,7 @@ def count_inconsistent_now(d):
     """Find forces and accelerations with the present modes, and return the number of inconsistent modes."""
     rate = d.work.rate
     list_sticking(d)
-    located_rate(d, d.step.state_end, rate)
+    rate_from_points(d, d.step.state_end, rate)
     count_evaluations(d, 1)
     accelerate_points(d, d.step.state_end, rate)
     return count_inconsistent(d)
@@ -242,7 +242,6 @@ def log_changes(d):
             row = log.count % len(log.time)
             joint = e >= d.candidates
             log.time[row], log.mode[row] = d.step.end, d.element.mode[e]
-            # the log gives the slider the number 0, the number of the base's point
-            log.point[row] = (rubbing_joint(d, e) + 1) % (d.links + 1) if joint else d.candidate.point[e]
+            log.point[row] = joint_number(d, e) if joint else d.candidate.point[e]
             log.wall[row] = -1 if joint else d.candidate.wall[e]
             log.count += 1

@@ -8,7 +8,7 @@ onsets of contacts with a force begin after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.friction_modes import reinit_modes, update_modes
@@ -93,7 +93,7 @@ def apply_events(d):
     if d.friction.count > 0:
         # The forces decide whether elements stick. They are computed again, because they may belong to
         # another time, at which outputs were computed.
-        located_rate(d, d.step.state_end, d.work.rate)
+        rate_from_points(d, d.step.state_end, d.work.rate)
         count_evaluations(d, 1)
     forces = touch.compliant_count > 0
     if not forces:

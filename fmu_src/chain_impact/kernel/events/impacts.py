@@ -27,7 +27,7 @@ import math
 from chain_impact.kernel.chain.kinematics import locate_points, locate_points_now
 from chain_impact.kernel.chain.response import take_factors
 from chain_impact.kernel.chain.state import velocity_at
-from chain_impact.kernel.equations import free_rate
+from chain_impact.kernel.equations import free_rate_from_inputs
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.marks import NEIGHBOUR, ONSET, RELEASE, drop_contact_events, mark
@@ -98,7 +98,7 @@ def handle_impact(d):
             latch_onset(d, c)
             hit = True
     if hit:
-        include_near_contacts(d)
+        join_near_contacts(d)
     list_touching(d)
     if hit:
         gentle = d.friction.stuck_count > 0 and is_gentle(d)
@@ -108,7 +108,7 @@ def handle_impact(d):
         end_rebounding_contacts(d)
         if d.friction.used:
             bring_to_rest(d, gentle)
-        follow_jump(d)
+        set_rates_after_impulses(d)
         onset = begin_late_contacts(d)
         if d.friction.used:
             update_modes(d, True)
@@ -141,7 +141,7 @@ def begin_late_contacts(d):
     return onset
 
 
-def follow_jump(d):
+def set_rates_after_impulses(d):
     """Set the rates and kink sides of contacts with a force law for the motion after the impulses."""
     locate_points_now(d, d.step.state_end)
     for k in range(d.touch.compliant_count):
@@ -153,7 +153,7 @@ def follow_jump(d):
         set_kink_side(d, c)
 
 
-def include_near_contacts(d):
+def join_near_contacts(d):
     """Add the points within TOUCHES of a rigid wall to the points of an impact.
 
     Without these points, a link wedged between two walls would hit the walls in turn, infinitely often in a
@@ -222,7 +222,7 @@ def lacks_rebound(d):
 
 def end_rebounding_contacts(d):
     """End the contacts whose points separate with a speed that is larger than round-off."""
-    free_rate(d, d.step.state_end, d.work.rate)
+    free_rate_from_inputs(d, d.step.state_end, d.work.rate)
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
     # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed RISE link
     # lengths
@@ -282,7 +282,7 @@ def update_active_set(d):
         project_state(d, state)
         end_unstopped_contacts(d)
         rate = d.work.rate
-        free_rate(d, state, rate)
+        free_rate_from_inputs(d, state, rate)
         take_factors(d, joints_loaded(d))
         scale = start_from_accelerations(d, state, rate)
         activate_all(d)

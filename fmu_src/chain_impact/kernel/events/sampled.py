@@ -30,7 +30,7 @@ from chain_impact.kernel.chain.joints import mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
 from chain_impact.kernel.chain.state import omega_at
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import SIMULTANEOUS, first_passage, locate_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
 from chain_impact.kernel.events.marks import (
@@ -235,7 +235,7 @@ def least_force(d, _c, theta):
     # without the projection, stiff joints would turn the interpolant's error into a force
     locate_points(d, d.work.y)
     project_state(d, d.work.y)
-    state_rate(d, d.work.y, d.work.rate)
+    rate_from_state(d, d.work.y, d.work.rate)
     count_evaluations(d, 1)
     return least_impulse(d) + pull_limit(d)
 
@@ -303,7 +303,7 @@ def element_margin(d, e, theta):
     if d.element.mode[e] != STICKS:
         return d.element.mode[e] * tangential_rate(d, e) + resolution_of(d, e)
     project_state(d, d.work.y)
-    state_rate(d, d.work.y, d.work.rate)
+    rate_from_state(d, d.work.y, d.work.rate)
     count_evaluations(d, 1)
     return d.element.limit[e] - abs(d.element.force[e]) + resolution_of(d, e)
 

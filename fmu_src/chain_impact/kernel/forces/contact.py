@@ -97,7 +97,7 @@ def contact_slopes(d, c):
 
 
 def latch_onset(d, c):
-    """Begin the contact of candidate c at the located points, and make the candidate active.
+    """Make candidate c active at its onset, for the located points, and count the impact.
 
     From then on the speed v₀, the effective mass and the expected depth are fixed.
     """
@@ -124,7 +124,7 @@ def latch_onset(d, c):
 
 
 def begin_force_contact(d, c):
-    """Begin the contact of candidate c, which has a force law."""
+    """Begin the contact of candidate c, which has a force law, with its kink side and friction."""
     latch_onset(d, c)
     set_kink_side(d, c)
     if d.friction.used and may_rub(d, c):

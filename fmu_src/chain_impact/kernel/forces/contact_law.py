@@ -26,7 +26,7 @@ from chain_impact.kernel.forces.laws import (
 )
 from chain_impact.kernel.functions import copy_row
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.rows.geometry import at_joint, at_wall
+from chain_impact.kernel.rows.geometry import at_joint, at_stop
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     FRICTION_WITH_RIGID_WALLS,
@@ -66,7 +66,7 @@ def origin(d, c):
         The number of the wall if the wall has its own material; OF_CONTACT for the material of `contact`;
         OF_JOINTS for a stop in a joint; OF_SLIDER for an end of the slider's line, which has no friction.
     """
-    if not at_wall(d, c):
+    if at_stop(d, c):
         return OF_JOINTS if at_joint(d, c) else OF_SLIDER
     wall = d.candidate.wall[c]
     walls = d.walls
@@ -140,7 +140,7 @@ def given_stiffness(d, c):
     """Return the given stiffness K [N/mⁿ] of candidate c; for a stop, K of the contact at the lever arm."""
     if at_joint(d, c):
         return d.given.stop_stiffness / power(d.model.size, d.stops.exponent + 1.0)
-    if not at_wall(d, c):
+    if at_stop(d, c):
         return d.given.stiffness
     stiffness = d.walls.stiffness[d.candidate.wall[c]]
     return stiffness if stiffness > 0.0 else d.given.stiffness
@@ -150,7 +150,7 @@ def given_restitution(d, c):
     """Return the given restitution of candidate c."""
     if at_joint(d, c):
         return in_use(d.given.stop_restitution, d.given.restitution)
-    if not at_wall(d, c):
+    if at_stop(d, c):
         return d.given.restitution
     restitution = d.walls.restitution[d.candidate.wall[c]]
     return restitution if restitution >= 0.0 else d.given.restitution
@@ -158,7 +158,7 @@ def given_restitution(d, c):
 
 def given_friction(d, c):
     """Return the given coefficients of sliding and of static friction of candidate c; 0 for a stop."""
-    if not at_wall(d, c):
+    if at_stop(d, c):
         return 0.0, 0.0
     given, walls, wall = d.given, d.walls, d.candidate.wall[c]
     return wall_friction(

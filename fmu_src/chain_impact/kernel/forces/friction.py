@@ -42,12 +42,14 @@ def may_rub(d, c):
     return d.law.static_friction[c] > 0.0
 
 
-def rubbing_joint(d, e):
-    """Return the index of the joint of element e, which must belong to a joint or to the slider.
-
-    Index 0 is the joint of link 1, index N the slider.
-    """
+def joint_or_slider(d, e):
+    """Return the index of the joint of element e, from 0, or N for the slider; e must be one of these."""
     return e - d.candidates
+
+
+def joint_number(d, e):
+    """Return the number of the joint of element e, 1…N, or 0 for the slider; e must be one of these."""
+    return (joint_or_slider(d, e) + 1) % (d.links + 1)
 
 
 def set_friction_used(d):

@@ -1,4 +1,4 @@
-"""The inputs as functions of time (``piece``): constants, or polynomials on intervals, called pieces.
+"""The inputs as functions of time: constants, or polynomials on intervals, called pieces.
 
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
@@ -247,7 +247,9 @@ def begin_motion(d, time):
 
 
 def interpolate_motion(d, time):
-    """Let prescribed motions follow the given values until a ``time`` [s], the next communication point.
+    """Set the polynomials of prescribed motions until a ``time`` [s], the next communication point.
+
+    The polynomials lead through the values that are given at communication points.
 
     Returns:
         WALL_JUMPS if the given positions of a wall jump by a distance that the given velocities do not

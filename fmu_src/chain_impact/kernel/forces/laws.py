@@ -98,6 +98,15 @@ def depth_power(exponent: float) -> str:
     return DEPTHS.get(exponent, f"δ^{exponent:g}")
 
 
+def lossless_depth(energy: float, stiffness: float, exponent: float) -> float:
+    """Return the penetration [m] at which K δⁿ has stored an energy [J]: K δⁿ⁺¹/(n+1) = E.
+
+    At a stop the stiffness is in N·m/radⁿ and the penetration in rad.
+    """
+    depth: float = (energy * (exponent + 1.0) / stiffness) ** (1.0 / (exponent + 1.0))
+    return depth
+
+
 CONTACT_LAWS: dict[str, ContactLaw] = {}
 
 

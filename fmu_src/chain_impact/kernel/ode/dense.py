@@ -175,7 +175,7 @@ def list_quadratures(d):
     """Pack the indices of the quadratures that are integrated from now on."""
     quadrature = d.quadrature
     quadrature.count = 0
-    if quadrature.wanted:
+    if quadrature.computed:
         for k in range(d.touch.active_count):
             integrate(d, d.touch.active_index[k])
         for k in range(d.friction.contact_count):

@@ -47,11 +47,12 @@ from chain_impact.kernel.chain.state import (
     ANGLES,
     coordinate_count,
     omega_at,
+    relative,
     sundman_u_at,
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.equations import loaded_rate
+from chain_impact.kernel.equations import free_rate_from_loads
 from chain_impact.kernel.forces.contact import apply_contact, clear_loads
 from chain_impact.kernel.forces.contact_force import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
@@ -140,7 +141,7 @@ def extended_rate(d, z, elapsed, rate):
     if d.friction.count > 0:
         dissipated += apply_friction(d)
     # this call also sets the rates at the indices of u and time; z has other entries there, set below
-    loaded_rate(d, z, dissipated, rate)
+    free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
     if d.channels > 0:
@@ -214,11 +215,6 @@ def solve_shift(d, s, space, row, x):
         x[quadrature_at(d, k)] -= s * (
             implicit.stiffness[k] * x[gap_at(d, k)] + implicit.damping[k] * x[rate_at(d, k)]
         )
-
-
-def relative(r, first, i):
-    """Return entry i, counted from index ``first``, minus the entry before it; the base has the value 0."""
-    return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
 
 
 def factorize_real(d, s):

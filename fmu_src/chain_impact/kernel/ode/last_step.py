@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.kinematics import (
 )
 from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
-from chain_impact.kernel.equations import located_rate, state_rate
+from chain_impact.kernel.equations import rate_from_points, rate_from_state
 from chain_impact.kernel.forces.friction import keep_anchors
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode import collocation, explicit
@@ -134,7 +134,7 @@ def dissipate(d, energy):
 
 def evaluate_start(d):
     """Evaluate the rate at the start of the next step again."""
-    state_rate(d, d.step.state_end, d.work.rate_start)
+    rate_from_state(d, d.step.state_end, d.work.rate_start)
     keep_end_rates(d)
     count_evaluations(d, 1)
 
@@ -244,9 +244,9 @@ def find_rate(d, located):
     if touching:
         if not located:
             locate_points(d, y)
-        located_rate(d, y, rate)
+        rate_from_points(d, y, rate)
     else:
-        state_rate(d, y, rate)
+        rate_from_state(d, y, rate)
     keep_end_rates(d)
     if d.candidates > 0:
         if not touching:

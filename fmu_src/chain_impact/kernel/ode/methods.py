@@ -20,7 +20,7 @@ The functions ``prepare`` and ``attempt`` take the size h of a step, in the step
 
 import math
 
-from chain_impact.kernel.chain.joints import joint_rate
+from chain_impact.kernel.chain.joints import largest_joint_rate
 from chain_impact.kernel.forces.contact import clear_loads, contact_slopes
 from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import (
@@ -176,9 +176,9 @@ def joints_over(d, h):
 
     If a bound on hρ is at most STIFF, the function returns this bound, which takes no computation.
     """
-    z = h * d.model.joint_bound
+    z = h * d.model.joint_rate_bound
     if z > STIFF:
-        z = h * joint_rate(d, d.step.state_end)
+        z = h * largest_joint_rate(d, d.step.state_end)
         clear_loads(d)
     return z
 

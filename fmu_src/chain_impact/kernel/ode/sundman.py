@@ -19,7 +19,7 @@ distance of two bodies takes the place of p.
 import math
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.ode.control import EXPLICIT
 from chain_impact.kernel.ode.dense import time_rate
@@ -38,7 +38,7 @@ RESTING = 0.1
 @inlined
 def regularized_rate(d, y, rate):
     """Set rate = dy/ds, the rate in the integration variable s of the step."""
-    state_rate(d, y, rate)
+    rate_from_state(d, y, rate)
     if d.step.regularized != NO_CONTACT:
         to_fictitious_time(d, y, rate)
 

@@ -187,9 +187,11 @@ def latest_dtype() -> np.dtype:
 def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """Return the layout of the constraints: the active contacts, then the sticking elements, packed.
 
-    Contacts with a force law are not in the active set. The units depend on what the caller asks for:
-    positions in m and impulses times s, speeds in m/s and impulses in N·s, or accelerations in m/s² and
-    forces in N.
+    Contacts with a force law are not in the active set. The caller decides on the units:
+
+    - of positions [m], with impulses in kg·m: release_contacts, and project_state first
+    - of speeds [m/s], with impulses in N·s: apply_impulses, and project_state then
+    - of accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
     """
     rows = constraint_count(candidates, elements)
     return record(
@@ -286,7 +288,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """
     count = candidates + elements + 3
     return record(
-        ("wanted", INTEGER),  # 1: the quadratures are computed
+        ("computed", INTEGER),  # 1: the quadratures are computed
         ("impulse_at_onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact
         # value of each quadrature since the start, at the most recent time at which contacts began or ended
         ("total", REAL, (count,)),

@@ -56,7 +56,7 @@ def model_dtype(links: int) -> np.dtype:
         ("has_armatures", INTEGER),  # 1: some joint has an armature
         ("has_drive_limits", INTEGER),  # 1: the torque of a joint, or the force of the slider, has a limit
         # 1/s, upper bound on the rates of the motions that dampers and springs of joints and slider cause
-        ("joint_bound", REAL),
+        ("joint_rate_bound", REAL),
         # distance of the centre of mass from the proximal joint, divided by the length
         ("center_of_mass_ratio", REAL, (links,)),
         ("offset_ratio", REAL, (links,)),  # offset of the centre of mass, divided by the length
@@ -238,7 +238,7 @@ def motion_dtype(channels: int) -> np.dtype:
     variables/filling.py sets the values that the kernel does not write.
     """
     return record(
-        # 1: the motion follows the values at communication points; 0: the scene gives polynomials
+        # 1: the motion leads through the values at communication points; 0: the scene gives polynomials
         ("interpolates", INTEGER),
         ("jumps", INTEGER),  # 1: the speed of a belt jumps at the start of the piece of the inputs
         ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt

@@ -130,8 +130,8 @@ def friction_output_dtype(elements: int) -> np.dtype:
         ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks
         # N·m on the outer link of each joint, then N on the slider; the other entries are not used
-        ("joint_moment", REAL, (elements,)),
-        ("joint_sticking", REAL, (elements,)),  # 1: the joint sticks
+        ("joint_or_slider_friction", REAL, (elements,)),
+        ("joint_or_slider_sticking", REAL, (elements,)),  # 1: the joint or the slider sticks
         ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `dissipated`
     )
 

@@ -25,7 +25,7 @@ F.
 from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
 from chain_impact.kernel.chain.kinematics import clear_joints, largest, polar, zero
 from chain_impact.kernel.chain.motion import fastest_wall
-from chain_impact.kernel.chain.sites import joint_place, site_place
+from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_place
 from chain_impact.kernel.chain.slider import slide_along, slider_resistance
 from chain_impact.kernel.chain.state import ANGLES
 
@@ -49,29 +49,31 @@ def place_walls(d):
     """Compute the place of each candidate, and the normal and the offset of the candidate's wall or stop."""
     for c in range(d.candidates):
         wall, point = d.candidate.wall[c], d.candidate.point[c]
-        d.candidate.place[c] = point if point <= d.links else d.links + point
-        d.candidate.radius[c] = d.contact.radius if point <= d.links else d.site.radius[point - d.links - 1]
+        d.candidate.place[c], d.candidate.radius[c] = point, d.contact.radius
+        if point > d.links:
+            s = site_of_point(d, point)
+            d.candidate.place[c], d.candidate.radius[c] = site_place(d, s), d.site.radius[s]
         if at_joint(d, c):
-            place_stop(d, c)
-        elif not at_wall(d, c):
-            place_end(d, c)
+            place_joint_stop(d, c)
+        elif at_stop(d, c):
+            place_slider_stop(d, c)
         elif wall < len(WALLS):
-            set_side(d, c, wall)
+            place_box_wall(d, c, wall)
         else:
-            place_slope(d, c, wall - len(WALLS))
+            place_sloped_wall(d, c, wall - len(WALLS))
         d.shift.rest[c] = d.candidate.offset[c]
 
 
-def set_side(d, c, side):
-    """Set the normal and the offset of candidate c at a side of the box."""
+def place_box_wall(d, c, wall):
+    """Set the normal and the offset of candidate c at a ``wall`` of the box, an index in WALLS."""
     candidate = d.candidate
-    nx, ny = NORMALS[side]
+    nx, ny = NORMALS[wall]
     candidate.normal_x[c], candidate.normal_y[c] = nx, ny
-    # the side's normal has a single component: nx or ny is 0
-    candidate.offset[c] = (nx + ny) * d.model.wall[side]
+    # the normal has a single component: nx or ny is 0
+    candidate.offset[c] = (nx + ny) * d.model.wall[wall]
 
 
-def place_slope(d, c, w):
+def place_sloped_wall(d, c, w):
     """Set the normal and the offset of candidate c, whose wall is number w of the walls at any angle."""
     candidate, walls = d.candidate, d.walls
     candidate.offset[c] = 1.0
@@ -82,16 +84,16 @@ def place_slope(d, c, w):
     candidate.offset[c] = candidate.normal_x[c] * walls.x[w] + candidate.normal_y[c] * walls.y[w]
 
 
-def place_stop(d, c):
+def place_joint_stop(d, c):
     """Set the normal and the offset of candidate c, a stop, at the place of its joint."""
     candidate, joint = d.candidate, d.candidate.point[c]
-    candidate.place[c] = d.links + joint
+    candidate.place[c] = joint_place(d, joint - 1)
     candidate.normal_x[c], candidate.normal_y[c] = side(d, c), 0.0
     limit = d.model.joint_min[joint - 1] if candidate.stop[c] == JOINT_MIN else d.model.joint_max[joint - 1]
     candidate.offset[c], candidate.radius[c] = candidate.normal_x[c] * d.model.size * limit, 0.0
 
 
-def place_end(d, c):
+def place_slider_stop(d, c):
     """Set the normal and the offset of candidate c, an end of the slider's line, which the base touches."""
     candidate, slider, origin = d.candidate, d.slider, d.initial.position
     sign, limit = side(d, c), slider.min if candidate.stop[c] == SLIDER_MIN else slider.max
@@ -103,6 +105,11 @@ def place_end(d, c):
 def at_wall(d, c):
     """Return whether candidate c is at a wall, not at a stop of a joint or of the slider."""
     return d.candidate.stop[c] == AT_WALL
+
+
+def at_stop(d, c):
+    """Return whether candidate c is a stop of a joint or of the slider."""
+    return d.candidate.stop[c] != AT_WALL
 
 
 def at_joint(d, c):
@@ -132,7 +139,7 @@ def candidate_within_bounds(d, c):
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
     first, last = (1, d.links) if at_joint(d, c) else (0, d.links + d.sites)
     most = len(WALLS) + d.candidates - 1
-    if not at_wall(d, c):
+    if at_stop(d, c):
         most += STOP_COUNT
     return (
         SLIDER_MAX <= d.candidate.stop[c] <= SLIDER_MIN
@@ -297,7 +304,7 @@ def largest_acceleration(d):
 
 
 def length_bound(d, vectors):
-    """Return a number that no vector of any place exceeds in length, for velocities or accelerations."""
+    """Return a bound on the lengths of the vectors of all places, which are velocities or accelerations."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
@@ -325,7 +332,7 @@ def link_of(d, c):
     This link ends at the candidate's point, or carries the candidate's site; for the base it is link 1.
     """
     point = d.candidate.point[c]
-    return max(point, 1) - 1 if point <= d.links else d.site.link[point - d.links - 1]
+    return max(point, 1) - 1 if point <= d.links else d.site.link[site_of_point(d, point)]
 
 
 def lever(d, c):

@@ -93,9 +93,12 @@ def block(d, number):
     return d.tangent_instances[number]
 
 
-def as_words(record):
-    """Return all dual numbers of a record as one array: each value is followed by its derivatives."""
-    return record.words
+def as_words(part):
+    """Return the words of 8 bytes of an instance, or of a part of one, as one array.
+
+    A dual number is its value, then its derivatives.
+    """
+    return part.words
 
 
 def copy_values(source, target):

@@ -57,11 +57,11 @@ def observe_trial_of_tangent(_d, t):
         forget_slopes(as_words(t.output))
 
 
-def forget_slopes(dual_numbers):
-    """Set all derivatives in the array ``dual_numbers`` to NaN."""
-    for j in range(len(dual_numbers)):
+def forget_slopes(words):
+    """Set all derivatives in the ``words`` of dual numbers to NaN."""
+    for j in range(len(words)):
         if j % (1 + DIRECTIONS) > 0:
-            dual_numbers[j] = math.nan
+            words[j] = math.nan
 
 
 def truncate_tangent(d, t):

@@ -10,7 +10,7 @@ import math
 from chain_impact.kernel.chain.joints import mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import segment_end
-from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import KINK, RELATCH
 from chain_impact.kernel.events.segments import has_ended
@@ -44,7 +44,7 @@ def along_motion(function):
         for j in range(len(y)):
             y[j] = state[j] + value(rate[j]) * time
         locate_points(t, y)
-        located_rate(t, y, t.work.rate)
+        rate_from_points(t, y, t.work.rate)
         return function(t, c)
 
     def rate_at_end(t, c):
@@ -75,7 +75,7 @@ def delay_along_motion(after):
 def set_end(t):
     """Evaluate points and forces at the end of the last step again."""
     locate_points(t, t.step.state_end)
-    located_rate(t, t.step.state_end, t.work.rate)
+    rate_from_points(t, t.step.state_end, t.work.rate)
     ensure_points(t)
 
 

@@ -18,7 +18,7 @@ import math
 from chain_impact.kernel.chain.joints import first_joint
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
-from chain_impact.kernel.equations import located_rate
+from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pending_changes
 from chain_impact.kernel.events.onset_modes import begins
 from chain_impact.kernel.events.sampled import excess, rest_speed
@@ -246,7 +246,7 @@ def choose_modes(t):
     if any_stops(t):
         stop_speeds(t)
     check_onsets_at_rest(t)
-    located_rate(t, t.step.state_end, t.work.rate)
+    rate_from_points(t, t.step.state_end, t.work.rate)
     accelerate_points(t, t.step.state_end, t.work.rate)
     for i in range(t.friction.count):
         e = t.element.index[i]

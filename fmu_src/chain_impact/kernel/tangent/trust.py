@@ -11,7 +11,7 @@ from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.contact_force import uncut_force
 from chain_impact.kernel.forces.contact_law import USER_LAW
-from chain_impact.kernel.forces.friction import rubbing_joint
+from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import value, varies
 
@@ -96,8 +96,7 @@ def mark_untrusted(t, reason, c, time):
     trust.reason, trust.time = reason, time
     trust.point, trust.wall = NO_IMPACT, 0
     if c >= t.candidates:
-        # the slider gets the number 0, the number of the base's point
-        trust.point, trust.wall = (rubbing_joint(t, c) + 1) % (t.links + 1), JOINT
+        trust.point, trust.wall = joint_number(t, c), JOINT
     elif c != NO_IMPACT:
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
 

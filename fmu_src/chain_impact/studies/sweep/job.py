@@ -158,7 +158,7 @@ class Runner:
         }
         if "latest" not in looked_at:
             self._instance["latest"]["kept"] = 0
-            self._instance["quadrature"]["wanted"] = bool(looked_at & {"impulse", "friction", "load"})
+            self._instance["quadrature"]["computed"] = bool(looked_at & {"impulse", "friction", "load"})
         in_record = [k for k, path in enumerate(job.varied) if path]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._varied_indices = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)

@@ -80,12 +80,12 @@ int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr
 int none(const Instance *instance, const char *call, size_t count, const char *missing); /* accepts an empty list */
 
 /* states.c */
-int get_state(Instance *instance, const char *call, void **place);
+int get_state(Instance *instance, const char *call, void **handle);
 int set_state(Instance *instance, const char *call, void *state);
-int free_state(const Instance *instance, const char *call, void **place);
+int free_state(const Instance *instance, const char *call, void **handle);
 int state_size(const Instance *instance, const char *call, void *state, size_t *size);
 int serialize(const Instance *instance, const char *call, void *state, void *bytes, size_t size);
-int deserialize(const Instance *instance, const char *call, const void *bytes, size_t size, void **place);
+int deserialize(const Instance *instance, const char *call, const void *bytes, size_t size, void **handle);
 
 /* messages.c */
 #define ALL_CATEGORIES (~0u)
@@ -107,7 +107,7 @@ Number rounded(double value); /* nine digits */
 
 /* table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
-int is_whole(const Table *table); /* whole.c: whether all places in the table are valid */
+int is_whole(const Table *table); /* whole.c: whether all offsets in the table are valid */
 uint32_t checksum(const void *bytes, size_t size); /* CRC-32, as in zlib and PNG */
 static inline const void *in_table(const Table *table, int64_t offset) { return (const char *)table + offset; }
 const char *text_of(const Table *table, int64_t offset);

@@ -43,9 +43,9 @@ static int is_sound(const Instance *instance, State *state) {
            sound(record) == 1;
 }
 
-int get_state(Instance *instance, const char *call, void **place) {
-    if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, place)) return ERROR;
-    State *state = *place;
+int get_state(Instance *instance, const char *call, void **handle) {
+    if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, handle)) return ERROR;
+    State *state = *handle;
     if (state && !state_in(instance, call, state)) return ERROR;
     if (state && !is_own(instance, state))
         return say(instance, ERROR, "%s: %s is a state of another FMU", call, instance->interface->state);
@@ -58,7 +58,7 @@ int get_state(Instance *instance, const char *call, void **place) {
     memcpy(state->magic, MAGIC, sizeof state->magic);
     memcpy(state->guid, instance->table->guid, sizeof state->guid);
     memcpy(state + 1, instance->record, record);
-    *place = state;
+    *handle = state;
     return OK;
 }
 
@@ -77,14 +77,14 @@ int set_state(Instance *instance, const char *call, void *given_state) {
     return OK;
 }
 
-int free_state(const Instance *instance, const char *call, void **place) {
+int free_state(const Instance *instance, const char *call, void **handle) {
     if (!allowed(instance, call, ANY_PHASE)) return ERROR;
-    if (!place || !*place) return OK;
-    State *state = state_in(instance, call, *place);
+    if (!handle || !*handle) return OK;
+    State *state = state_in(instance, call, *handle);
     if (!state) return ERROR;
     memset(state->magic, 0, sizeof state->magic);
     instance->release(state);
-    *place = NULL;
+    *handle = NULL;
     return OK;
 }
 
@@ -105,8 +105,8 @@ int serialize(const Instance *instance, const char *call, void *given_state, voi
     return OK;
 }
 
-int deserialize(const Instance *instance, const char *call, const void *bytes, size_t size, void **place) {
-    if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, place)) return ERROR;
+int deserialize(const Instance *instance, const char *call, const void *bytes, size_t size, void **handle) {
+    if (!allowed(instance, call, ANY_PHASE) || !given(instance, call, instance->interface->state, handle)) return ERROR;
     if (!given(instance, call, "serializedState", bytes)) return ERROR;
     State head = {.size = 0};
     if (size >= sizeof head) memcpy(&head, bytes, sizeof head);
@@ -115,6 +115,6 @@ int deserialize(const Instance *instance, const char *call, const void *bytes, s
         return say(instance, ERROR, "%s: the bytes are no state, or damaged", call);
     State *state = instance->allocate(1, size);
     if (!state) return say(instance, ERROR, "%s: no memory for a state", call);
-    *place = memcpy(state, bytes, size);
+    *handle = memcpy(state, bytes, size);
     return OK;
 }

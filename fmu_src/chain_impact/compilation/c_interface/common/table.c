@@ -26,8 +26,8 @@ static int open_file(const char *path) {
 #endif
 }
 
-static int read_all(int file, void *place, uint64_t size) {
-    for (char *at = place; size > 0;) {
+static int read_all(int file, void *target, uint64_t size) {
+    for (char *at = target; size > 0;) {
         long got = (long)read(file, at, size < 1 << 20 ? (unsigned)size : 1 << 20);
         if (got <= 0) return 0;
         at += got;
@@ -38,8 +38,8 @@ static int read_all(int file, void *place, uint64_t size) {
 
 static int hexadecimal(char digit) {
     static const char DIGITS[] = "0123456789abcdef0123456789ABCDEF";
-    const char *place = digit ? strchr(DIGITS, digit) : NULL;
-    return place ? (int)(place - DIGITS) % 16 : -1;
+    const char *found = digit ? strchr(DIGITS, digit) : NULL;
+    return found ? (int)(found - DIGITS) % 16 : -1;
 }
 
 static const char NAME[] = "/model.bin";

@@ -1,4 +1,4 @@
-/* The check that a table is valid for this binary: every place lies inside the file, every word inside the record, and
+/* The check that a table is valid for this binary: every offset lies inside the file, every word inside the record, and
    the record has the size that the kernel expects. The checksum is not enough: a program that changes the file can also
    change the checksum. */
 #include "instance.h"

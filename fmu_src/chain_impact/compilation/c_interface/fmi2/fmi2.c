@@ -92,15 +92,15 @@ MISSING(fmi2GetDirectionalDerivative, "directional derivatives", const fmi2Value
 
 /* --- states: 2.1.8 --- */
 
-FUNCTION(fmi2GetFMUstate, get_state(c, __func__, place), fmi2Component c, fmi2FMUstate *place)
+FUNCTION(fmi2GetFMUstate, get_state(c, __func__, handle), fmi2Component c, fmi2FMUstate *handle)
 FUNCTION(fmi2SetFMUstate, set_state(c, __func__, state), fmi2Component c, fmi2FMUstate state)
-FUNCTION(fmi2FreeFMUstate, free_state(c, __func__, place), fmi2Component c, fmi2FMUstate *place)
+FUNCTION(fmi2FreeFMUstate, free_state(c, __func__, handle), fmi2Component c, fmi2FMUstate *handle)
 FUNCTION(fmi2SerializedFMUstateSize, state_size(c, __func__, state, size), fmi2Component c, fmi2FMUstate state,
          size_t *size)
 FUNCTION(fmi2SerializeFMUstate, serialize(c, __func__, state, bytes, size), fmi2Component c, fmi2FMUstate state,
          fmi2Byte bytes[], size_t size)
-FUNCTION(fmi2DeSerializeFMUstate, deserialize(c, __func__, bytes, size, place), fmi2Component c, const fmi2Byte bytes[],
-         size_t size, fmi2FMUstate *place)
+FUNCTION(fmi2DeSerializeFMUstate, deserialize(c, __func__, bytes, size, handle), fmi2Component c,
+         const fmi2Byte bytes[], size_t size, fmi2FMUstate *handle)
 
 /* --- steps: 4.2.2, 4.2.3 --- */
 

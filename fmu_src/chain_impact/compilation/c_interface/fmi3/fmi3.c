@@ -121,15 +121,15 @@ NO_VARIABLES(fmi3GetAdjointDerivative, const fmi3ValueReference known[], size_t 
 
 /* --- states: 2.2.6.4 --- */
 
-FUNCTION(fmi3GetFMUState, get_state(c, __func__, place), fmi3Instance c, fmi3FMUState *place)
+FUNCTION(fmi3GetFMUState, get_state(c, __func__, handle), fmi3Instance c, fmi3FMUState *handle)
 FUNCTION(fmi3SetFMUState, set_state(c, __func__, state), fmi3Instance c, fmi3FMUState state)
-FUNCTION(fmi3FreeFMUState, free_state(c, __func__, place), fmi3Instance c, fmi3FMUState *place)
+FUNCTION(fmi3FreeFMUState, free_state(c, __func__, handle), fmi3Instance c, fmi3FMUState *handle)
 FUNCTION(fmi3SerializedFMUStateSize, state_size(c, __func__, state, size), fmi3Instance c, fmi3FMUState state,
          size_t *size)
 FUNCTION(fmi3SerializeFMUState, serialize(c, __func__, state, bytes, size), fmi3Instance c, fmi3FMUState state,
          fmi3Byte bytes[], size_t size)
-FUNCTION(fmi3DeserializeFMUState, deserialize(c, __func__, bytes, size, place), fmi3Instance c, const fmi3Byte bytes[],
-         size_t size, fmi3FMUState *place)
+FUNCTION(fmi3DeserializeFMUState, deserialize(c, __func__, bytes, size, handle), fmi3Instance c, const fmi3Byte bytes[],
+         size_t size, fmi3FMUState *handle)
 
 /* --- steps and events: 2.3.5, 4.2.1 --- */
 
