@@ -1,5 +1,7 @@
 """`chain-impact animate`: scenes, FMUs, tables, and refused arguments."""
 
+# Tests: cli/animate.py
+
 import re
 
 import pytest

@@ -1,5 +1,7 @@
 """`build`: the FMU of a scene, its run, and other platforms."""
 
+# Tests: cli/build.py, compilation/errors.py
+
 import re
 import subprocess
 import sys

@@ -1,5 +1,7 @@
 """The commands of the command line, and their messages when a run fails midway."""
 
+# Tests: cli/simulate.py, cli/compare.py, cli/convert.py, cli/cache.py, cli/__main__.py
+
 import csv
 import json
 import re

@@ -1,5 +1,7 @@
 """Shell completions: the answers of argcomplete, and a shell that loads the script."""
 
+# Tests: cli/completers.py
+
 import os
 import shutil
 import subprocess

@@ -1,5 +1,7 @@
 """`chain-impact simulate --curves`."""
 
+# Tests: cli/simulate.py, pictures/curves.py
+
 import re
 
 import pytest

@@ -1,5 +1,7 @@
 """Refusals of the command line, each with one line: wrong arguments, values, places, scenes and FMUs."""
 
+# Tests: cli/options.py, cli/source.py
+
 import errno
 import os
 import re

@@ -1,5 +1,7 @@
 """`chain-impact explore`: the page, its command, and refused arguments."""
 
+# Tests: cli/explore.py
+
 import re
 import sys
 import webbrowser

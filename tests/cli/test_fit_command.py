@@ -1,5 +1,7 @@
 """The command `chain-impact fit`."""
 
+# Tests: cli/fit.py
+
 import csv
 
 import pytest

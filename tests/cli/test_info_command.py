@@ -1,5 +1,7 @@
 """`info`: values and variables, lists, and where it prints."""
 
+# Tests: cli/info.py
+
 import os
 import re
 import subprocess

@@ -1,5 +1,7 @@
 """Progress messages on standard error and in a terminal during long computations."""
 
+# Tests: progress.py
+
 import logging
 import time
 

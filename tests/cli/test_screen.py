@@ -1,5 +1,7 @@
 """The printed report of a comparison. (test_commands.py tests the reports of simulations.)"""
 
+# Tests: studies/compare_text.py
+
 import math
 import re
 from dataclasses import replace

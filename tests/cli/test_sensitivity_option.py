@@ -1,5 +1,7 @@
 """`chain-impact simulate --sensitivity`: a table of the impacts, a picture and columns."""
 
+# Tests: cli/simulate.py, recording/sensitivity.py
+
 import csv
 import re
 

@@ -1,5 +1,7 @@
 """The command `chain-impact sweep`."""
 
+# Tests: cli/sweep.py
+
 import csv
 
 from tests.tiers import needs_interop

@@ -1,5 +1,7 @@
 """`chain-impact validate`: its reports as text and as JSON, and its exit codes."""
 
+# Tests: cli/validate.py
+
 import json
 import zipfile
 

@@ -1,5 +1,7 @@
 """The kernel as a WebAssembly module: the module has no imports, and with a user's law few."""
 
+# Tests: compilation/compilers.py
+
 import re
 
 import pytest

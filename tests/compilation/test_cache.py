@@ -1,5 +1,7 @@
 """The cache of kernels: complete files, compiled once for concurrent processes; old files are removed."""
 
+# Tests: compilation/folders.py
+
 import errno
 import os
 import re

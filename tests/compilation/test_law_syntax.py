@@ -1,5 +1,7 @@
 """A law's file executes only its own constant definitions, whatever the file contains."""
 
+# Tests: compilation/law.py, compilation/law_file.py
+
 import re
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """The lowered kernel: equal sources give equal bytes, without traces of the process that lowered them."""
 
+# Tests: compilation/collecting.py
+
 import re
 import shutil
 import site

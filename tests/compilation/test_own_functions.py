@@ -1,5 +1,7 @@
 """The kernel's own functions of real numbers, compiled: their errors, and their bits on each platform."""
 
+# Tests: kernel/mathematics/doubles.py
+
 import shutil
 import subprocess
 

@@ -1,5 +1,7 @@
 """The instance as a numba type: fields at NumPy's offsets, and results equal to plain Python's."""
 
+# Tests: compilation/affine.py, compilation/entry_points.py, compilation/functions.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """Robots from files move as in MuJoCo for 0.5 s, or the first warning names the cause of the difference."""
 
+# Tests: conversion/mjcf.py, conversion/planar.py, conversion/urdf.py
+
 import pytest
 
 from benchmarks.robots import ALIKE, compared

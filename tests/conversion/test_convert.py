@@ -1,5 +1,7 @@
 """Conversion of robots in URDF and MJCF into scenes, and back; a scene compared with MuJoCo."""
 
+# Tests: conversion/to_mjcf.py, conversion/mjcf.py, conversion/mjcf_files.py, conversion/urdf.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """Every field of a compiled MuJoCo model is converted, reported, or known to have no effect."""
 
+# Tests: conversion/differences.py
+
 import mujoco
 import numpy as np
 import pytest

@@ -1,5 +1,7 @@
 """Slides of robot files become the slider of a scene, or are refused with a proposal."""
 
+# Tests: conversion/joints.py, conversion/proposals.py
+
 import math
 
 import pytest

@@ -1,5 +1,8 @@
 """Contacts, limits, drives and shapes of robot files are converted, or reported."""
 
+# Tests: conversion/mjcf_contacts.py, conversion/mjcf_couplings.py, conversion/mjcf_drives.py
+# Tests: conversion/points.py, conversion/walls.py
+
 import math
 import warnings
 

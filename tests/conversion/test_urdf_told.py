@@ -1,5 +1,7 @@
 """What the conversion of URDF tells, and what it refuses."""
 
+# Tests: conversion/urdf.py, conversion/urdf_elements.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """FMUs of scenes with points on links, an offset of a centre of mass, and a slider."""
 
+# Tests: fmu/run.py, variables/outputs.py
+
 import numpy as np
 import pytest
 

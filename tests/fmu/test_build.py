@@ -1,5 +1,7 @@
 """The content of an FMU: valid, complete, reproducible, small, and without other packages to install."""
 
+# Tests: fmu/model_description.py, fmu/native_target.py
+
 import io
 import zipfile
 from html import escape

@@ -1,5 +1,7 @@
 """Random sequences of calls to the C interface, with sanitizers; fuzzer.c is seeded and bounded."""
 
+# Tests: fmu/table.py
+
 import re
 import shutil
 import subprocess

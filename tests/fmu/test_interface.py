@@ -5,6 +5,8 @@ include calls that common importers do not make, such as null pointers. test_int
 and steps, and test_fuzzer.py makes random calls.
 """
 
+# Tests: compilation/signatures.py, fmu/table.py
+
 import ctypes
 import math
 import struct

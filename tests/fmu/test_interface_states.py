@@ -1,5 +1,7 @@
 """States, steps and resets of FMUs against the FMI standard 2.0.5, as in test_interface.py."""
 
+# Tests: fmu/table.py
+
 import ctypes
 import math
 import struct

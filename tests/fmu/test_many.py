@@ -1,5 +1,7 @@
 """Many instances in a process: of several FMUs, in sequence and in threads; and in several processes."""
 
+# Tests: fmu/build.py
+
 import subprocess
 import sys
 

@@ -3,6 +3,8 @@
 tests/scenarios/test_controlled_arm.py tests the results of masters that connect FMUs.
 """
 
+# Tests: fmu/build.py
+
 import subprocess
 import sys
 

@@ -1,5 +1,7 @@
 """No importer loses an impact: at any step, each importer recovers the list of simulate()."""
 
+# Tests: fmu/build.py, recording/impacts.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """Refusals of an FMU, each in one sentence."""
 
+# Tests: fmu/run.py
+
 import pytest
 
 from chain_impact import CONTACT_LAWS, cli, simulate

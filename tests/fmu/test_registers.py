@@ -1,5 +1,7 @@
 """FMUs in hosts that change the processor's floating-point registers: registers.c, and a Python host."""
 
+# Tests: compilation/compilers.py
+
 import platform
 import re
 import subprocess

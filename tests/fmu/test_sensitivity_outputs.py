@@ -1,5 +1,7 @@
 """Derivatives as outputs of the FMU, in a clean process: equal to ``simulate``'s, and stored in states."""
 
+# Tests: fmu/model_description.py
+
 import fmpy
 import pytest
 

@@ -1,5 +1,7 @@
 """FMUs of scenes with signals: such an FMU contains its tables and needs no external input."""
 
+# Tests: fmu/run.py, scene/signals.py
+
 import zipfile
 
 import fmpy

@@ -1,5 +1,7 @@
 """Features of the pythonfmu FMU only: the slave, and faults in its wrapper."""
 
+# Tests: fmu/pythonfmu_target.py
+
 import ast
 import os
 import re

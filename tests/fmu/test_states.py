@@ -1,5 +1,7 @@
 """States of an FMU: saved, restored, and refused if damaged or foreign."""
 
+# Tests: fmu/table.py
+
 import pytest
 
 from tests.fmu.clean import importing

@@ -1,5 +1,7 @@
 """Parameters, derived values and communication points of an FMU in a process without this package."""
 
+# Tests: fmu/run.py
+
 import numpy as np
 import pytest
 from fmpy import read_model_description

@@ -1,5 +1,8 @@
 """Faults planted in our FMUs: each is found with its place, and valid FMUs have none."""
 
+# Tests: fmu/check_description.py, fmu/check_structure.py, fmu/check_variables.py, fmu/findings.py
+# Tests: fmu/importer.py, fmu/trial.py
+
 import itertools
 import re
 import struct

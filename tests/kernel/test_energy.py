@@ -1,5 +1,7 @@
 """The energies of a chain with springs and contacts, and their balance, which no motion changes."""
 
+# Tests: kernel/equations.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """Decayed motions: quotients, powers and roots of tiny, even denormal numbers stay finite."""
 
+# Tests: kernel/events/crossing.py, kernel/events/search.py
+
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The hooks: without effect in a plain kernel, and carriers of derivatives in a kernel with derivatives."""
 
+# Tests: kernel/functions.py
+
 import inspect
 import math
 from types import SimpleNamespace

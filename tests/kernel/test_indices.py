@@ -3,6 +3,8 @@
 The derivatives beside a run (kernel/tangent/) have the same kernel functions, but their own are not run here.
 """
 
+# Tests: kernel/advance.py
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """One step of the solver: its size, and where it ends."""
 
+# Tests: kernel/advance.py
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """A caller that stops at every onset: the times, the outputs, and an unchanged motion."""
 
+# Tests: kernel/entry.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """Records from outside: refuse values that would cause invalid memory accesses or endless runs."""
 
+# Tests: kernel/initialize.py, kernel/status.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """No function of the kernel reads a value that belongs to another state."""
 
+# Tests: kernel/advance.py, kernel/entry.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """Bounds on work and events: the counted work, the window of time, and the end of a run."""
 
+# Tests: kernel/advance.py, kernel/status.py
+
 import math
 
 import numpy as np

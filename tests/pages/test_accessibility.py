@@ -1,5 +1,7 @@
 """Accessibility of the pages: axe reports nothing."""
 
+# Tests: pages/explore.py, pages/recorded.py
+
 import pytest
 
 from chain_impact import animate

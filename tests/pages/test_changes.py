@@ -1,5 +1,7 @@
 """Changed parameters of the page: derived values follow, a refused change leaves all as it is."""
 
+# Tests: pages/browser/scene/changes.js
+
 import numpy as np
 import pytest
 

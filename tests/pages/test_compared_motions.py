@@ -1,5 +1,7 @@
 """Motions beside the present motion: the motion before a change, and pinned motions with their impacts."""
 
+# Tests: pages/browser/explore/compared_motions.js
+
 import itertools
 
 import matplotlib as mpl

@@ -1,5 +1,7 @@
 """The chart of outputs: chosen outputs are drawn with the numbers of `simulate()`, and stored in the link."""
 
+# Tests: pages/browser/charts/curve_charts.js, pages/browser/explore/curve_choice.js
+
 import numpy as np
 import pytest
 

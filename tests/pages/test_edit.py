@@ -1,5 +1,7 @@
 """Scenes that the page reads itself, from opened files: the record is that of Python."""
 
+# Tests: pages/kit.py, pages/signals.py, pages/browser/scene/record.js
+
 import re
 import tomllib
 from copy import deepcopy

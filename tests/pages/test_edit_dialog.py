@@ -1,5 +1,7 @@
 """The page's edit dialog: scenes that are edited by hand move as in Python, and faults are told."""
 
+# Tests: pages/browser/explore/editor.js
+
 import json
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The page that simulates: runs that fail or last long, screens, other pages, and the memory."""
 
+# Tests: pages/browser/explore/explore.js
+
 import functools
 import re
 import threading

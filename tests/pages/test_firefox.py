@@ -1,5 +1,7 @@
 """The page in Debian's Firefox: bit-equal results of `simulate()`, a manual start, and a map."""
 
+# Tests: pages/explore.py
+
 import json
 import os
 import re

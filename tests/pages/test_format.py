@@ -1,5 +1,7 @@
 """Texts and ticks of numbers on the pages."""
 
+# Tests: pages/browser/base/format.js, pages/browser/base/ticks.js
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """Changed inputs during playback: they act from then on, also in the link, the command and the scene file."""
 
+# Tests: pages/browser/scene/input_steps.js
+
 import shlex
 
 import numpy as np

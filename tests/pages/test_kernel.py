@@ -1,5 +1,7 @@
 """The page's worker: bit-equal `simulate()` and `sweep()`, the frames of an animation, refused requests."""
 
+# Tests: pages/browser/solver/kernel.js, pages/browser/solver/worker.js
+
 import numpy as np
 import pytest
 

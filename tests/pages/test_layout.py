@@ -1,5 +1,7 @@
 """No label overlaps a control on small screens, by the drawn boxes."""
 
+# Tests: pages/explore.py
+
 import pytest
 
 from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until

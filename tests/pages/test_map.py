@@ -1,5 +1,7 @@
 """The map of two parameters: preview, values, colours, the keyboard, and runs that a click opens."""
 
+# Tests: pages/browser/explore/map/map.js
+
 import math
 import re
 

@@ -1,5 +1,7 @@
 """A recording's page: playback, jumps, the list of impacts, keys, a phone and the dark theme."""
 
+# Tests: pages/recorded.py, pages/browser/player/player.js
+
 import re
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The pages: small, without other files, made from their sources, with the parts of npm's packages."""
 
+# Tests: pages/encoding.py, pages/inline.py
+
 import base64
 import hashlib
 import json

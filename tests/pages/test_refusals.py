@@ -5,6 +5,8 @@ Both refuse a file with the same sentence.
 Some values that do not go together are refused by the kernel, which runs in the page, too.
 """
 
+# Tests: pages/browser/scene/scene_file.js
+
 import re
 import tomllib
 from copy import deepcopy

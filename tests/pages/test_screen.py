@@ -1,5 +1,7 @@
 """The screen and its handles: dragging, the room, the trace, small screens, touch."""
 
+# Tests: pages/browser/explore/handles.js
+
 import re
 
 import numpy as np

@@ -1,5 +1,7 @@
 """What a reader sees: one scale in a frame, free labels, whole charts, room on all screens."""
 
+# Tests: pages/browser/drawing/label_positions.js
+
 import pytest
 
 from tests.pages.in_pages import DESK, PHONE, ROWS, until

@@ -1,5 +1,7 @@
 """The sliders and the list of parameters: values that are taken, refused and reset, signals and inputs."""
 
+# Tests: pages/browser/explore/parameters/sliders.js
+
 import re
 import shlex
 

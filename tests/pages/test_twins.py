@@ -4,6 +4,8 @@ The comparisons allow for a few last digits: a compiler may join a product and a
 libraries round sines differently.
 """
 
+# Tests: pages/drawn.py, pages/shared.py, pictures/arrow_scale.py, pictures/film_figure.py, scene/bodies.py
+
 import re
 from functools import cache, partial
 from types import SimpleNamespace

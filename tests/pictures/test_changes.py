@@ -1,5 +1,7 @@
 """The page with derivatives."""
 
+# Tests: pictures/bars.py
+
 import re
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The committed pictures of models: their texts equal the texts that the code draws."""
 
+# Tests: pictures/start.py, pictures/style.py
+
 import re
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """Pictures of any outputs over time."""
 
+# Tests: recording/curves.py
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest

@@ -1,5 +1,7 @@
 """Dry friction in pictures: phases over time, sticking elements at the end, energies, and texts."""
 
+# Tests: pictures/over_time.py
+
 import numpy as np
 import pytest
 

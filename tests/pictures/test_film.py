@@ -1,5 +1,7 @@
 """Films: their content as their viewers see them."""
 
+# Tests: pictures/film_figure.py, pictures/film_files.py, pictures/film_labels.py
+
 import itertools
 
 import matplotlib as mpl

@@ -1,5 +1,7 @@
 """The picture of one impact, and its data."""
 
+# Tests: recording/course.py
+
 import pickle
 
 import numpy as np

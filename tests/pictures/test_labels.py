@@ -1,5 +1,7 @@
 """Labels stand beside their places, and never overlap another label, a line or a mark."""
 
+# Tests: pictures/lines.py
+
 import itertools
 
 import numpy as np

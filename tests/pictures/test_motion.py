@@ -1,5 +1,7 @@
 """The picture of the motion: its poses, its paths, and the numbers of the impacts."""
 
+# Tests: pictures/body.py, pictures/names.py
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure

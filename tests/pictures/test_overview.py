@@ -1,5 +1,7 @@
 """The page with a recording: its files, its headline, and no overlaps."""
 
+# Tests: pictures/legends.py
+
 import dataclasses
 import itertools
 import re

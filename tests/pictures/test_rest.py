@@ -1,5 +1,7 @@
 """Phases of rest: pictures shade and name them, and shorten long phases with a note."""
 
+# Tests: recording/rest.py
+
 import dataclasses
 
 import numpy as np

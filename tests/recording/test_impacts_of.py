@@ -1,5 +1,7 @@
 """The table of impacts from an FMU's record equals that of simulate() for any communication step."""
 
+# Tests: recording/impacts.py
+
 import warnings
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The summary lines of a result; test_result.py tests most of the lines."""
 
+# Tests: recording/text.py
+
 import re
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Results as tables of pandas and datasets of xarray."""
 
+# Tests: recording/impact_units.py
+
 import sys
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The visible region of a motion."""
 
+# Tests: recording/bodies.py, scene/half_planes.py
+
 import numpy as np
 import pytest
 

@@ -168,6 +168,26 @@ def test_every_module_stands_in_a_layer():
     assert {name for name in top - {PACKAGE.name} if f"chain_impact.{name}" not in layers} == set()
 
 
+def subjects(file):
+    """Return what a file of tests tests: the module of its name, and the files in its lines ``# Tests:``."""
+    lines = re.findall(r"^# Tests: (.+)$", file.read_text("utf-8"), re.MULTILINE)
+    own = file.relative_to(ROOT / "tests").with_name(file.name.removeprefix("test_"))
+    named = [PACKAGE / name for line in lines for name in line.split(", ")]
+    return named + [PACKAGE / own] * (PACKAGE / own).is_file()
+
+
+def test_each_module_has_a_file_of_tests_and_each_file_of_tests_says_what_it_tests():
+    rooms = {file.parent.name for file in PACKAGE.glob("*/__init__.py")}
+    files = {file: subjects(file) for file in (ROOT / "tests").rglob("test_*.py")}
+    named = {*itertools.chain(*files.values())}
+    assert {str(file) for file in named if not file.is_file()} == set()
+    assert {str(file) for file in MODULES if file.name != "__init__.py"} - {
+        str(file) for file in named
+    } == set()
+    mirrored = [file for file in files if file.relative_to(ROOT / "tests").parts[0] in rooms]
+    assert [str(file) for file in mirrored if not files[file]] == []
+
+
 def test_the_order_and_the_tiers_of_the_tests_name_files_that_exist():
     tests = [*(ROOT / "tests").rglob("test_*.py")]
     paths, names = {file.relative_to(ROOT).as_posix() for file in tests}, {file.name for file in tests}

@@ -1,5 +1,7 @@
 """A hint, in Python and on the command line, if a wall deforms by more than the shortest link's length."""
 
+# Tests: scene/warning.py
+
 import warnings
 
 import pytest

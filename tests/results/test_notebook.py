@@ -1,5 +1,7 @@
 """A picture in a notebook, executed by a separate kernel."""
 
+# Tests: results/result.py
+
 import nbformat
 import pytest
 from nbconvert.preprocessors import ExecutePreprocessor

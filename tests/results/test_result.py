@@ -1,5 +1,7 @@
 """Results by name, and their texts; test_tables.py tests the tables."""
 
+# Tests: results/pictured.py, variables/hints.py
+
 import html
 import math
 import pickle

@@ -1,5 +1,7 @@
 """Drives in joints: armatures, servos with targets, torque limits; against closed forms and textbooks."""
 
+# Tests: kernel/chain/drives.py, kernel/events/saturation.py
+
 import math
 
 import numpy as np

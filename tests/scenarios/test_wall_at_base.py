@@ -1,5 +1,7 @@
 """A wall that reaches a pinned base ends the run at that time, however short the overlap would last."""
 
+# Tests: kernel/events/base.py
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Refused scenes and their messages: values, keys, walls, starts inside walls."""
 
+# Tests: scene/limits.py, scene/refusals.py
+
 import math
 import re
 import warnings

@@ -1,5 +1,7 @@
 """Derived values stay derived until a file gives them, after any change, write or comparison."""
 
+# Tests: scene/completion.py, scene/rules.py
+
 import pickle
 import tomllib
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Every value has a name in the FMU and a key in the scene file: both are accepted everywhere."""
 
+# Tests: scene/names.py, studies/fit/parameters.py
+
 import pytest
 
 from chain_impact import SceneError, load_scene, simulate, sweep

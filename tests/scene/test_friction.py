@@ -1,5 +1,7 @@
 """Dry friction in the scene: keys, defaults, names, and refused values."""
 
+# Tests: scene/contents.py, scene/tables.py
+
 import pytest
 
 from chain_impact import load_scene

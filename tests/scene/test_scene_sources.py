@@ -1,5 +1,7 @@
 """Every function that takes a scene also takes a path or a model's name, and refuses all else alike."""
 
+# Tests: scene/models.py
+
 import inspect
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """The JSON schema of scene files, docs/scene.schema.json: up to date, and consistent with the reader."""
 
+# Tests: scene/tables.py
+
 import json
 import shutil
 import subprocess

@@ -1,5 +1,7 @@
 """Refused signals of a scene and their messages; a driven input is no longer an input."""
 
+# Tests: scene/signal.py, scene/signal_checks.py
+
 import math
 import re
 import warnings

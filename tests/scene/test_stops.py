@@ -1,5 +1,7 @@
 """Stops in joints and materials of walls: keys, defaults, names, and refused values."""
 
+# Tests: scene/checks.py
+
 import math
 import tomllib
 from functools import partial

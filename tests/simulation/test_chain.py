@@ -1,5 +1,7 @@
 """A chain stepped in Python: bit-equal to simulate(); states, settable values and refused values."""
 
+# Tests: simulation/instance.py
+
 import math
 import zlib
 

@@ -1,5 +1,7 @@
 """Inputs that are functions: the solver follows them to its tolerance, at any rows."""
 
+# Tests: simulation/follower.py
+
 import math
 
 import numpy as np

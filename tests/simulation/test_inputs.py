@@ -1,5 +1,7 @@
 """Inputs of ``simulate`` over time: against the equations of motion, against each other, and refusals."""
 
+# Tests: simulation/motions.py
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Signals that jump within the motion."""
 
+# Tests: simulation/derivatives.py
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The end of derivatives at the stop of a joint: the sentence names the joint, not a point at a wall."""
 
+# Tests: simulation/reasons.py
+
 import pytest
 
 from chain_impact import simulate

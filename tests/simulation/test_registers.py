@@ -1,5 +1,7 @@
 """Runs in a Python process with changed floating-point registers of the processor."""
 
+# Tests: simulation/simulate.py
+
 import ctypes
 
 import numpy as np

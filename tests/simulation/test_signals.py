@@ -1,5 +1,7 @@
 """Signals of a scene: motions against the same functions in Python, derivatives against differences."""
 
+# Tests: kernel/chain/signals.py, kernel/events/segments.py, scene/signal_values.py, variables/driving.py
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Whole simulations as seen by users: outputs, one result for any options, and faults."""
 
+# Tests: simulation/record_scene.py
+
 import math
 import subprocess
 import sys

@@ -1,5 +1,7 @@
 """A trial sets values, reads outputs and resets the values. The run does not depend on trials."""
 
+# Tests: simulation/chain.py
+
 import numpy as np
 import pytest
 

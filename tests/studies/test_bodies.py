@@ -1,5 +1,7 @@
 """Sweeps and fits over the parameters of bodies and sliders."""
 
+# Tests: studies/fit/fit.py, studies/sweep/sweep.py
+
 import numpy as np
 import pytest
 

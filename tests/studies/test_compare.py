@@ -1,5 +1,7 @@
 """Every law on the same scene, for comparison."""
 
+# Tests: studies/law_runs.py
+
 import csv
 import math
 

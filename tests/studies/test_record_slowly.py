@@ -1,5 +1,7 @@
 """A recording with dense rows around impacts: the same simulation at a finer resolution."""
 
+# Tests: studies/animate.py
+
 import numpy as np
 import pytest
 

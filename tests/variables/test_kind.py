@@ -1,5 +1,7 @@
 """The rows of the table of variables: their references exist, and their statements hold for all variables."""
 
+# Tests: variables/parameters.py, variables/shape.py
+
 import pytest
 
 from chain_impact import load_scene

@@ -1,5 +1,7 @@
 """The variables that only some scenes have: of stops, materials and dry friction."""
 
+# Tests: variables/shape.py
+
 from chain_impact import Chain
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT

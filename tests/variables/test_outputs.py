@@ -1,5 +1,7 @@
 """The outputs of a scene and their descriptions, group by group."""
 
+# Tests: variables/variable.py
+
 import numpy as np
 import pytest
 

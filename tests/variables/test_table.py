@@ -1,5 +1,7 @@
 """The table of FMU variables: the designed names, each at its place, and no variable without its feature."""
 
+# Tests: variables/listing.py
+
 import re
 from collections import Counter
 

@@ -4,6 +4,8 @@ The reference builds M(q) and the forces from the Jacobians of single points, wi
 nothing with the recursion.
 """
 
+# Tests: kernel/chain/sites.py, kernel/chain/slider.py, kernel/chain/response.py
+
 import math
 
 import numpy as np

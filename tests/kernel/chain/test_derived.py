@@ -1,5 +1,7 @@
 """Derived parameters without a given value: in plain Python, with dual numbers, and at initialization."""
 
+# Tests: kernel/chain/inertia.py, kernel/initialize.py
+
 import numpy as np
 import pytest
 

@@ -4,6 +4,8 @@ Lagrange's equations by SymPy for up to three links, and the textbook form M(q)q
 NumPy for up to a thousand.
 """
 
+# Tests: kernel/chain/elimination.py, kernel/chain/kinematics.py
+
 import numpy as np
 import pytest
 

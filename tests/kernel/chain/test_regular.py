@@ -1,5 +1,7 @@
 """Chains with a regular mass matrix in every position, against the smallest eigenvalue of the matrix."""
 
+# Tests: kernel/chain/inertia.py, kernel/chain/response.py
+
 import itertools
 from types import SimpleNamespace
 

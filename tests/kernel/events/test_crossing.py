@@ -1,5 +1,7 @@
 """Crossings of clearances over a step, against dense sampling of motions in closed form."""
 
+# Tests: kernel/chain/motion.py
+
 import math
 
 import numpy as np

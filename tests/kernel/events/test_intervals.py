@@ -1,5 +1,7 @@
 """The bounds that settle an interval in the search for crossings."""
 
+# Tests: kernel/events/crossing.py, kernel/events/exclusion.py
+
 import math
 
 import numpy as np

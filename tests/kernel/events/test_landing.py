@@ -1,5 +1,7 @@
 """Onsets and ends that a step may have, and the step that is repeated to end at them."""
 
+# Tests: kernel/events/search.py, kernel/events/marks.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """The rows of the log of contacts, and of the list of the latest impacts."""
 
+# Tests: kernel/events/contact_log.py, kernel/record/contacts.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """The log of changes between sticking and sliding."""
 
+# Tests: kernel/events/friction_modes.py
+
 import numpy as np
 
 from chain_impact.kernel.events.friction_modes import (

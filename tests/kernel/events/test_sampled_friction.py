@@ -1,5 +1,7 @@
 """The ends of sticking and sliding, which are found by sampling a step."""
 
+# Tests: kernel/events/sampled.py
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The contact laws: f(e) against the literature, and the realised restitution against exact values."""
 
+# Tests: kernel/forces/laws.py
+
 import functools
 import math
 

@@ -1,5 +1,7 @@
 """Registration of laws, a relation of several laws, and the place of a user's law."""
 
+# Tests: kernel/forces/laws.py, kernel/forces/user_law.py
+
 from dataclasses import replace
 
 import pytest

@@ -1,5 +1,7 @@
 """Exponentials, logarithms and powers in plain Python, against mpmath and at special numbers."""
 
+# Tests: kernel/mathematics/exponentials.py, kernel/mathematics/logarithms.py, kernel/mathematics/powers.py
+
 import math
 
 import mpmath

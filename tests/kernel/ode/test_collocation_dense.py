@@ -1,5 +1,7 @@
 """The dense output of an implicit step."""
 
+# Tests: kernel/ode/dense.py
+
 import numpy as np
 import pytest
 

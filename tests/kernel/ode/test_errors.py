@@ -1,5 +1,7 @@
 """Error scales: coordinates, speeds, energies, clearances and joint moments."""
 
+# Tests: kernel/ode/control.py
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The linear systems of implicit steps against the assembled Jacobian, for real and complex shifts."""
 
+# Tests: kernel/ode/radau.py, kernel/rows/compliance.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """The collocation step on generic right-hand sides: its order, its error estimates, and stiffness."""
 
+# Tests: kernel/ode/collocation.py
+
 from functools import cache
 
 import numpy as np

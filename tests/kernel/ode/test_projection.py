@@ -1,5 +1,7 @@
 """The projection of an implicit step's coordinates onto the clearances that were integrated with them."""
 
+# Tests: kernel/ode/extended.py
+
 import numpy as np
 import pytest
 

@@ -3,6 +3,8 @@
 Gravity and the walls together change the momentum of the chain.
 """
 
+# Tests: kernel/ode/dense.py
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The choice of implicit steps for the joints' damping, and of explicit steps for non-stiff chains."""
 
+# Tests: kernel/ode/methods.py
+
 import math
 from types import SimpleNamespace
 

@@ -1,5 +1,7 @@
 """Derivatives of runs in which values change at some times, against differences of changed runs."""
 
+# Tests: kernel/tangent/entry.py
+
 import numpy as np
 import pytest
 

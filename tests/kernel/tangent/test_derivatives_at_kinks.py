@@ -1,5 +1,7 @@
 """Kinks of a force inside a contact: derivatives before and behind the kinks."""
 
+# Tests: kernel/tangent/event_times.py
+
 import math
 from functools import partial
 

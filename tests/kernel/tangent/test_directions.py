@@ -1,5 +1,7 @@
 """The layout of an instance of dual numbers."""
 
+# Tests: kernel/record/fields.py, kernel/tangent/duals.py
+
 from types import SimpleNamespace
 
 import numpy as np

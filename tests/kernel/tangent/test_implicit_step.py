@@ -1,5 +1,7 @@
 """Derivatives through long implicit steps of a chain that stays at rest after a disturbance."""
 
+# Tests: kernel/tangent/replay.py
+
 import math
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,5 +1,7 @@
 """Replay of each step in dual numbers: its values are bit-equal to the run's."""
 
+# Tests: kernel/tangent/step_ends.py
+
 from functools import partial
 from types import SimpleNamespace
 

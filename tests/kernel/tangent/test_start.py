@@ -1,5 +1,7 @@
 """The start of an instance of dual numbers."""
 
+# Tests: kernel/tangent/entry.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """The end of trust in derivatives: at an impact, which is named, or at a step, and the reason."""
 
+# Tests: kernel/tangent/peaks.py
+
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Fits from end to end: values, intervals, several data sets, bounds, omitted data."""
 
+# Tests: studies/fit/remarks.py
+
 import math
 import re
 from types import SimpleNamespace

@@ -1,5 +1,7 @@
 """The picture of a fit."""
 
+# Tests: studies/fit/plot.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """The content of a fit, and its file."""
 
+# Tests: studies/fit/estimates.py, studies/fit/result.py
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Coefficients of dry friction from measured motion."""
 
+# Tests: studies/fit/fit.py
+
 import numpy as np
 
 from chain_impact import fit, simulate

@@ -1,5 +1,7 @@
 """Fits with measured inputs: torques of motors, a moving base."""
 
+# Tests: studies/fit/data.py, studies/fit/scene_file.py
+
 import csv
 
 import numpy as np

@@ -1,5 +1,7 @@
 """A fit of the coefficient of friction to the final positions of thrown chains only."""
 
+# Tests: studies/fit/fit.py
+
 import numpy as np
 import pytest
 

@@ -1,5 +1,7 @@
 """Sweeps that are killed or interrupted: the same command goes on after the finished runs."""
 
+# Tests: studies/sweep/partial.py
+
 import json
 import signal
 import subprocess

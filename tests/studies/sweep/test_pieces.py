@@ -3,6 +3,8 @@
 The rows do not depend on the number of threads and the sizes of pieces.
 """
 
+# Tests: studies/sweep/job.py, studies/sweep/work.py
+
 import threading
 from concurrent.futures import CancelledError
 

@@ -1,5 +1,7 @@
 """The picture of a sweep: it shows the values of the table, and nothing overlaps."""
 
+# Tests: studies/sweep/histograms.py, studies/sweep/maps.py, studies/sweep/quantities.py
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg

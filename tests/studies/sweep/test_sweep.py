@@ -1,5 +1,7 @@
 """A run of a sweep is bit-equal to `simulate()`."""
 
+# Tests: studies/sweep/runs.py
+
 import numpy as np
 import pytest
 
