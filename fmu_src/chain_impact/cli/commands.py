@@ -106,16 +106,27 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse the arguments, and refuse an option that the verb does not have.
+        """Parse the arguments, and refuse what the verb does not take.
 
         This parser knows the options of its verb, so the error can name the most similar one. Argparse would
-        refuse the unknown option later, in the main parser, which does not know these options.
+        refuse the argument later, in the main parser, which does not know these options.
         """
         options, others = super().parse_known_args(args, namespace)
-        for option in (other.partition("=")[0] for other in others if other.startswith("--")):
-            near = nearest(option, self._option_string_actions)
-            self.error(f"{option} is no option" + (f"; the nearest is {near}" if near else ""))
+        if others:
+            option = others[0].partition("=")[0]
+            self.error(f"{option} {self._fault_of(option)}")
         return options, others
+
+    def _fault_of(self, option: str) -> str:
+        """Return what is wrong with an argument that the verb does not take, and what to write instead."""
+        if not option.startswith("-"):
+            return "is one argument too many"
+        files = [action for action in self._actions if action.metavar == "FILE"]
+        written = [f.option_strings[0] for f in files if str(f.help).startswith(("write", "draw"))]
+        if option == "-o" and written:
+            return f"is no option; files are written by {', '.join(written)}"
+        near = nearest(option, self._option_string_actions)
+        return "is no option" + (f"; the nearest is {near}" if near else "")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not a choice, and name the most similar choice.
