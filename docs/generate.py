@@ -1,7 +1,8 @@
 """Fill the tables of the docs from the code: ``python docs/generate.py``.
 
 The script replaces the text between ``<!-- generated: name -->`` and ``<!-- end -->`` in a page by the result
-of the function ``name`` in TABLES. It also writes the JSON schema of scene files, ``scene.schema.json``.
+of the function ``name`` in TABLES, and writes the number of laws into the texts that state it. It also writes
+the JSON schema of scene files, ``scene.schema.json``.
 """
 
 from __future__ import annotations
@@ -28,8 +29,11 @@ from tests.helpers.tools.planted_faults import FAULTS, FOUND, WHOLE
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
+WITH_LAW_COUNT = [DOCS.parent / name for name in ("README.md", "CITATION.cff")]
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
 RADIUS = 0.02  # m, radius of the spheres in the table of stiffness
+LAW_COUNT = re.compile(r"\b\d+(?= (?:contact )?laws\b)")
+"""The number of all contact laws in a text."""
 METALS = {
     "mild steel": (207e9, 0.3, 7850.0, 300e6),
     "copper, annealed": (120e9, 0.34, 8960.0, 70e6),
@@ -48,8 +52,9 @@ MATERIALS = {
 
 
 def filled(page: str) -> str:
-    """Return the text of a page with tables from the code."""
-    return BLOCK.sub(lambda found: f"{found[1]}{found[2]}\n{TABLES[found[1]]()}\n\n", page)
+    """Return the text of a page with tables and the number of contact laws from the code."""
+    text = BLOCK.sub(lambda found: f"{found[1]}{found[2]}\n{TABLES[found[1]]()}\n\n", page)
+    return LAW_COUNT.sub(str(len(CONTACT_LAWS)), text)
 
 
 # ---- contact laws, command line -------------------------------------------------------------------------
@@ -225,7 +230,7 @@ def schema_text() -> str:
 
 def write() -> None:
     """Write every page and the schema."""
-    for page in sorted(DOCS.rglob("*.md")):
+    for page in (*sorted(DOCS.rglob("*.md")), *WITH_LAW_COUNT):
         text = page.read_text(encoding="utf-8")
         page.write_text(filled(text), encoding="utf-8")
     SCHEMA.write_text(schema_text(), encoding="utf-8")

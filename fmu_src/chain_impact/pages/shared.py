@@ -29,8 +29,7 @@ from chain_impact.scene.contents import PARALLEL
 from chain_impact.scene.refusals import SENTENCES
 from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
-from chain_impact.scene.signal_values import KNOTS, NUMBERS
-from chain_impact.scene.signals import OTHER, REQUIRED
+from chain_impact.scene.signal_values import NUMBERS
 from chain_impact.variables import indices
 
 FINEST = 65535  # the largest integer of 16 bits, to which the largest value of packed numbers is scaled
@@ -59,12 +58,12 @@ def shared() -> dict[str, Any]:
         "file": {"CORNERS": tables.CORNERS, "SHOWN": reading.SHOWN},
         "signals": {
             "AT_REST": AT_REST,
-            "FORMS": FORMS,
+            "FORMS": list(FORMS),
             "SHAPES": SHAPES,
             "NUMBERS": NUMBERS,
-            "REQUIRED": REQUIRED,
-            "OTHER": OTHER,
-            "KNOTS": KNOTS,
+            "REQUIRED": {name: form.required for name, form in FORMS.items()},
+            "OTHER": {name: form.optional for name, form in FORMS.items()},
+            "KNOTS": {name: form.knots for name, form in FORMS.items() if form.knots},
         },
         "record": {"WORD": indices.WORD, "COUNTS": COUNTS},
         "kernel": {

@@ -2,15 +2,49 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from chain_impact.scene.limits import NO_KEY, quantity
 from chain_impact.scene.names import INPUTS_OF, is_like, nearest
 
-FORMS = ("constant", "sine", "ramp", "steps", "table")
-"""The forms of signals, in the order of their numbers in the kernel."""
 SHAPES = ("smooth", "linear", "trapezoid")
 """The shapes of ramps, in the order of their numbers in the kernel."""
+
+
+class Form(NamedTuple):
+    """A form of signals.
+
+    Attributes:
+        required: the keys that must be given.
+        optional: the keys that may be missing, with their defaults.
+        knots: the number of polynomials, or None if it is the number of given values.
+    """
+
+    required: tuple[str, ...]
+    optional: Mapping[str, Any]
+    knots: int | None
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All keys of the form."""
+        return (*self.required, *self.optional)
+
+
+FORMS = {
+    "constant": Form(("value",), {}, 1),
+    "sine": Form(
+        ("amplitude", "frequency"),
+        {"mean": 0.0, "frequency_rate": 0.0, "phase": 0.0, "start": 0.0, "rise": 0.0},
+        3,
+    ),
+    "ramp": Form(("final", "duration"), {"initial": 0.0, "start": 0.0, "shape": SHAPES[0]}, 3),
+    "steps": Form(("times", "values"), {}, None),
+    "table": Form(("file",), {"interpolation": None, "period": None}, None),
+}
+"""Form → its keys and its number of polynomials, in the order of the kernel's numbers of forms.
+
+A ramp with the shape of a trapezoid needs two more polynomials.
+"""
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")
 _UNITS = {template: unit for inputs in INPUTS_OF.values() for template, unit in inputs.items()}
@@ -55,7 +89,7 @@ class Signal:
     input: tuple[str, ...] = quantity(
         "", "the input that it drives, or a list of them", matching=INPUT, or_one=True
     )
-    form: str = quantity("", "form", choices=FORMS)
+    form: str = quantity("", "form", choices=tuple(FORMS))
     value: float | None = _value("value of a constant")
     mean: float | None = _value("mean of a sine; default 0")
     amplitude: float | None = _value("amplitude of a sine")

@@ -20,8 +20,6 @@ NUMBERS = (
     *("start", "rise", "initial", "final", "duration"),
 )
 """The keys of signals that are numbers. The record has 0 for a key that the form does not use."""
-KNOTS = {"constant": 1, "sine": 3, "ramp": 3}
-"""Form → number of polynomials of the form; a ramp with the shape of a trapezoid needs two more."""
 # the largest gap between the last row of a table and the end of the period, relative to the period
 CLOSED = 1e-9
 
@@ -55,7 +53,10 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
     fields = d["signal"]
     first, order = int(fields["first"][j]), int(fields["order"][j])
     rows = slice(first, first + knots_of(signal))
-    fields["form"][j], fields["shape"][j] = FORMS.index(signal.form), SHAPES.index(signal.shape or SHAPES[0])
+    fields["form"][j], fields["shape"][j] = (
+        list(FORMS).index(signal.form),
+        SHAPES.index(signal.shape or SHAPES[0]),
+    )
     fields["last"][j], fields["segment"][j] = rows.stop - 1, first
     for key in NUMBERS:
         fields[key][j] = getattr(signal, key) or 0.0
@@ -69,12 +70,12 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
 
 def knots_of(signal: Signal) -> int:
     """Return the number of polynomials that a signal needs for each input."""
-    if signal.form == "steps":
-        return len(signal.times or ())
     if signal.samples is not None:
         count = len(signal.samples.times)
         return count - is_closed(signal) if signal.period else count + 1
-    return KNOTS[signal.form] + 2 * (signal.shape == "trapezoid")
+    if (knots := FORMS[signal.form].knots) is None:
+        return len(signal.times or ())
+    return knots + 2 * (signal.shape == "trapezoid")
 
 
 def joined_by(signal: Signal, driven: str) -> str:

@@ -20,22 +20,6 @@ from chain_impact.scene.signal_values import is_motion, knots_of
 from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]
-REQUIRED: dict[str, tuple[str, ...]] = {
-    "constant": ("value",),
-    "sine": ("amplitude", "frequency"),
-    "ramp": ("final", "duration"),
-    "steps": ("times", "values"),
-    "table": ("file",),
-}
-"""Form → keys that must be given."""
-OTHER: dict[str, dict[str, Any]] = {
-    "constant": {},
-    "sine": {"mean": 0.0, "frequency_rate": 0.0, "phase": 0.0, "start": 0.0, "rise": 0.0},
-    "ramp": {"initial": 0.0, "start": 0.0, "shape": "smooth"},
-    "steps": {},
-    "table": {"interpolation": None, "period": None},
-}
-"""Form → keys that may be missing, with their defaults."""
 
 
 class Driven(NamedTuple):
@@ -184,18 +168,18 @@ def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, 
 
 def _completed(name: str, signal: Signal) -> Signal:
     """Return the signal with its defaults. Refuse a missing key, and a key that the form does not have."""
-    keys = (*REQUIRED[signal.form], *OTHER[signal.form])
+    own = FORMS[signal.form]
     if not name.isidentifier():
         raise refusal(("signals", name), "signal_name")
-    for form in FORMS:
-        for key in (*REQUIRED[form], *OTHER[form]):
-            if key not in keys and getattr(signal, key) is not None:
-                words = {"form": signal.form, "keys": ", ".join(keys)}
+    for form in FORMS.values():
+        for key in form.keys:
+            if key not in own.keys and getattr(signal, key) is not None:
+                words = {"form": signal.form, "keys": ", ".join(own.keys)}
                 raise refusal(("signals", name, key), "other_form", **words)
-    for key in REQUIRED[signal.form]:
+    for key in own.required:
         if getattr(signal, key) is None:
             raise refusal(("signals", name, key), "needs_key", form=signal.form)
-    missing = {key: value for key, value in OTHER[signal.form].items() if getattr(signal, key) is None}
+    missing = {key: value for key, value in own.optional.items() if getattr(signal, key) is None}
     return replace(signal, **missing)
 
 
