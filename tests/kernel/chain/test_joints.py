@@ -84,7 +84,7 @@ def assembled(scene, angles):
 @pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))
-def test_the_joint_bound_is_near_the_largest_eigenvalue(count, base):
+def test_the_bound_on_joint_rates_is_near_the_largest_eigenvalue(count, base):
     """For springs the bound is a frequency.
 
     For both together, the bound of the roots of λ² M + λ C + S = 0.
