@@ -152,6 +152,19 @@ def test_a_label_on_pale_lines_is_better_than_a_line_across_a_link():
     assert Text.get_window_extent(text).transformed(axes.transData.inverted()).x1 < link
 
 
+def test_a_line_to_a_label_neither_passes_the_rim_of_a_mark_on_a_link_nor_crosses_another_line():
+    page = Figure((4.0, 4.0), dpi=100)
+    axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
+    axes.axis("off")
+    axes.plot([2.5, 2.5], [0.0, 4.0], color="black", linewidth=3.0)
+    axes.plot([2.5], [2.0], "o", color="black", markeredgecolor="white", markeredgewidth=1.0, markersize=10.0)
+    ink, points = Ink(page), 100 / 72.0
+    low, high = np.array([300.0, 206.0]), np.array([320.0, 226.0])
+    assert not ink.take(low, high, np.array([200.0, 205.0]), 6.0 * points, crossed=0.0)
+    assert ink.take(np.array([100.0, 300.0]), np.array([110.0, 310.0]), np.array([10.0, 200.0]))
+    assert not ink.take(np.array([100.0, 190.0]), np.array([110.0, 200.0]), np.array([10.0, 305.0]))
+
+
 def test_a_label_in_a_narrow_area_has_two_lines():
     page = Figure((4.0, 4.0), dpi=100)
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))

@@ -33,6 +33,7 @@ COVERED = 0.6  # the largest part of a leader that may cover other drawn things
 # CROSSED: [points] how much of a leader may be on strong pixels, tried in this order, except within OWN
 # [points] of its place, which is a mark
 CROSSED, OWN, STRONG = (0.0, 4.0, math.inf), 6.0, 128
+BESIDE = 2  # [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
 OUTLINE = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
@@ -71,10 +72,12 @@ class Ink:
         colours = parts.view(np.uint32)[..., 0]
         self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
         self._strong_counts = counted(self._strong)
+        # strong pixels with their surroundings, which close the white rim of a mark on a link
+        self._near_strong = widened(self._strong)
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
             self._drawn &= colours != ground
-        self._labels = np.zeros_like(self._drawn)
+        self._labels, self._leaders = np.zeros_like(self._drawn), np.zeros_like(self._drawn)
         self._counts = counted(self._drawn)
 
     def were_free(self, low: np.ndarray, high: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
@@ -101,9 +104,9 @@ class Ink:
 
         With ``on_pale`` a box without strong pixels and labels is free, too.
 
-        The leader, a straight line from ``place`` to the box, must pass no other label and little else; it is
-        marked, too. At most ``crossed`` pixels of the leader may be strong; its first ``own`` pixels do not
-        count. Without ``place`` there is no leader.
+        The leader, a straight line from ``place`` to the box, must pass no other label or leader and little
+        else; it is marked, too. At most ``crossed`` pixels of the leader may be at strong pixels; its first
+        ``own`` pixels do not count. Without ``place`` there is no leader.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
@@ -116,11 +119,29 @@ class Ink:
             line = tuple(np.linspace(place, middle, count).astype(int).T[::-1])
             if self._labels[line].any() or met[line].sum() > COVERED * count:
                 return False
-            if self._strong[tuple(along[int(own) :] for along in line)].sum() > crossed:
+            beyond = tuple(along[int(own) :] for along in line)
+            if self._leaders[beyond].any() or self._near_strong[beyond].sum() > crossed:
                 return False
             self._drawn[line] = self._strong[line] = True
+            led = np.zeros_like(self._drawn)
+            led[line] = True
+            self._leaders |= widened(led)
         box[:] = labels[:] = True
         return True
+
+
+def widened(pixels: np.ndarray) -> np.ndarray:
+    """Return the pixels that are at most BESIDE pixels from a true pixel, along x and along y."""
+    wide = pixels.copy()
+    for axis in (0, 1):
+        here = wide.copy()
+        for way in range(1, BESIDE + 1):
+            ahead, behind = (slice(way, None), slice(None, -way))
+            for to, of in ((ahead, behind), (behind, ahead)):
+                at: tuple[slice, ...] = (to,) if axis == 0 else (slice(None), to)
+                by: tuple[slice, ...] = (of,) if axis == 0 else (slice(None), of)
+                wide[at] |= here[by]
+    return wide
 
 
 def counted(pixels: np.ndarray) -> np.ndarray:

@@ -38,9 +38,10 @@ SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion
 # contact or joint; both relative to the height of the panel of energies
 RUBBING, RUBBING_ROW = 0.15, 0.3
 HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the figure
-# ABOVE_TIME: the largest height of the panel of motion if it is above the other panels; CLOCK: the height of
-# the axis that shows the colours of time; both relative to the height of the panel of energies
-ABOVE_TIME, CLOCK = 1.8, 0.06
+# ABOVE_TIME: the largest height of the panel of motion if it is above the other panels, on a figure of COLUMN
+# [inch] or less; on a wider one the panel is higher. CLOCK: the height of the axis that shows the colours of
+# time. Heights are relative to the height of the panel of energies.
+ABOVE_TIME, COLUMN, CLOCK = 1.8, 3.5, 0.06
 # Both numbers are ratios of width to height of the motion. BESIDE: a broader motion has the whole width of
 # the figure, above the other panels. BROADEST: on a narrow figure, the panel of a broader motion is
 # lower than ABOVE_TIME.
@@ -232,7 +233,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
     across = len(parts) > 1 and not narrow and ratio <= BESIDE
     above = ((figure.get_figwidth() - ROUND) / ratio + LABELS) / PANEL
     if narrow:
-        above = ABOVE_TIME * min(1.0, BROADEST / ratio)
+        above = ABOVE_TIME * min(1.0, BROADEST / ratio) * max(1.0, figure.get_figwidth() / COLUMN)
     sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": above, "time": sum(heights)}
     if across:
         grid = figure.add_gridspec(1, len(parts), width_ratios=[sizes[part] for part in parts])
