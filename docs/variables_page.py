@@ -16,7 +16,7 @@ from chain_impact.variables.kind import ALWAYS, LINE, Kind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
-from chain_impact.variables.shape import OF_STOPS
+from chain_impact.variables.words import OF_STOPS
 
 
 def variable_patterns() -> str:

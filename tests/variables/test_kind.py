@@ -1,6 +1,6 @@
 """The rows of the table of variables: their references exist, and their statements hold for all variables."""
 
-# Tests: variables/parameters.py, variables/shape.py
+# Tests: variables/parameters.py, variables/words.py
 
 import pytest
 
@@ -13,40 +13,22 @@ from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.shape import OWNERS_OF, shape_of
+from chain_impact.variables.structure import structure_of
+from chain_impact.variables.words import owner_words, scene_words
+from tests.variables.everything import CART, EVERYTHING
 
-EVERYTHING = load_scene("four_link_box").with_values(
-    {
-        "link[2].joint_min": -2.0,
-        "link[2].joint_friction": 0.1,
-        "contact.friction": 0.1,
-        "inputs.wall_motion": True,
-        "outputs.loads": True,
-        "outputs.impacts": 1,
-        "walls": [{"name": "slope", "point": [0.0, -9.0], "angle": 0.0}],
-        "signals": {
-            "sway": {"input": "wall.slope.displacement", "form": "sine", "amplitude": 0.1, "frequency": 2.0},
-            "runs": {"input": "wall.slope.belt_speed", "form": "steps", "times": [0.0], "values": [1.0]},
-        },
-        ("chain", "links", 1, "points"): [{"x": 0.2, "y": 0.01, "name": "knee"}],
-    }
-)
-CART = EVERYTHING.with_values(
-    {"chain.base": "slider", "chain.slider": {"friction": 1.0}, "initial.velocity": [0, 0]}
-)
 KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.kinds]
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.pattern)
 def test_what_a_row_names_is_there(kind):
     """Its owner, conditions, texts, limits, magnitude and the variable whose derivative it is."""
-    shape = shape_of(CART if kind.of == "slider" else EVERYTHING)
-    (owner, *_) = OWNERS_OF[kind.of](shape)
-    known = shape.known() | owner
-    assert all(isinstance(known[condition], bool) for condition in kind.when)
-    assert known.get(kind.tunable or ALWAYS) in (True, False)
-    assert "{" not in kind.description.format_map(known)
-    assert all(one in known for one in (kind.minimum, kind.maximum) if isinstance(one, str))
+    structure = structure_of(CART if kind.of == "slider" else EVERYTHING)
+    (owner, *_) = structure.owners(kind.of)
+    words = scene_words(structure) | owner.values | owner_words(kind.of, structure, owner.values)
+    assert {*kind.when, kind.tunable or ALWAYS, kind.given_if or ALWAYS} <= {*owner.conditions}
+    assert "{" not in kind.description.format_map(words)
+    assert all(one in words for one in (kind.minimum, kind.maximum) if isinstance(one, str))
     assert kind.nominal == "" or kind.nominal in nominal_values(EVERYTHING)
     assert kind.rate_of == "" or kind.rate_of in output_dtype(1, 0, 0, 0, 0).names
 

@@ -1,6 +1,6 @@
 """The variables that only some scenes have: of stops, materials and dry friction."""
 
-# Tests: variables/shape.py
+# Tests: variables/structure.py
 
 from chain_impact import Chain
 from chain_impact.kernel.rows.geometry import WALLS

@@ -10,7 +10,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
 from chain_impact.variables import listing
-from chain_impact.variables.listing import all_outputs, inputs
+from chain_impact.variables.listing import all_outputs
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
@@ -103,11 +103,11 @@ def test_only_the_base_of_a_pinned_chain_is_held(scene):
 
 
 def test_an_input_says_between_which_links_its_torque_acts():
-    told = {one.name: one.description for one in inputs(ARM)}
+    told = {one.name: one.description for one in PreparedScene(ARM).inputs}
     assert told["joint[1].torque"] == "torque on link 1 from the base"
     assert told["joint[2].torque"] == "torque on link 2 from link 1"
     driven = BOX.with_values({"inputs.joint_torques": True})
-    assert next(inputs(driven)).description == "torque on link 2 from link 1"
+    assert PreparedScene(driven).inputs[0].description == "torque on link 2 from link 1"
 
 
 def test_behind_an_instance_are_those_that_carry_its_derivatives():

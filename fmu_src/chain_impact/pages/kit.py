@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, is_dataclass
+from dataclasses import MISSING, asdict, is_dataclass
 from functools import cache, partial
 from types import SimpleNamespace
 from typing import Any, get_args, get_origin
@@ -20,7 +20,6 @@ import numpy as np
 from chain_impact.compilation.affine import SAMPLES, affine
 from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.drawn import DRAWN
 from chain_impact.pages.signals import tables_of
@@ -36,6 +35,7 @@ from chain_impact.variables.indices import PEAKS, STOP_PEAKS, WORD, layout_of, w
 from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
+from chain_impact.variables.owners import CONDITIONS, COUNTS_OF, OWNERS, RECORD, Owner
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
@@ -46,17 +46,10 @@ IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 LONGEST = 1e9
 """[s] The longest stop time, and the longest communication step, that a reader can set."""
 PATHS: dict[str, DataPath] = {
-    **{name: (name,) for name in (*COUNTS, *FEATURES)},
-    "site_link": ("site", "link", AT),
-    "site_corner": ("site", "corner", AT),
+    **{name: written.path for name, written in RECORD.items()},
     "regularized": ("step", "regularized"),
-    **{key: ("model", key) for key in ("has_base_joint", "has_inputs", "has_servos", "base_moves")},
-    **{f"candidate_{key}": ("candidate", AT, key) for key in ("point", "wall", "stop")},
-    "interpolates": ("motion", "interpolates"),
     "belt": ("motion", "belt", AT),
     "channel": ("shift", AT, "channel"),
-    "kept": ("latest", "kept"),
-    "impulses": ("quadrature", "computed"),
     **{f"wall_{key}": ("walls", key, AT) for key in ("restitution", "friction", "static_friction")},
     "stop_law": ("stops", "law"),
     **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1).names or ()},
@@ -75,6 +68,10 @@ def kit(scene: Scene) -> dict[str, Any]:
     inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != MOTION]
     return {
         "keys": _keys(Scene),
+        "conditions": {name: condition.rule for name, condition in CONDITIONS.items()},
+        "counts": COUNTS_OF,
+        "owners": {kind: asdict(row) for kind, row in OWNERS.items()},
+        "record": {name: [written.number, written.over] for name, written in RECORD.items()},
         "lawFile": scene.contact.law_file,
         "laws": scene.law_names,
         "parameters": [_group(block, partial(_parameter, choices)) for block in PARAMETERS],
@@ -175,7 +172,7 @@ def _output(kind: Kind) -> dict[str, Any]:
 def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
     """Return the data of a parameter or an input: its words, its range and its meaning."""
     items, rule = choices.get(kind.choices, ()), kind.derived
-    variable = Variable.of(kind, {}, IN_TEMPLATES, items=tuple(items))
+    variable = Variable.of(kind, Owner(), IN_TEMPLATES, items=tuple(items))
     _, _, _, _, low, high, _, _ = variable_row(variable, 0, 0)
     table = kind.name.rpartition(".")[0]
     return _named(kind) | {

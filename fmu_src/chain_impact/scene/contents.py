@@ -149,9 +149,7 @@ class Contents:
     @property
     def is_driven(self) -> bool:
         """Whether something may supply energy: an input, or a drive with a limited torque or force."""
-        limits = [link.joint_torque_limit for link in self.chain.links]
-        limits += [self.chain.slider.force_limit] if self.chain.slider else []
-        return self.inputs.any or any(limit is not None for limit in limits)
+        return self.inputs.any or self.chain.has_limits
 
     @property
     def has_friction(self) -> bool:

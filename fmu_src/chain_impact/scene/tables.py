@@ -157,6 +157,13 @@ class Chain:
         return any(link.center_of_mass_offset != 0.0 for link in self.links)
 
     @property
+    def has_limits(self) -> bool:
+        """Whether the drive of some joint, or of the slider, has a largest torque or force."""
+        limits = [link.joint_torque_limit for link in self.links]
+        limits += [self.slider.force_limit] if self.slider else []
+        return any(limit is not None for limit in limits)
+
+    @property
     def is_body(self) -> bool:
         """Whether some link is more than a line with two ends, or the base slides."""
         return self.is_skewed or self.slider is not None or any(link.points for link in self.links)

@@ -10,7 +10,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_values import write_signal
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import inputs_asked
-from chain_impact.variables.shape import shape_of
+from chain_impact.variables.structure import structure_of
 
 _DRIVEN = {
     "joint_torque": kernel.TORQUE,
@@ -28,10 +28,10 @@ def fill_signals(d: Any, scene: Scene) -> None:
     """Write the signals of a scene into a new instance."""
     if not scene.signals:
         return
-    shape, fields, stop = shape_of(scene), d["signal"], scene.simulation.stop_time
-    paths = {variable.name: variable.record_path for variable in inputs_asked(shape)}
+    structure, fields, stop = structure_of(scene), d["signal"], scene.simulation.stop_time
+    paths = {variable.name: variable.record_path for variable in inputs_asked(structure)}
     first, knot = dict[str, int](), 0
-    for j, signal in enumerate(shape.signals):
+    for j, signal in enumerate(structure.signals):
         fields["input"][j], fields["index"][j] = acting(paths[signal.input])
         fields["source"][j] = first.setdefault(signal.signal, j)
         fields["order"][j], fields["first"][j] = signal.order, knot

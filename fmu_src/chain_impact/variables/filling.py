@@ -21,7 +21,6 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import Counts
-from chain_impact.kernel.rows.geometry import STOP_CODES
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
@@ -31,7 +30,9 @@ from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
+from chain_impact.variables.owners import RECORD, value
 from chain_impact.variables.parameters import METHODS, PARAMETERS
+from chain_impact.variables.structure import Structure
 
 
 @dataclass(frozen=True)
@@ -75,12 +76,12 @@ _OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
 which walls the points can reach."""
 
 
-def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Counts) -> np.ndarray:
+def new_record(scene: Scene, structure: Structure, sizes: Counts) -> np.ndarray:
     """Return an uninitialized instance with the parameters of a scene, an array with one record.
 
     Args:
         scene: the scene.
-        pairs: the candidates, as ``PreparedScene.candidates``.
+        structure: the structure of the scene.
         sizes: the sizes of the record.
     """
     layout, before = layout_of(*sizes), _kept.get(sizes)
@@ -89,9 +90,7 @@ def new_record(scene: Scene, pairs: Sequence[tuple[int, int]], sizes: Counts) ->
         words = np.zeros(layout.itemsize // WORD)
         # ``block.view`` would compare the types first, which takes longer than the rest of this function
         block = np.ndarray(1, layout, words)
-        for name, count in sizes._asdict().items():
-            block[name] = count
-        _fill(block[0], scene, pairs)
+        _fill(block[0], scene, structure)
         for table in _tables():
             _write(table, words, scene, sizes)
         if len(_kept) >= MOST_KEPT:
@@ -137,35 +136,25 @@ def _differ(first: Any, second: Any, names: Sequence[str]) -> bool:
     return first is not second and any(getattr(first, name) != getattr(second, name) for name in names)
 
 
-def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Write the parts of a scene that are no parameters, and the candidates, into a new instance."""
-    d["skewed"], d["slides"] = scene.chain.is_skewed, scene.chain.slider is not None
-    d["site"]["link"] = [link for link, _ in scene.chain.sites]
-    links = scene.chain.links
-    d["site"]["corner"] = [
-        j + 1 if j < each.corners else 0 for each in links for j in range(len(each.points))
-    ]
+def _fill(d: Any, scene: Scene, structure: Structure) -> None:
+    """Write the parts of a scene that are no parameters into a new instance."""
+    for path, text, over in RECORD.values():
+        *parts, key = (step for step in path if step != AT)
+        part = d
+        for name in parts:
+            part = part[name]
+        if not over:
+            part[key] = value(text, structure.known)
+        elif members := structure.lists[over]:
+            part[key] = [value(text, member) for member in members]
     d["step"]["regularized"] = NO_CONTACT
-    model = d["model"]
-    if pairs:
-        d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
-    model["has_base_joint"] = scene.chain.has_base_joint
-    model["has_inputs"], model["has_servos"] = scene.inputs.on_chain, scene.inputs.joint_targets
-    _fill_motion(d, scene, pairs)
-
+    channels = {owner.values["name"]: owner.values["at"] for owner in structure.owners("moving wall")}
+    for channel in channels.values():
+        d["motion"]["belt"][channel + 1] = 1
+    for c, candidate in enumerate(structure.lists["candidates"]):
+        d["shift"]["channel"][c] = channels.get(candidate.get("name"), -1)
+    d["stops"]["law"] = _law_number(scene.stops.model) if scene.stops.model else 0
     fill_signals(d, scene)
-
-    d["latest"]["kept"] = scene.outputs.impacts
-    asked = scene.outputs
-    rubbed = scene.has_friction and asked.energies
-    d["quadrature"]["computed"] = asked.contacts or asked.impacts > 0 or asked.loads or rubbed
-    stops = scene.chain.stops
-    if stops:
-        last = len(pairs) - len(scene.slider_stops)
-        d["candidate"]["stop"][last - len(stops) : last] = [STOP_CODES[stop] for _, stop in stops]
-        d["stops"]["law"] = _law_number(scene.stops.model) if scene.stops.model else 0
-    for c, stop in enumerate(scene.slider_stops, len(pairs) - len(scene.slider_stops)):
-        d["candidate"]["stop"][c] = STOP_CODES[stop]
     _fill_materials(d, scene)
 
 
@@ -297,15 +286,6 @@ def _words_of(
         if counts[kind.of]:
             there.append(reader)
     return np.array(words, int), there
-
-
-def _fill_motion(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
-    """Write whether the base moves, which channels are belts, and the channel of each candidate's wall."""
-    d["model"]["base_moves"], d["motion"]["interpolates"] = scene.inputs.base_motion, 1
-    first = 2 if scene.inputs.base_motion else 0
-    moving = {scene.wall_names.index(name): first + 2 * w for w, name in enumerate(scene.moving_walls)}
-    d["motion"]["belt"][first + 1 :: 2] = 1
-    d["shift"]["channel"] = [moving.get(wall, -1) for _, wall in pairs]
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:

@@ -1,4 +1,4 @@
-"""The index of a value in the record of an instance, and the indices of outputs for each shape of a scene."""
+"""The index of a value in the record of an instance, and the indices of outputs for each structure."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.instance import STATE_OUTPUTS, instance_dtype
 from chain_impact.scene.names import DataPath
-from chain_impact.variables.listing import KEPT_SHAPES, outputs_of
-from chain_impact.variables.shape import Shape
+from chain_impact.variables.listing import KEPT_STRUCTURES, outputs_of
+from chain_impact.variables.structure import Structure
 from chain_impact.variables.variable import Variable
 
 WORD = 8  # [byte] size of every scalar in the record
@@ -123,16 +123,16 @@ def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.n
     return np.array([*row, *sorted(word for word, _ in stepwise.values())], np.int64)
 
 
-@lru_cache(KEPT_SHAPES)
-def output_indices(shape: Shape, counts: Counts) -> OutputIndices:
-    """Return the indices of the outputs for all scenes of a shape.
+@lru_cache(KEPT_STRUCTURES)
+def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
+    """Return the indices of the outputs for all scenes of a structure.
 
     The indices are kept, because computing them takes as long as a short simulation.
     """
     layout = layout_of(*counts)
     motion: dict[str, int] = {}
     stepwise: dict[str, tuple[int, bool]] = {}
-    for name, output in outputs_of(shape).items():
+    for name, output in outputs_of(structure).items():
         word = word_index(layout, output.record_path)
         if output.record_path[0] == "output":
             motion[name] = word

@@ -2,7 +2,7 @@
 
 Texts and paths in the record are templates. ``{n}`` stands for the number of an owner of the kind, ``{name}``
 for the name of a wall, ``{axis}`` for an axis. Other words in braces stand for words of a scene or an owner
-(shape.py). In a path, ``{at}`` stands for the index of the owner and ``{next}`` for the next index.
+(words.py). In a path, ``{at}`` stands for the index of the owner and ``{next}`` for the next index.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Kind:
     Attributes:
         name: the template of the variables' names.
         terminal: the first part of the name, if the variables with this part form a terminal in FMI 3.0.
-        of: the kind of owner that has such a variable: a key of ``shape.OWNERS_OF``; "one" if the scene has
+        of: the kind of owner that has such a variable: a key of ``owners.OWNERS``; "one" if the scene has
             one such variable.
         heading: see ``Heading``.
         text: the rest of the description, a template.

@@ -17,12 +17,14 @@ from chain_impact.scene.names import DataPath, is_like, sensitivity_name
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.kind import Block, Kind, filled
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
+from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
-from chain_impact.variables.shape import OWNERS_OF, Owner, Shape, shape_of
+from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
+from chain_impact.variables.words import owner_words, scene_words
 
-KEPT_SHAPES = 64  # the number of shapes of scenes whose lists of outputs are kept
+KEPT_STRUCTURES = 64  # the number of structures of scenes whose lists of outputs are kept
 BEHIND = "behind"
 """The field with the tangent instances, records of dual numbers that follow an instance in memory
 (prepared.py)."""
@@ -31,67 +33,68 @@ _METHODS = tuple(
 )
 
 
-def parameters(scene: Scene) -> Iterator[Variable]:
+def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
     """Yield the parameters of the scene's FMU: those for which the scene has a value that is not trivial."""
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
-    for kind, owner, tables in _each(PARAMETERS, shape_of(scene)):
-        path = filled(kind.path or (), owner)
+    for kind, owner, words in _each(PARAMETERS, structure):
+        path = filled(kind.path or (), owner.values)
         value = value_at(scene, path)
         if value is not None and value != kind.trivial:
             rule = (
                 rule_at(kind.derived, path, scene.chain.links) if kind.derived and path in derived else None
             )
-            given = kind.given if not kind.given_if or tables[kind.given_if] else None
+            given = kind.given if not kind.given_if or owner.conditions[kind.given_if] else None
             yield Variable.of(
                 kind,
                 owner,
-                tables,
-                variability="tunable" if kind.tunable and tables[kind.tunable] else "fixed",
+                words,
+                variability="tunable" if kind.tunable and owner.conditions[kind.tunable] else "fixed",
                 scene_path=path,
-                given_path=given and filled(given, owner),
+                given_path=given and filled(given, owner.values),
                 rule=rule,
                 items=choices.get(kind.choices, ()),
             )
 
 
-def inputs(scene: Scene) -> Iterator[Variable]:
-    """Return the inputs that the scene asks for, except inputs that signals drive."""
-    shape = shape_of(scene)
-    return (variable for variable in inputs_asked(shape) if variable.name not in shape.of_signals)
+def inputs(structure: Structure) -> Iterator[Variable]:
+    """Return the inputs that the scenes of a structure ask for, except inputs that signals drive."""
+    driven = structure.of_signals
+    return (variable for variable in inputs_asked(structure) if variable.name not in driven)
 
 
-def inputs_asked(shape: Shape) -> Iterator[Variable]:
-    """Return the inputs that all scenes of a shape ask for, including the inputs that signals drive."""
-    return (Variable.of(*arguments, variability="continuous") for arguments in _each(INPUTS, shape))
+def inputs_asked(structure: Structure) -> Iterator[Variable]:
+    """Return the inputs that all scenes of a structure ask for, including the inputs that signals drive."""
+    return (Variable.of(*arguments, variability="continuous") for arguments in _each(INPUTS, structure))
 
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
     """Return the outputs that the scene asks for, by their names, without derivatives."""
-    return outputs_of(shape_of(scene))
+    return outputs_of(structure_of(scene))
 
 
-@lru_cache(KEPT_SHAPES)
-def outputs_of(shape: Shape) -> dict[str, Variable]:
-    """Return the outputs of all scenes of a shape, by their names.
+@lru_cache(KEPT_STRUCTURES)
+def outputs_of(structure: Structure) -> dict[str, Variable]:
+    """Return the outputs of all scenes of a structure, by their names.
 
-    The outputs of the KEPT_SHAPES shapes that were used last are kept, because it takes as long as a short
-    simulation to make them.
+    The outputs of the KEPT_STRUCTURES structures that were used last are kept, because it takes as long as a
+    short simulation to make them.
     """
-    variables = (Variable.of(*arguments) for arguments in _each(OUTPUTS, shape))
-    return {variable.name: variable for variable in (*_driven(shape), *variables)}
+    variables = (Variable.of(*arguments) for arguments in _each(OUTPUTS, structure))
+    return {variable.name: variable for variable in (*_driven(structure), *variables)}
 
 
-def _driven(shape: Shape) -> Iterator[Variable]:
+def _driven(structure: Structure) -> Iterator[Variable]:
     """Yield the quantities that signals drive, as outputs with the names of the inputs that they replace."""
-    for kind, owner, tables in _each(INPUTS, shape) if shape.signals else ():
-        driven = shape.of_signals.get(kind.name.format_map(tables))
+    of_signals = structure.of_signals
+    for kind, owner, words in _each(INPUTS, structure) if of_signals else ():
+        driven = of_signals.get(kind.name.format_map(words))
         if driven is not None:
             row, order = driven
-            rate_of = "signal" if order > 0 and shape.signals[row].outputs[order - 1] else ""
+            rate_of = "signal" if order > 0 and structure.signals[row].outputs[order - 1] else ""
             output = replace(
                 kind, causality="output", record_path=("output", "signal", *driven), rate_of=rate_of
             )
-            yield Variable.of(output, owner, tables)
+            yield Variable.of(output, owner, words)
 
 
 def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
@@ -132,15 +135,15 @@ def absent_hint(name: str) -> str | None:
     return next((kind.hint for kind in kinds if is_like(name, kind.name)), None)
 
 
-def _each(blocks: Iterable[Block], shape: Shape) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
+def _each(blocks: Iterable[Block], structure: Structure) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
     """Yield each kind with each owner that meets its conditions, and with the words of scene and owner."""
-    scene = shape.known()
+    scene = scene_words(structure)
     for of, kinds in blocks:
-        for owner in OWNERS_OF[of](shape):
-            tables = {**scene, **owner}
+        for owner in structure.owners(of):
+            words = {**scene, **owner.values, **owner_words(of, structure, owner.values)}
             for kind in kinds:
-                if all(tables[condition] for condition in kind.when):
-                    yield kind, owner, tables
+                if all(owner.conditions[condition] for condition in kind.when):
+                    yield kind, owner, words
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:

@@ -239,9 +239,9 @@ OUTPUTS = (
         penetration      | m   | penetration, 0 when apart                                                      |                   | depth    | minimum=0
         penetration_rate | m/s | rate of penetration, positive when closing, 0 when apart                       |                   | size
         impulse          | N.s | impulse of the wall since the start, along its normal                          |                   | momentum
-        friction_force   | N   | dry friction of the wall, along t = (n_y, -n_x) of its normal n                | friction.force    | force    | feedthrough when=contact_friction
-        friction_impulse | N.s | impulse of dry friction since the start, along t = (n_y, -n_x) of its normal n | friction.impulse  | momentum | when=contact_friction
-        sticking         | 1   | 1 while it sticks by dry friction, else 0                                      | friction.sticking |          | feedthrough when=contact_friction minimum=0 maximum=1
+        friction_force   | N   | dry friction of the wall, along t = (n_y, -n_x) of its normal n                | friction.force    | force    | feedthrough when=rubs
+        friction_impulse | N.s | impulse of dry friction since the start, along t = (n_y, -n_x) of its normal n | friction.impulse  | momentum | when=rubs
+        sticking         | 1   | 1 while it sticks by dry friction, else 0                                      | friction.sticking |          | feedthrough when=rubs minimum=0 maximum=1
         """,
         heading=CONTACT,
         when=("outputs.contacts",),

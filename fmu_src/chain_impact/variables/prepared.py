@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.compilers import GENERAL
-from chain_impact.kernel.record.counts import Counts
-from chain_impact.scene.candidates import candidates
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import DataPath, input_asked, parameter_hint
@@ -33,12 +31,30 @@ from chain_impact.variables.indices import (
     output_indices,
     word_index,
 )
-from chain_impact.variables.listing import absent_hint, all_outputs, derivatives, inputs, parameters
-from chain_impact.variables.shape import shape_of
+from chain_impact.variables.listing import (
+    absent_hint,
+    all_outputs,
+    derivatives,
+    inputs,
+    outputs_of,
+    parameters,
+)
+from chain_impact.variables.structure import structure_of
 from chain_impact.variables.variable import Variable, variable_row
 
 SAME = (
-    *("candidates", "sizes", "layout", "row", "parameters", "inputs", "outputs", "_own_outputs", "motion"),
+    *(
+        "structure",
+        "candidates",
+        "sizes",
+        "layout",
+        "row",
+        "parameters",
+        "inputs",
+        "outputs",
+        "_own_outputs",
+        "motion",
+    ),
     *("columns", "output_words", "output_indices", "_indices_by_names", "parameter_paths", "differentiable"),
     *("_indices_by_text", "kernel_size"),
 )
@@ -51,6 +67,7 @@ class PreparedScene:
 
     Attributes:
         scene: the scene.
+        structure: the structure of the scene.
         candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch. A
             stop of a slider belongs to point 0.
         sizes: the numbers that determine the layout of the record.
@@ -67,19 +84,9 @@ class PreparedScene:
             cached = vars(before)
             vars(self).update((name, cached[name]) for name in SAME if name in cached)
         else:
-            self.candidates = candidates(scene)
-            links, pairs, driven = len(scene.chain.links), len(self.candidates), driven_by(scene)
-            slides = scene.chain.slider is not None
-            self.sizes = Counts(
-                links=links,
-                candidates=pairs,
-                elements=links + pairs + slides if scene.has_friction else 0,
-                loads=links + len(scene.wall_names) if scene.outputs.loads else 0,
-                channels=2 * scene.inputs.base_motion + 2 * len(scene.moving_walls),
-                sites=len(scene.chain.sites),
-                signals=len(driven),
-                knots=sum(signal.knots for signal in driven),
-            )
+            self.structure = structure_of(scene)
+            self.candidates = [(each["n"], each["wall"]) for each in self.structure.lists["candidates"]]
+            self.sizes = self.structure.counts
             self.layout = layout_of(*self.sizes)
             self.row: np.dtype = self.layout["output"]
         PreparedScene._last = self  # at the end: other threads take over only complete parts
@@ -97,12 +104,12 @@ class PreparedScene:
     @cached_property
     def parameters(self) -> list[Variable]:
         """The parameters of the FMU."""
-        return list(parameters(self.scene))
+        return list(parameters(self.scene, self.structure))
 
     @cached_property
     def inputs(self) -> list[Variable]:
         """The inputs of the FMU."""
-        return list(inputs(self.scene))
+        return list(inputs(self.structure))
 
     @cached_property
     def signals_by_input(self) -> dict[str, str]:
@@ -117,7 +124,7 @@ class PreparedScene:
     @cached_property
     def _own_outputs(self) -> dict[str, Variable]:
         """The outputs of the FMU by name, without derivatives."""
-        return all_outputs(self.scene)
+        return outputs_of(self.structure)
 
     @cached_property
     def outputs_by_name(self) -> dict[str, Variable]:
@@ -238,7 +245,7 @@ class PreparedScene:
     @cached_property
     def output_indices(self) -> OutputIndices:
         """The indices of the outputs in the record."""
-        return output_indices(shape_of(self.scene), self.sizes)
+        return output_indices(self.structure, self.sizes)
 
     def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
         """Return the indices of the outputs with some names or patterns, each once, in the order of names.
@@ -318,7 +325,7 @@ class PreparedScene:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
-        block = new_record(self.scene, self.candidates, self.sizes)
+        block = new_record(self.scene, self.structure, self.sizes)
         return with_tangents(block, [variable.set_path for variable in varied]) if varied else block
 
     def _named(

@@ -11,6 +11,7 @@ from chain_impact.scene.limits import Derived, allowed
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.numbers import LARGEST_NUMBER
 from chain_impact.variables.kind import Kind, filled
+from chain_impact.variables.owners import Owner
 
 OBSERVED = ("output",), ("latest",)
 """Parts of the record that the kernel fills when an output is read.
@@ -71,25 +72,25 @@ class Variable:
     known: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
-    def of(cls, kind: Kind, owner: Mapping[str, Any], tables: Mapping[Any, Any], **other: Any) -> Variable:
+    def of(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other: Any) -> Variable:
         """Return the variable of a kind for an owner.
 
-        ``tables`` has the words that replace the braces in templates, and the numbers for limits.
+        ``words`` has the words that replace the braces in templates, and the numbers for limits.
         """
         changing = kind.record_path[:1] in OBSERVED and kind.unit
-        text, rule = kind.description.format_map(tables), other.get("rule")
+        text, rule = kind.description.format_map(words), other.get("rule")
         return cls(
             kind=kind,
-            name=kind.name.format_map(tables),
+            name=kind.name.format_map(words),
             # numbers of a signal have the unit of the driven input
-            unit=owner.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
+            unit=words.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
-            record_path=filled(kind.record_path, owner),
-            minimum=tables.get(kind.minimum, kind.minimum),
-            maximum=tables.get(kind.maximum, kind.maximum),
-            held=owner.get("held", False),
-            terminal=kind.terminal and kind.terminal.format_map(tables),
-            known=tables,
+            record_path=filled(kind.record_path, owner.values),
+            minimum=words.get(kind.minimum, kind.minimum),
+            maximum=words.get(kind.maximum, kind.maximum),
+            held=owner.conditions.get("held", False),
+            terminal=kind.terminal and kind.terminal.format_map(words),
+            known=words,
             **{"variability": "continuous" if changing else "discrete"} | other,
         )
 

@@ -15,12 +15,13 @@ from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, n
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.warning import warn
 from chain_impact.variables.listing import absent_hint
+from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import EXPERIMENT
 from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
-STOP_TIME = Variable.of(EXPERIMENT[0], {}, {}, variability="fixed")
+STOP_TIME = Variable.of(EXPERIMENT[0], Owner(), {}, variability="fixed")
 LOG = "log"
 MOST_VALUES = 10**7  # the largest number of values in a range such as 0.1:0.9:9
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")

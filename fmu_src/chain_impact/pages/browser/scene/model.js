@@ -3,9 +3,9 @@
 
 import { mapped } from "../base/mapped.js";
 import { pointText, sumOf, wallsAt } from "./geometry.js";
-import { filled, ownersOf, partsOf, range, rowsOfOwners } from "./owners.js";
+import { filled, range, rowsOfOwners, structureOf } from "./owners.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
-import { drivenRows, signalOwners, withOutputs } from "./signals.js";
+import { drivenRows, withOutputs } from "./signals.js";
 
 /** Return everything that may be a parameter: name → number, path in the file (`steps`), and the rule if it is derived. */
 function valuesOf(file, rows) {
@@ -32,7 +32,7 @@ function valuesOf(file, rows) {
  * Return the words of the record that the page draws: of both coordinates of each point, and of the quantities in `drawn.py` of
  * each owner, in groups.
  */
-function drawnOf(kit, sizes, outputs) {
+function drawnOf(kit, known, outputs) {
   const groups = Object.fromEntries(SHARED.drawn.GROUPS.map((group) => [group, new Map()]));
   for (const { drawn, owner: { n = 0, name = "" }, word } of outputs.filter((row) => row.drawn)) {
     const [entries, key] = [groups[drawn[0]], `${n}.${name}`];
@@ -40,22 +40,22 @@ function drawnOf(kit, sizes, outputs) {
     entries.get(key).words[drawn[1]] = word;
   }
   return {
-    points: range(sizes.links + 1 + sizes.sites).map((k) => kit.points.map((coordinate) => wordIndex(coordinate, sizes, k))),
+    points: range(known.links + 1 + known.sites).map((k) => kit.points.map((coordinate) => wordIndex(coordinate, known, k))),
     groups: mapped(groups, (entries) => [...entries.values()]),
   };
 }
 
 /** Return the parameters of a scene: those of some rows that the scene has, and some others. */
-function parametersOf(rows, others, values, { facts, sizes }) {
+function parametersOf(rows, others, values, { known }, byName) {
   const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
   const names = new Set(shown.map(({ name }) => name));
   return [...shown, ...others].map((parameter) => {
     const { name, owner, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row } = parameter;
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
-    const index = word ? wordIndex(given && facts[givenIf] ? given : word, sizes, owner.at) : -1;
+    const index = word ? wordIndex(given && known[givenIf] ? given : word, known, owner.at) : -1;
     // in a signal's row the unit "1" stands for the unit of the input that the signal drives
-    const unit = row.unit === "1" ? owner.unit ?? row.unit : row.unit;
+    const unit = row.unit === "1" && owner.input ? byName.get(owner.input).unit : row.unit;
     return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, owner), start, derived: follows };
   });
 }
@@ -73,57 +73,56 @@ function reasonsOf({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
 
 /** Return the model of a scene; `command` are the words after `chain-impact simulate` that repeat a run. */
 export function describe(kit, file, command) {
-  const parts = partsOf(file, kit);
-  const { sizes, stops, wallNames, existingWalls, facts } = parts;
-  const pointNames = parts.sites.flatMap(({ name }, s) => (name ? [[sizes.links + 1 + s, name]] : []));
-  const owners = ownersOf(parts);
-  const all = (groups) => rowsOfOwners(groups, owners, facts).filter(({ has }) => has);
+  const structure = structureOf(file, kit);
+  const { stops, wallNames, existingWalls, known, sites } = structure;
+  const pointNames = sites.flatMap(({ name }, s) => (name ? [[known.links + 1 + s, name]] : []));
+  const all = (groups) => rowsOfOwners(groups, structure).filter(({ has }) => has);
   const [motions, settable] = [all(kit.still), all(kit.inputs)];
   const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
   const byName = new Map([...settable, ...motions].map((row) =>
     [row.name, { ...row, family: filledAll(row, "family"), alone: filledAll(row, "alone") }]));
-  const drivenInputs = withOutputs(parts.driven, byName, file.signals);
+  const drivenInputs = withOutputs(structure.driven, byName, file.signals);
   const driving = drivenRows(drivenInputs);
   const isFree = ({ name }) => !driving.has(name);
-  const rows = rowsOfOwners(kit.parameters, { ...owners, ...signalOwners(drivenInputs, byName) }, facts);
+  const rows = rowsOfOwners(kit.parameters, structure);
   const values = valuesOf(file, rows);
-  const record = recordOf(kit, { ...parts, driven: drivenInputs }, rows, values, byName);
+  const record = recordOf(kit, structure, drivenInputs, rows, values, byName);
   const reals = new Float64Array(record.buffer);
   const inputs = settable
     .filter(isFree)
-    .map((row) => ({ ...row, number: reals[wordIndex(row.word, sizes, row.owner.at)] }));
+    .map((row) => ({ ...row, number: reals[wordIndex(row.word, known, row.owner.at)] }));
   const times = kit.times.map((row) => ({ ...row, owner: {} }));
   valuesOf(file, times).forEach((value, name) => values.set(name, value));
   const driven = [...byName.values()].filter((row) => !isFree(row)).map(({ name, unit }) => {
     const [row, order] = driving.get(name);
-    return { name, unit, word: wordIndex(kit.driven[order], sizes, row), integer: false };
+    return { name, unit, word: wordIndex(kit.driven[order], known, row), integer: false };
   });
-  const outputs = all(kit.outputs).map((row) => ({ ...row, word: wordIndex(row.word, sizes, row.owner.at) }));
+  const outputs = all(kit.outputs).map((row) => ({ ...row, word: wordIndex(row.word, known, row.owner.at) }));
   const columns = [...driven, ...outputs.map(({ name, unit, word, integer }) => ({ name, unit, word, integer }))];
-  const named = new Set(parts.driven.map(({ input }) => input));
+  const named = new Set(structure.driven.map(({ input }) => input));
   return {
     name: file.name,
     file,
     text: file.description,
     command,
-    links: sizes.links,
+    links: known.links,
     pinned: file.chain.base === "pinned",
     wallNames,
     walls: wallsAt({ walls: Object.fromEntries(existingWalls.map((name) => [name, null])) }, (name) => values.get(name)?.number),
     stops: [...new Set(stops.map(([joint]) => joint))],
-    sites: parts.sites,
-    sliderStops: parts.sliderStops,
+    sites,
+    sliderStops: structure.sliderStops,
     pointNames,
-    contactPoints: [...new Set(parts.pairs.map(([point]) => point))],
+    contactPoints: [...new Set(structure.pairs.map(([point]) => point))],
     record,
-    layout: wordIndices(kit.layout, sizes),
+    layout: wordIndices(kit.layout, known),
     inputs: inputs.map(({ name }) => name),
     still: motions.filter(isFree).map(({ name }) => name),
     driven: driven.filter(({ name }) => named.has(name)),
     moved: driven.filter(({ name }) => /^wall\..*\.displacement$/.test(name)),
-    parameters: parametersOf(rows, [...inputs, ...times], values, parts),
+    parameters: parametersOf(rows, [...inputs, ...times], values, structure, byName),
     columns,
-    drawn: drawnOf(kit, sizes, outputs),
-    reasons: reasonsOf(parts, new Map(pointNames)),
+    drawn: drawnOf(kit, known, outputs),
+    reasons: reasonsOf(structure, new Map(pointNames)),
   };
 }

@@ -1,118 +1,104 @@
-// The owners of variables, as in `shape.py`: points, walls, contacts and others, with the conditions for variables.
+// The structure of a scene: its facts and lists, and the conditions, counts and owners of variables that follow from them by the
+// tables of `owners.py`.
 
+import { mapped } from "../base/mapped.js";
 import { BOX_WALLS, STOPS } from "./geometry.js";
-import { movablePoints, pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
+import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
 /** Return the numbers from 0 to length − 1. */
 export const range = (length) => Array.from({ length }, (_, k) => k);
 
-/** Return the parts of a scene on which its variables and its record depend. */
-export function partsOf(file, { tables }) {
-  const { chain: { base, links, slider }, walls, contact, inputs } = file;
-  const count = links.length;
-  const [points, stops, existingWalls] = [contact.points ?? movablePoints(file), stopsOf(file), wallsOf(file)];
-  const [sites, sliderStops] = [sitesOf(file), sliderStopsOf(file)];
-  const reached = pairsOf(file);
+/** Return the structure of a scene; its parts are named as in `structure.py`. */
+export function structureOf(file, kit) {
+  const { chain: { base, links, slider }, walls, contact, inputs, outputs } = file;
+  const [stops, existingWalls, sites, sliderStops, reached] = [stopsOf, wallsOf, sitesOf, sliderStopsOf, pairsOf].map((of) => of(file));
   const mayTouch = (existingWalls.length > 0 ? reached : touchingPoints(file)).length > 0;
   const wallNames = [...BOX_WALLS, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
   const pairs = reached.map(([point, name]) => [point, wallNames.indexOf(name)]);
-  const materials = Object.values(contact.wall);
   const rubs = mayTouch && existingWalls.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
-    materials.some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));
-  const firstJoint = base === "free" ? 2 : 1;
-  const joints = range(count).map((k) => k + 1).filter((joint) => joint >= firstJoint);
-  const rubbingJoints = joints.filter((joint) => links[joint - 1].joint_friction > 0);
-  const movingWalls = wallNames.filter((name) =>
-    existingWalls.includes(name) && inputs.wall_motion.some((other) => other === "*" || other === name));
-  const candidates = [
-    ...pairs,
-    ...stops.map(([joint, stop]) => [joint, wallNames.indexOf(stop)]),
-    ...sliderStops.map((stop) => [0, wallNames.indexOf(stop)]),
-  ];
-  const driven = drivenBy(file, tables);
-  const hasFriction = rubs || rubbingJoints.length > 0 || slider?.friction > 0;
-  const parts = {
-    file, driven, points, sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints,
-    hasFriction, movingWalls, joints,
+    Object.values(contact.wall).some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));
+  const driven = drivenBy(file, kit.tables);
+  const { STOP_CODES } = SHARED.kernel;
+  const lists = {
+    links: links.map(({ joint_friction: friction }, k) => {
+      const jointed = base !== "free" || k > 0;
+      return { jointed, dry: jointed && friction > 0 };
+    }),
+    sites: sites.map(({ link, entry, corner = 0 }) => ({ link, entry, corner })),
+    candidates: [
+      ...pairs.map(([n, wall]) => ({ n, wall, name: wallNames[wall], stop: 0, at_joint: false })),
+      ...stops.map(([n, stop]) => ({ n, wall: wallNames.indexOf(stop), stop: STOP_CODES[stop], at_joint: true })),
+      ...sliderStops.map((name) => ({ n: 0, wall: wallNames.indexOf(name), name, stop: STOP_CODES[name], at_joint: false })),
+    ],
+    walls: wallNames.map((name, number) =>
+      ({ name, exists: existingWalls.includes(name), touched: pairs.some(([, wall]) => wall === number) })),
+    lines: walls.map(({ name }) => ({ name })),
+    moving_walls: wallNames.filter((name) =>
+      existingWalls.includes(name) && inputs.wall_motion.some((other) => other === "*" || other === name)).map((name) => ({ name })),
+    signals: driven.map(({ name, input }) => ({ name, input })),
+    steps: driven.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first }) =>
+      signal.times.map((_, entry) => ({ name, input, entry, knot: first + entry }))),
   };
-  return { ...parts, facts: factsOf(parts, rubs), sizes: sizesOf(parts) };
-}
-
-/** Return the conditions under which variables exist, as in `shape.py`; `rubs`: whether contacts at walls have friction. */
-function factsOf({ file: { chain, inputs, outputs, stops: { model } }, pairs, sliderStops, stops, hasFriction }, rubs) {
-  const hasContacts = pairs.length > 0 || sliderStops.length > 0;
-  const hasLimits = chain.slider?.force_limit !== undefined || chain.links.some((link) => link.joint_torque_limit !== undefined);
-  return {
+  const facts = {
     ...flags(inputs, "inputs"),
     ...flags(outputs, "outputs"),
     always: true,
-    free: chain.base === "free",
-    contacts: hasContacts,
-    stops: stops.length > 0,
-    law: hasContacts || (stops.length > 0 && !model),
+    free: base === "free",
+    pinned: base === "pinned",
+    slider: base === "slider",
+    skewed: links.some(({ center_of_mass_offset: offset }) => offset !== 0),
     contact_friction: rubs,
-    friction: hasFriction,
-    supply: anyOnChain(inputs) || inputs.wall_motion.length > 0 || hasLimits,
-  };
-}
-
-/** Return the counts of the record under their names, as in `counts.py`. */
-function sizesOf({ file: { chain: { links, slider }, inputs, outputs }, candidates, hasFriction, wallNames, movingWalls, sites, driven }) {
-  return {
-    links: links.length,
-    candidates: candidates.length,
-    elements: hasFriction ? links.length + candidates.length + (slider ? 1 : 0) : 0,
-    loads: outputs.loads ? links.length + wallNames.length : 0,
-    channels: 2 * inputs.base_motion + 2 * movingWalls.length,
-    sites: sites.length,
-    signals: driven.length,
+    joint_friction: lists.links.some(({ dry }) => dry),
+    slider_friction: slider?.friction > 0,
+    own_stop_law: Boolean(file.stops.model),
+    has_limits: slider?.force_limit !== undefined || links.some((link) => link.joint_torque_limit !== undefined),
+    pairs: pairs.length,
+    stops: stops.length,
+    slider_stops: sliderStops.length,
     knots: driven.reduce((sum, { knots }) => sum + knots, 0),
   };
+  const known = withConditions(facts, lists, kit);
+  const owners = mapped(kit.owners, (row) => ownersIn(row, known, lists));
+  return { file, driven, sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs, lists, known, owners };
 }
 
-/** Return the values of a table under their dotted keys. */
+/** Return the values of a table under their dotted keys; a list of names counts as its length. */
 function flags(table, name) {
-  return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value]));
+  return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value.length ?? value]));
 }
 
-/**
- * Return the owners of variables of each kind, as in `shape.py`: a number, the name of a wall, the index in the record, and
- * conditions.
- */
-export function ownersOf(parts) {
-  const { file, sites, sliderStops, stops, existingWalls, wallNames, pairs, candidates, rubbingJoints, movingWalls, joints } = parts;
-  const { links } = parts.sizes;
-  const ofJoints = (numbers) => numbers.map((n) => ({ n, at: n - 1 }));
-  const { inputs, outputs, chain: { slider } } = file;
-  return {
-    one: [{}],
-    link: range(links).map((at) => {
-      const hasTarget = inputs.joint_targets && joints.includes(at + 1);
-      return { n: at + 1, at, has_target: hasTarget, rests: !hasTarget, rubs: rubbingJoints.includes(at + 1) };
-    }),
-    point: range(links + 1 + sites.length).map((n) => ({ n, at: n })),
-    joint: ofJoints(joints),
-    "rubbing joint": ofJoints(rubbingJoints),
-    site: sites.map(({ link, entry, corner }, at) => ({ n: entry + 1, of: link + 1, at, link, entry, corner, placed: !corner })),
-    slider: slider ? [{ rests: !inputs.joint_targets, rubs: slider.friction > 0, at: links }] : [],
-    line: file.walls.map(({ name }, at) => ({ name, at })),
-    material: pairs.length ? existingWalls.map((name) => ({ name, at: wallNames.indexOf(name) })) : [],
-    contact: [
-      ...pairs.map(([n, wall], at) => ({ n, name: wallNames[wall], at })),
-      ...sliderStops.map((name, k) => ({ n: 0, name, at: pairs.length + stops.length + k, contact_friction: false })),
-    ],
-    stop: [...new Set(stops.map(([joint]) => joint))].map((n) =>
-      ({ n, at: pairs.length + candidates.slice(pairs.length).findIndex(([joint]) => joint === n) })),
-    "moving wall": movingWalls.map((name, k) => ({ name, at: 2 * inputs.base_motion + 2 * k })),
-    "touched wall": wallNames.flatMap((name, number) => (pairs.some(([, wall]) => wall === number) ? [{ name, at: links + number }] : [])),
-    impact: range(outputs.impacts).map((at) => ({ n: at + 1, at })),
-  };
+/** Return the number that a text of the tables stands for. */
+export function numberIn(text, known) {
+  const product = (term) => term.split("*").reduce((result, word) => result * Number(known[word] ?? word), 1);
+  return text.split(" + ").reduce((sum, term) => sum + product(term), 0);
 }
 
-/** Return whether inputs act on a chain in flight: inputs other than motions of walls. */
-export function anyOnChain({ joint_torques: torques, joint_targets: targets, slider_force: slider, tip_force: tip, base_motion: base }) {
-  return torques || targets || slider || tip || base;
+/** Return whether a rule of the tables holds. */
+function holds(rule, known) {
+  const isSo = (word) => Boolean(known[word.replace(/^not /, "")]) !== word.startsWith("not ");
+  return rule.split(" or ").some((each) => each.split(" and ").every(isSo));
+}
+
+/** Return the facts with the conditions of the scene, the lengths of its lists and its counts. */
+function withConditions(facts, lists, { conditions, counts }) {
+  const known = { ...facts, ...mapped(lists, ({ length }) => length) };
+  for (const [name, rule] of Object.entries(conditions)) known[name] = holds(rule, known);
+  return { ...known, ...mapped(counts, (text) => numberIn(text, known)) };
+}
+
+/** Return the owners of one row of the table of owners: the values of members of its list, with numbers and conditions. */
+function ownersIn({ over, has, numbers, conditions }, known, lists) {
+  const found = new Map();
+  (lists[over] ?? range(numberIn(over, known)).map(() => ({}))).forEach((member, order) => {
+    const here = { ...known, ...member, order };
+    if (!holds(has, here)) return;
+    const owner = { ...member, ...mapped(numbers, (text) => numberIn(text, here)) };
+    for (const [name, rule] of Object.entries(conditions)) owner[name] = here[name] = holds(rule, here);
+    const key = [owner.n, owner.of, owner.name].join();
+    if (!found.has(key)) found.set(key, owner);
+  });
+  return [...found.values()];
 }
 
 /** Return a template with the words of an owner filled in. */
@@ -122,9 +108,9 @@ export function filled(text, { n, of, name }) {
 }
 
 /** Return the rows of templates for every owner of their kind, and whether the owner meets their conditions. */
-export function rowsOfOwners(groups, owners, facts) {
+export function rowsOfOwners(groups, { owners, known }) {
   return groups.flatMap(({ of, rows }) => owners[of].flatMap((owner) => {
-    const known = { ...facts, ...owner };
-    return rows.map((row) => ({ ...row, of, owner, name: filled(row.name, owner), has: row.when.every((fact) => known[fact]) }));
+    const here = { ...known, ...owner };
+    return rows.map((row) => ({ ...row, of, owner, name: filled(row.name, owner), has: row.when.every((condition) => here[condition]) }));
   }));
 }

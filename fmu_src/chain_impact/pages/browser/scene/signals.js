@@ -129,16 +129,6 @@ export function drivenRows(driven) {
   return new Map(driven.flatMap(({ outputs }, row) => outputs.map((name, order) => [name, [row, order]])).filter(([name]) => name));
 }
 
-/** Return the signals, each in the row of the first input that it drives, and the steps, as owners of variables. */
-export function signalOwners(driven, inputs) {
-  const first = driven.filter(({ name }, row) => driven.findIndex((other) => other.name === name) === row);
-  return {
-    signal: first.map((each) => ({ name: each.name, at: driven.indexOf(each), unit: inputs.get(each.input).unit })),
-    step: first.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first: knot }) =>
-      signal.times.map((_, k) => ({ name, n: k + 1, at: knot + k, entry: k, unit: inputs.get(input).unit }))),
-  };
-}
-
 /** Put the signals into a new record: `put` gets the name of a field, a value and an index. */
 export function putSignals(driven, tables, acting, put) {
   driven.forEach(({ name, input, signal, order, knots, first }, row) => {

@@ -1,0 +1,247 @@
+"""The tables of the conditions, counts and owners of variables, and of the numbers that they give a record.
+
+Python (structure.py) and a page (pages/browser/scene/owners.js) evaluate the same tables. Each of them finds
+only the FACTS and the LISTS of a scene by itself. A rule names conditions, such as "contacts or stops and not
+own_stop_law"; "and" binds more strongly than "or", and a number is a condition that holds if it is not 0. A
+number is a sum of products, such as "2*moving_walls + order"; a condition counts as 0 or 1, a list as its
+length.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, NamedTuple
+
+from chain_impact.kernel.record.counts import COUNTS
+from chain_impact.scene.names import AT, DataPath
+from chain_impact.variables.kind import ALWAYS
+
+FACTS = {
+    ALWAYS: "all scenes have this",
+    "free": "no base holds the chain",
+    "pinned": "the base is pinned",
+    "slider": "the base is on a slider",
+    "skewed": "the centre of mass of some link lies beside the link's line",
+    "contact_friction": "a contact may have dry friction",
+    "joint_friction": "a joint has dry friction",
+    "slider_friction": "the slider has dry friction",
+    "own_stop_law": "stops have another law than walls",
+    "has_limits": "a drive has a largest torque or force",
+    "pairs": "the number of pairs of a point and a wall that can touch",
+    "stops": "the number of stops in joints",
+    "slider_stops": "the number of stops of the slider",
+    "knots": "the number of knots of all signals",
+}
+"""Name → meaning of each fact of a scene. The keys of [inputs] and [outputs] are facts, too, as
+``inputs.tip_force``; a list of names counts as its length."""
+LISTS = {
+    "links": "jointed: a joint holds it; dry: this joint has dry friction",
+    "sites": "points of links; link and entry: indices; corner: of a box, from 1, or 0; label",
+    "candidates": "pairs, stops, slider_stops; n: point or joint; wall: index; name: of the wall, "
+    "a joint's stop has none; stop: code of the stop, 0 for none; at_joint: it is a joint's stop",
+    "walls": "numbered walls; name; exists: it is a wall, no stop; touched: a point can touch it",
+    "lines": "walls at any angle; name",
+    "moving_walls": "walls that inputs move; name",
+    "signals": "driven inputs; name: of the signal; input",
+    "steps": "steps of each driven input; name: of the signal; input; entry: index; knot: index in record",
+}
+"""Name → members of each list of a scene, with the values that each member has."""
+
+
+class Condition(NamedTuple):
+    """A condition of variables: the rule by which it holds, and its meaning."""
+
+    rule: str
+    meaning: str
+
+
+CONDITIONS = {
+    "contacts": Condition("pairs or slider_stops", "a point can touch a wall, or a slider its stop"),
+    "law": Condition("contacts or stops and not own_stop_law", "the law of contacts acts"),
+    "friction": Condition("contact_friction or joint_friction or slider_friction", "a part has dry friction"),
+    "has_base_joint": Condition("not free", "a joint connects link 1 with the base"),
+    "has_inputs": Condition(
+        "inputs.joint_torques or inputs.joint_targets or inputs.slider_force or inputs.tip_force"
+        " or inputs.base_motion",
+        "inputs act on the chain without contact",
+    ),
+    "supply": Condition("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
+    "impulses": Condition(
+        "outputs.contacts or outputs.impacts or outputs.loads or friction and outputs.energies",
+        "some output needs the impulses of contacts",
+    ),
+}
+"""Conditions of a scene, beside its facts and lists; a rule may name conditions before it."""
+OWN_CONDITIONS = {
+    "has_target": "the target of the joint's spring is an input",
+    "rests": "the target of the joint's or slider's spring is a parameter",
+    "rubs": "the joint, slider or contact may have dry friction",
+    "placed": "the file has the point; it is no corner of a box",
+    "held": "the point is a base that cannot move",
+}
+"""Name → meaning of the conditions of owners. None has the name of a condition of scenes."""
+COUNTS_OF = {
+    "links": "links",
+    "candidates": "candidates",
+    "elements": "friction*links + friction*candidates + friction*slider",
+    "loads": "outputs.loads*links + outputs.loads*walls",
+    "channels": "2*inputs.base_motion + 2*moving_walls",
+    "sites": "sites",
+    "signals": "signals",
+    "knots": "knots",
+}
+"""The counts at the start of a record (kernel/record/counts.py), as numbers."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Owners:
+    """The owners of one kind: a row of the table of owners.
+
+    Attributes:
+        over: the list whose members are the owners, or their number.
+        has: the rule by which a member is an owner. Of members with equal ``n``, ``of`` and name, only the
+            first is an owner.
+        numbers: the numbers of an owner: ``n`` its number, ``at`` its index in the record, ``of`` the number
+            of its link. ``order`` is the index of the member in the list.
+        conditions: name in OWN_CONDITIONS → rule by which an owner meets the condition.
+    """
+
+    over: str
+    has: str = ALWAYS
+    numbers: Mapping[str, str] = field(default_factory=dict)
+    conditions: Mapping[str, str] = field(default_factory=dict)
+
+
+_COUNTED = {"n": "order + 1", "at": "order"}
+OWNERS = {
+    "one": Owners(over="1"),
+    "link": Owners(
+        over="links",
+        numbers=_COUNTED,
+        conditions={
+            "has_target": "inputs.joint_targets and jointed",
+            "rests": "not has_target",
+            "rubs": "dry",
+        },
+    ),
+    "point": Owners(
+        over="links + sites + 1",
+        numbers={"n": "order", "at": "order"},
+        conditions={"held": "pinned and not inputs.base_motion and not order"},
+    ),
+    "joint": Owners(over="links", has="jointed", numbers=_COUNTED),
+    "rubbing joint": Owners(over="links", has="dry", numbers=_COUNTED),
+    # the record has the outputs of both stops of a joint at the first of them
+    "stop": Owners(over="candidates", has="at_joint", numbers={"at": "order"}),
+    "contact": Owners(
+        over="candidates",
+        has="not at_joint",
+        numbers={"at": "order"},
+        conditions={"rubs": "contact_friction and not stop"},
+    ),
+    "site": Owners(
+        over="sites",
+        numbers={"n": "entry + 1", "of": "link + 1", "at": "order"},
+        conditions={"placed": "not corner"},
+    ),
+    "slider": Owners(
+        over="slider",
+        numbers={"at": "links"},
+        conditions={"rests": "not inputs.joint_targets", "rubs": "slider_friction"},
+    ),
+    "line": Owners(over="lines", numbers={"at": "order"}),
+    "material": Owners(over="walls", has="exists and pairs", numbers={"at": "order"}),
+    "moving wall": Owners(over="moving_walls", numbers={"at": "2*inputs.base_motion + 2*order"}),
+    "touched wall": Owners(over="walls", has="touched", numbers={"at": "links + order"}),
+    "signal": Owners(over="signals", numbers={"at": "order"}),
+    "step": Owners(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
+    "impact": Owners(over="outputs.impacts", numbers=_COUNTED),
+}
+"""Kind of owner → its owners, in the order of their variables."""
+
+
+class Written(NamedTuple):
+    """A number in the record, or one for each member of the list ``over``, that follows from the tables."""
+
+    path: DataPath
+    number: str
+    over: str = ""
+
+
+RECORD = {
+    **{name: Written((name,), name) for name in COUNTS},
+    "skewed": Written(("skewed",), "skewed"),
+    "slides": Written(("slides",), "slider"),
+    "has_base_joint": Written(("model", "has_base_joint"), "has_base_joint"),
+    "has_inputs": Written(("model", "has_inputs"), "has_inputs"),
+    "has_servos": Written(("model", "has_servos"), "inputs.joint_targets"),
+    "base_moves": Written(("model", "base_moves"), "inputs.base_motion"),
+    "interpolates": Written(("motion", "interpolates"), ALWAYS),
+    "kept": Written(("latest", "kept"), "outputs.impacts"),
+    "impulses": Written(("quadrature", "computed"), "impulses"),
+    "site_link": Written(("site", "link", AT), "link", "sites"),
+    "site_corner": Written(("site", "corner", AT), "corner", "sites"),
+    "candidate_point": Written(("candidate", AT, "point"), "n", "candidates"),
+    "candidate_wall": Written(("candidate", AT, "wall"), "wall", "candidates"),
+    "candidate_stop": Written(("candidate", AT, "stop"), "stop", "candidates"),
+}
+"""Name → numbers of the record that are no parameters."""
+
+
+@dataclass(frozen=True, slots=True)
+class Owner:
+    """An owner of variables.
+
+    Attributes:
+        values: number ``n``, name, index ``at`` in the record, and the values of the member of its list.
+        conditions: condition → whether the owner or its scene meets it.
+    """
+
+    values: dict[str, Any] = field(default_factory=dict)
+    conditions: dict[str, Any] = field(default_factory=dict)
+
+
+def value(text: str, known: Mapping[str, Any]) -> int:
+    """Return the number that a text of the tables stands for."""
+    terms = _split(text, " + ", "*")
+    return sum(math.prod([known[word] if word in known else int(word) for word in term]) for term in terms)
+
+
+def holds(rule: str, known: Mapping[str, Any]) -> bool:
+    """Return whether a rule of the tables holds."""
+    for each in _split(rule, " or ", " and "):
+        if all(not known[word[4:]] if word.startswith("not ") else known[word] for word in each):
+            return True
+    return False
+
+
+@cache
+def _split(text: str, outer: str, inner: str) -> list[list[str]]:
+    """Return the parts of a text between the words ``outer``, each split at the words ``inner``."""
+    return [part.split(inner) for part in text.split(outer)]
+
+
+def with_conditions(facts: Mapping[str, int], lists: Mapping[str, Sequence[Any]]) -> dict[str, int]:
+    """Return the facts of a scene with its conditions, the lengths of its lists, and its counts."""
+    known = {**facts, **{name: len(members) for name, members in lists.items()}}
+    for name, condition in CONDITIONS.items():
+        known[name] = holds(condition.rule, known)
+    return known | {name: value(text, known) for name, text in COUNTS_OF.items()}
+
+
+def owners_of(
+    kind: str, known: Mapping[str, Any], lists: Mapping[str, Sequence[Mapping[str, Any]]]
+) -> list[Owner]:
+    """Return the owners of a kind, in the order of their variables."""
+    row, found = OWNERS[kind], dict[Any, Owner]()
+    for order, member in enumerate(lists.get(row.over) or [{}] * value(row.over, known)):
+        here = {**known, **member, "order": order}
+        if holds(row.has, here):
+            values = {**member, **{name: value(text, here) for name, text in row.numbers.items()}}
+            for name, rule in row.conditions.items():
+                here[name] = holds(rule, here)
+            found.setdefault(tuple(map(values.get, ("n", "of", "name"))), Owner(values, here))
+    return list(found.values())

@@ -1,0 +1,98 @@
+"""The words of a scene and of the owners of its variables, for the templates of descriptions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
+from chain_impact.scene.signal import unit_of
+from chain_impact.variables.structure import Structure
+
+OF_STOPS = {
+    "its_joint": "; at a stop its joint",
+    "in_rad_s": "; at a stop in rad/s",
+    "in_n_m": "; at a stop the moment in N·m",
+    "in_rad": "; at a stop the angle in rad",
+    "in_n_m_s": "; at a stop in N·m·s",
+}
+"""Words on the quantities of an impact at a stop of a joint; "" in a scene without such stops."""
+
+
+def scene_words(structure: Structure) -> dict[str, Any]:
+    """Return the words and the limits of variables that a scene has, by their names in templates.
+
+    Under "general" is a table of words that stand for any owner.
+    """
+    known, names = structure.known, [wall["name"] for wall in structure.lists["walls"]]
+    without = () if known["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
+    statuses = {code: text for code, text in STATUS_TEXT.items() if code not in without}
+    walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(names, 1))
+    return {
+        "points": known["links"] + known["sites"],
+        "walls": known["walls"],
+        "most_status": max(statuses),
+        # The numbers of walls are integer variables. Enumerations would have no number for "none",
+        # because importers count them from 1.
+        "wall_numbers": f"0 none, {walls}",
+        "wall_numbers_if_any": f"0 if there is none, {walls}",
+        "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
+        "losses": "contacts, joint damping and dry friction"
+        if known["friction"]
+        else "contacts and joint damping",
+        **(OF_STOPS if known["stops"] else dict.fromkeys(OF_STOPS, "")),
+        "general": {
+            "before": "link i − 1, or the base",
+            "parent": "the link before" if known["free"] else f"the link before, or {_ground(structure)}",
+            "from_x": "",
+            "about": "the origin, of a wall at any angle about its point" if known["lines"] else "the origin",
+        },
+    }
+
+
+def owner_words(of: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
+    """Return the words of an owner of the kind ``of``; ``values`` as in ``Owner``."""
+    words = _WORDS_OF.get(of)
+    return words(structure, values) if words else {}
+
+
+def _of_joint(structure: Structure, joint: dict[str, Any]) -> dict[str, str]:
+    if joint["n"] == 1:
+        return {"before": "the base", "parent": _ground(structure), "from_x": ", from +x"}
+    return {"before": f"link {joint['n'] - 1}", "parent": "the link before", "from_x": ""}
+
+
+def _of_contact(structure: Structure, contact: dict[str, Any]) -> dict[str, str]:
+    point = contact["n"]
+    return {"touching": "slider" if contact["stop"] else f"point {point}{_label(structure, point)}"}
+
+
+def _of_signal(_: Structure, signal: dict[str, Any]) -> dict[str, str]:
+    return {"unit": unit_of(signal["input"])}
+
+
+_WORDS_OF: dict[str, Callable[[Structure, dict[str, Any]], dict[str, str]]] = {
+    "point": lambda structure, point: {"label": _label(structure, point["n"])},
+    "joint": _of_joint,
+    "contact": _of_contact,
+    "touched wall": lambda _, wall: {"about": "the origin" if wall["name"] in WALLS else "its point"},
+    "signal": _of_signal,
+    "step": _of_signal,
+    "impact": lambda _, impact: {"but": f" but {impact['n'] - 1}" if impact["n"] > 1 else ""},
+}
+"""Kind of owner → function that returns the words of an owner; other kinds have no words of their own."""
+
+
+def _ground(structure: Structure) -> str:
+    """Return the words for the body to which link 1 is connected."""
+    return "the carriage" if structure.known["slider"] else "the ground"
+
+
+def _label(structure: Structure, point: int) -> str:
+    """Return the words " (heel, link 2)" for a point of a link; "" for an end of a link."""
+    links = structure.known["links"]
+    if point <= links:
+        return ""
+    site = structure.lists["sites"][point - links - 1]
+    return " (" + (f"{site['label']}, " if site["label"] else "") + f"link {site['link'] + 1})"

@@ -1,0 +1,104 @@
+"""The structure of a scene, and the tables of conditions, counts and owners, which pages evaluate as well."""
+
+# Tests: variables/owners.py
+
+import re
+from dataclasses import fields
+
+import pytest
+
+from chain_impact import load_scene, model_names
+from chain_impact.kernel.record.counts import COUNTS
+from chain_impact.scene.tables import Inputs, Outputs
+from chain_impact.variables.owners import (
+    CONDITIONS,
+    COUNTS_OF,
+    FACTS,
+    LISTS,
+    OWN_CONDITIONS,
+    OWNERS,
+    RECORD,
+    holds,
+    value,
+)
+from chain_impact.variables.structure import structure_of
+from tests.helpers.campaigns import random_scenes
+from tests.variables.everything import CART, EVERYTHING
+
+KEYS = {f"{table.__name__.lower()}.{entry.name}" for table in (Inputs, Outputs) for entry in fields(table)}
+
+
+def names_in(text):
+    return {word for word in re.split(r" or | and | \+ |\*|not ", text) if word and not word.isdecimal()}
+
+
+def members_of(name):
+    """Return the names of the values that the members of a list have, in a scene that has such members."""
+    lists = [structure_of(scene).lists.get(name) for scene in (EVERYTHING, CART)]
+    return {value for members in lists for member in members or () for value in member}
+
+
+@pytest.mark.parametrize("scene", [EVERYTHING, CART], ids=["everything", "cart"])
+def test_each_fact_and_each_list_is_explained(scene):
+    structure = structure_of(scene)
+    assert {*structure.facts} == FACTS.keys() | KEYS
+    assert structure.lists.keys() == LISTS.keys()
+    assert all(name in LISTS[one] for one in LISTS for name in members_of(one))
+
+
+def test_what_the_tables_name_is_known():
+    known = FACTS.keys() | KEYS | LISTS.keys()
+    for name, (rule, meaning) in CONDITIONS.items():
+        assert names_in(rule) <= known, name
+        assert meaning
+        known |= {name}
+    assert COUNTS_OF.keys() == {*COUNTS}
+    assert all(names_in(text) <= known for text in COUNTS_OF.values())
+    for kind, row in OWNERS.items():
+        here = known | members_of(row.over) | {"order"} | row.conditions.keys()
+        texts = [row.has, row.over, *row.numbers.values(), *row.conditions.values()]
+        assert all(names_in(text) <= here for text in texts), kind
+        assert row.conditions.keys() <= OWN_CONDITIONS.keys(), kind
+    for written in RECORD.values():
+        assert names_in(written.number) <= (members_of(written.over) if written.over else known | {*COUNTS})
+
+
+def test_no_owner_changes_what_holds_for_its_scene():
+    of_scenes = FACTS.keys() | KEYS | LISTS.keys() | CONDITIONS.keys() | {*COUNTS}
+    of_members = {name for one in LISTS for name in members_of(one)} | {"order"}
+    assert not of_scenes & OWN_CONDITIONS.keys()
+    assert not of_scenes & of_members
+    assert not OWN_CONDITIONS.keys() & of_members
+
+
+def test_the_forms_of_texts():
+    known = {"a": 2, "b": 3, "no": False, "yes": True}
+    assert value("2*a + b + 1", known) == 8
+    assert value("yes*b + no*a", known) == 3
+    assert holds("no and a or b", known)
+    assert not holds("a and no or not yes", known)
+    assert holds("not no", known)
+
+
+@pytest.mark.parametrize(
+    "scene", [*map(load_scene, model_names()), *map(random_scenes.scene, range(20))], ids=str
+)
+def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
+    known = structure_of(scene).known
+    assert known["friction"] == scene.has_friction
+    assert known["supply"] == scene.is_driven
+    assert known["has_inputs"] == scene.inputs.on_chain
+    assert known["has_base_joint"] == scene.chain.has_base_joint
+
+
+def test_both_stops_of_a_joint_are_one_owner_and_a_stop_of_a_slider_has_no_friction():
+    stopped = CART.with_values({"link[3].joint_min": -2.0, "link[3].joint_max": 2.0, "slider.max": 0.1})
+    structure = structure_of(stopped)
+    pairs = structure.known["pairs"]
+    stops = [owner.values for owner in structure.owners("stop")]
+    assert [(stop["n"], stop["at"]) for stop in stops] == [(2, pairs), (3, pairs + 1)]
+    *contacts, end = structure.owners("contact")
+    assert (len(contacts), end.values["at"], end.values["name"]) == (pairs, pairs + 3, "slider_max")
+    assert all(contact.conditions["rubs"] for contact in contacts)
+    assert not end.conditions["rubs"]
+    assert end.conditions["contact_friction"]
