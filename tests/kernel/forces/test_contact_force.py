@@ -118,6 +118,7 @@ def test_elastic_force_energy_and_depth_belong_together(exponent):
     assert forces.elastic_energy(d, 0, depth) == pytest.approx(energy, rel=1e-12)
     # a mass with this kinetic energy comes to rest at this depth
     assert forces.elastic_depth(d, 0, 2.0, math.sqrt(energy)) == pytest.approx(depth, rel=1e-13)
+    assert laws.lossless_depth(energy, 3e6, exponent) == pytest.approx(depth, rel=1e-13)
 
 
 # --- one impact --------------------------------------------------------------------------------------------
