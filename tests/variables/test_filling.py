@@ -1,9 +1,12 @@
 """Records of scenes that differ only in numbers: only the differing numbers are written again."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from chain_impact import load_scene
+from chain_impact.scene.signals import with_inputs
 from chain_impact.variables import filling
 from chain_impact.variables.prepared import PreparedScene
 
@@ -12,7 +15,6 @@ MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "co
 
 def from_nothing(scene):
     filling._kept.clear()
-    PreparedScene._last = None
     return PreparedScene(scene)
 
 
@@ -68,6 +70,27 @@ def test_what_is_more_than_a_number_makes_another_model(model, changes):
     wanted.new_instance()
     from_nothing(scene).new_instance()
     same(PreparedScene(changed), wanted)
+
+
+def test_the_end_of_the_run_decides_on_the_end_of_a_table(tmp_path):
+    """A table of positions ends at rest if the run continues."""
+    (tmp_path / "motion.csv").write_text("time,base.y\n0,0\n0.1,0.01\n0.2,0.02\n0.3,0.02\n", "utf-8")
+    scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True, "simulation.stop_time": 0.2})
+    short = with_inputs(scene, tmp_path / "motion.csv")
+    longer = replace(short, simulation=replace(short.simulation, stop_time=0.9))
+    wanted = from_nothing(longer).new_instance().tobytes()
+    assert from_nothing(short).new_instance().tobytes() != wanted
+    assert PreparedScene(longer).new_instance().tobytes() == wanted
+
+
+def test_a_scene_finds_what_is_kept_of_an_earlier_one():
+    first, other = load_scene("four_link_box"), load_scene("pinned_arm")
+    outputs = from_nothing(first).outputs
+    assert PreparedScene(other).outputs
+    assert PreparedScene(first.with_values({"contact.restitution": 0.5})).outputs is outputs
+    for number in range(2 * filling.MOST_KEPT):
+        PreparedScene(other.with_values({"outputs.impacts": number}))
+    assert len(filling._kept) == filling.MOST_KEPT
 
 
 def test_a_record_is_ones_own():

@@ -1,14 +1,14 @@
 """The parameters of a scene in a new record.
 
-The module keeps the record of the last scene of each size. If the next scene differs only in numbers of some
-tables, as after ``with_values``, only these tables are written again.
+The module keeps a record of the last scenes. If the next scene differs from one of them only in numbers of
+some tables, as after ``with_values``, only these tables are written again.
 """
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from functools import cache, lru_cache
 from operator import attrgetter
 from typing import Any
@@ -35,16 +35,24 @@ from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure
 
 
-@dataclass(frozen=True)
-class _Kept:
-    """A scene and the words of its record; nothing may write to these words."""
+@dataclass
+class Kept:
+    """What scenes have in common that differ only in numbers.
+
+    Attributes:
+        scene: the first of these scenes.
+        parts: the parts of ``PreparedScene`` that do not depend on numbers, by name.
+        record: one of these scenes with the words of its record, to which nothing may write; None before the
+            first record.
+    """
 
     scene: Scene
-    words: np.ndarray
+    parts: dict[str, Any] = field(default_factory=dict)
+    record: tuple[Scene, np.ndarray] | None = None
 
 
-_kept: dict[Counts, _Kept] = {}
-"""The last scene of each record size, with its record."""
+_kept: list[Kept] = []
+"""What is kept of the last scenes that differ in more than numbers, the newest first."""
 MOST_KEPT = 16
 _GIVEN_IF = {
     kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
@@ -53,6 +61,12 @@ _GIVEN_IF = {
 use, with the functions that look them up in a scene."""
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
 """The tables of the scene whose numbers can be written again without the other tables."""
+_OTHERS = [
+    entry.name
+    for entry in fields(Scene)
+    if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
+]
+"""The other tables of the scene, except texts. Of [simulation], only signals depend."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:
@@ -76,30 +90,38 @@ _OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
 which walls the points can reach."""
 
 
-def new_record(scene: Scene, structure: Structure, sizes: Counts) -> np.ndarray:
+def kept_of(scene: Scene) -> Kept:
+    """Return what is kept of the scenes that differ from a scene only in numbers."""
+    for kept in tuple(_kept):
+        if changed_numbers(kept.scene, scene) is not None:
+            return kept
+    _kept.insert(0, Kept(scene))
+    del _kept[MOST_KEPT:]
+    return _kept[0]
+
+
+def new_record(scene: Scene, structure: Structure, sizes: Counts, kept: Kept) -> np.ndarray:
     """Return an uninitialized instance with the parameters of a scene, an array with one record.
 
     Args:
         scene: the scene.
         structure: the structure of the scene.
         sizes: the sizes of the record.
+        kept: what is kept of the scene.
     """
-    layout, before = layout_of(*sizes), _kept.get(sizes)
-    changes = None if before is None else changed_numbers(before.scene, scene)
-    if before is None or changes is None:
+    layout = layout_of(*sizes)
+    if kept.record is None:
         words = np.zeros(layout.itemsize // WORD)
         # ``block.view`` would compare the types first, which takes longer than the rest of this function
         block = np.ndarray(1, layout, words)
         _fill(block[0], scene, structure)
         for table in _tables():
             _write(table, words, scene, sizes)
-        if len(_kept) >= MOST_KEPT:
-            _kept.clear()
-        _kept[sizes] = _Kept(scene, words.copy())
+        kept.record = scene, words.copy()
     else:
-        words = before.words.copy()
+        before, words = kept.record[0], kept.record[1].copy()
         block = np.ndarray(1, layout, words)
-        for table in changes:
+        for table in changed_numbers(before, scene) or ():
             _write(table, words, scene, sizes)
     return block
 
@@ -113,9 +135,10 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     """
     if before is scene:
         return []
-    for name in ("box", "walls", "stops", "inputs", "signals", "outputs", "derived_paths"):
-        if getattr(before, name) is not getattr(scene, name):
-            return None
+    if any(getattr(before, name) is not getattr(scene, name) for name in _OTHERS):
+        return None
+    if scene.signals and before.simulation is not scene.simulation:
+        return None
     if _differ(before.contact, scene.contact, _OF_CONTACT) or _chains_differ(before.chain, scene.chain):
         return None
     return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]

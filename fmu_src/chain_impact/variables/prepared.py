@@ -7,12 +7,13 @@ record (kernel/record/). It makes new instances, whose records hold the paramete
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cached_property, lru_cache
-from typing import Any
+from functools import cached_property, lru_cache, wraps
+from typing import Any, TypeVar
 
 import numpy as np
 
 from chain_impact.compilation.compilers import GENERAL
+from chain_impact.kernel.record.counts import Counts
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import DataPath, input_asked, parameter_hint
@@ -20,7 +21,7 @@ from chain_impact.scene.reading import matches, matching
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.signals import driven_by
 from chain_impact.scene.tables import Outputs
-from chain_impact.variables.filling import changed_numbers, new_record, with_tangents
+from chain_impact.variables.filling import kept_of, new_record, with_tangents
 from chain_impact.variables.hints import Hint, of_series, output_hint, parts_hint
 from chain_impact.variables.indices import (
     WORD,
@@ -39,27 +40,25 @@ from chain_impact.variables.listing import (
     outputs_of,
     parameters,
 )
-from chain_impact.variables.structure import structure_of
+from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import Variable, variable_row
 
-SAME = (
-    *(
-        "structure",
-        "candidates",
-        "sizes",
-        "layout",
-        "row",
-        "parameters",
-        "inputs",
-        "outputs",
-        "_own_outputs",
-        "motion",
-    ),
-    *("columns", "output_words", "output_indices", "_indices_by_names", "parameter_paths", "differentiable"),
-    *("_indices_by_text", "kernel_size"),
-)
-"""The attributes that do not depend on numbers of the scene."""
+Part = TypeVar("Part")
 NAMED = 64  # the largest number of selections of outputs whose indices are kept
+
+
+def _common(part: Callable[[PreparedScene], Part]) -> cached_property[Part]:
+    """Return the property for a part that scenes have in common that differ only in numbers."""
+
+    @wraps(part)
+    def found(prepared: PreparedScene) -> Part:
+        parts = prepared._kept.parts
+        if part.__name__ not in parts:
+            parts[part.__name__] = part(prepared)
+        common: Part = parts[part.__name__]
+        return common
+
+    return cached_property(found)
 
 
 class PreparedScene:
@@ -67,29 +66,11 @@ class PreparedScene:
 
     Attributes:
         scene: the scene.
-        structure: the structure of the scene.
-        candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch. A
-            stop of a slider belongs to point 0.
-        sizes: the numbers that determine the layout of the record.
-        layout: the layout of an instance without derivatives.
-        row: the layout of the outputs, one row of ``Result.outputs``.
     """
 
-    _last: PreparedScene | None = None
-    """The scene that was prepared last; the next one takes over its variables if only numbers differ."""
-
     def __init__(self, scene: Scene) -> None:
-        self.scene, before = scene, PreparedScene._last
-        if before and changed_numbers(before.scene, scene) is not None:
-            cached = vars(before)
-            vars(self).update((name, cached[name]) for name in SAME if name in cached)
-        else:
-            self.structure = structure_of(scene)
-            self.candidates = [(each["n"], each["wall"]) for each in self.structure.lists["candidates"]]
-            self.sizes = self.structure.counts
-            self.layout = layout_of(*self.sizes)
-            self.row: np.dtype = self.layout["output"]
-        PreparedScene._last = self  # at the end: other threads take over only complete parts
+        self.scene, self._kept = scene, kept_of(scene)
+        vars(self).update(self._kept.parts)
 
     def __eq__(self, other: object) -> bool:
         """Return whether another prepared scene has an equal scene."""
@@ -101,12 +82,40 @@ class PreparedScene:
         """Pickle only the scene; another process computes the rest again."""
         return type(self), (self.scene,)
 
-    @cached_property
+    @_common
+    def structure(self) -> Structure:
+        """The structure of the scene."""
+        return structure_of(self.scene)
+
+    @_common
+    def candidates(self) -> list[tuple[int, int]]:
+        """The C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
+
+        A stop of a slider belongs to point 0.
+        """
+        return [(each["n"], each["wall"]) for each in self.structure.lists["candidates"]]
+
+    @_common
+    def sizes(self) -> Counts:
+        """The numbers that determine the layout of the record."""
+        return self.structure.counts
+
+    @_common
+    def layout(self) -> np.dtype:
+        """The layout of an instance without derivatives."""
+        return layout_of(*self.sizes)
+
+    @_common
+    def row(self) -> np.dtype:
+        """The layout of the outputs, one row of ``Result.outputs``."""
+        return self.layout["output"]
+
+    @_common
     def parameters(self) -> list[Variable]:
         """The parameters of the FMU."""
         return list(parameters(self.scene, self.structure))
 
-    @cached_property
+    @_common
     def inputs(self) -> list[Variable]:
         """The inputs of the FMU."""
         return list(inputs(self.structure))
@@ -116,12 +125,12 @@ class PreparedScene:
         """The inputs that signals drive: the name of the input → the name of the signal."""
         return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
 
-    @cached_property
+    @_common
     def outputs(self) -> list[Variable]:
         """The outputs of the FMU, without derivatives."""
         return list(self._own_outputs.values())
 
-    @cached_property
+    @_common
     def _own_outputs(self) -> dict[str, Variable]:
         """The outputs of the FMU by name, without derivatives."""
         return outputs_of(self.structure)
@@ -136,7 +145,7 @@ class PreparedScene:
         """The units: name of a variable of the FMU → its unit."""
         return {variable.name: variable.unit for variable in self.variables}
 
-    @cached_property
+    @_common
     def motion(self) -> list[Variable]:
         """The outputs that change continuously, in the order of ``Result.outputs``."""
         return [variable for variable in self.outputs if variable.record_path[0] == "output"]
@@ -156,7 +165,7 @@ class PreparedScene:
         """All variables of the FMU, in the order of their value references; outputs come last."""
         return [*self.parameters, *self.inputs, *self.outputs, *derivatives(self.motion, self.varied)]
 
-    @cached_property
+    @_common
     def parameter_paths(self) -> dict[str, DataPath]:
         """The paths of parameters: name → path that ``scene.with_values`` accepts.
 
@@ -164,7 +173,7 @@ class PreparedScene:
         """
         return {v.name: v.scene_path for v in self.parameters if v.scene_path is not None}
 
-    @cached_property
+    @_common
     def differentiable(self) -> dict[str, Variable]:
         """The parameters and inputs that have derivatives, by their names."""
         return {
@@ -192,17 +201,17 @@ class PreparedScene:
         words = self.start.view(np.float64 if variable.type == "real" else np.int64)
         return repr(words[self.word(variable)].item())
 
-    @cached_property
+    @_common
     def columns(self) -> dict[str, int]:
         """The index in a row of each output that changes continuously: name → index."""
         return {variable.name: word_index(self.row, variable.record_path[1:]) for variable in self.motion}
 
-    @cached_property
+    @_common
     def kernel_size(self) -> int:
         """The size by which ``kernel_library`` finds the kernel of the scene, see ``kernel_size``."""
         return kernel_size(self.scene)
 
-    @cached_property
+    @_common
     def output_words(self) -> np.ndarray:
         """The indices in the record of the numbers of a row, shape (W,)."""
         first = first_word(self.layout, "output")
@@ -242,7 +251,7 @@ class PreparedScene:
         there = self._own_outputs
         return [there[name] for name in self._named(wanted, there, "no output", self.output_hint)]
 
-    @cached_property
+    @_common
     def output_indices(self) -> OutputIndices:
         """The indices of the outputs in the record."""
         return output_indices(self.structure, self.sizes)
@@ -262,12 +271,12 @@ class PreparedScene:
             kept[wanted] = by_names(*(variable.name for variable in self.outputs_named(wanted)))
         return kept[wanted]
 
-    @cached_property
+    @_common
     def _indices_by_text(self) -> dict[str, OutputIndices]:
         """The indices of outputs that a single text has named."""
         return {}
 
-    @cached_property
+    @_common
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
         """A function from names of outputs to their indices, which it keeps for the last selections."""
         outputs, every = self._own_outputs, self.output_indices
@@ -325,7 +334,7 @@ class PreparedScene:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
-        block = new_record(self.scene, self.structure, self.sizes)
+        block = new_record(self.scene, self.structure, self.sizes, self._kept)
         return with_tangents(block, [variable.set_path for variable in varied]) if varied else block
 
     def _named(
