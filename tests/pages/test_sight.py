@@ -111,8 +111,10 @@ def test_a_bar_for_scrolling_hides_no_control(show, width):
 
 def test_a_low_phone_has_all_controls_and_most_of_its_height_shows_the_motion(show):
     page = show(viewport=LOW, has_touch=True)
-    assert page.evaluate(CUT, LOW["width"]) == 0
-    assert page.locator("#view").bounding_box()["height"] > 0.65 * LOW["height"]
+    for size in (LOW, {"width": 844, "height": 390}):
+        page.set_viewport_size(size)
+        assert page.evaluate(CUT, size["width"]) == 0
+        assert page.locator("#view").bounding_box()["height"] > 0.65 * size["height"]
 
 
 @pytest.mark.parametrize("size", [TABLET, ITS_SIDE], ids=["upright", "on its side"])
