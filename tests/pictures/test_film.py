@@ -1,6 +1,6 @@
 """Films: their content as their viewers see them."""
 
-# Tests: pictures/film_figure.py, pictures/film_files.py, pictures/film_labels.py
+# Tests: pictures/film_figure.py, pictures/film_files.py, pictures/film_labels.py, pictures/scale_bar.py
 
 import itertools
 
@@ -17,6 +17,7 @@ from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.film_figure import CHAIN, FORCE, STYLE, Film
 from chain_impact.pictures.over_time import ENERGIES
+from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import LOAD, force_text
 from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
 from chain_impact.recording.view import LONGEST_ARROW
@@ -215,6 +216,16 @@ def test_no_text_runs_out_of_a_film(size):
         assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
     for one, other in itertools.combinations(boxes, 2):
         assert not one.overlaps(other)
+
+
+@pytest.mark.parametrize(("width", "length", "text"), [(4.0, 0.5, "0.5 m"), (0.02, 0.002, "2 mm")])
+def test_a_bar_below_the_chain_has_the_round_length_that_is_written_at_it(width, length, text):
+    axes = Figure().add_axes((0.1, 0.2, 0.8, 0.7), xlim=(-0.5 * width, 0.5 * width))
+    bar, label = draw_scale_bar(axes, 0.05, "black")
+    at = axes.transData.inverted().transform(bar.get_transform().transform(bar.get_xydata()))
+    assert np.ptp(at[:, 0]) == pytest.approx(length)
+    assert label.get_text() == text
+    assert bar.get_window_extent().y1 < axes.bbox.y0
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_labels import Number, write_numbers
 from chain_impact.pictures.over_time import ENERGIES, PARTS, energy_look, mark_impacts
 from chain_impact.pictures.room import draw_pin, draw_room, moves
+from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import (
     INK,
     LOAD,
@@ -44,7 +45,7 @@ STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
 ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 # position and size of the axes: left, bottom, width and height, relative to the size of the figure
-SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)
+SCENE, ENERGY = (0.02, 0.06, 0.6, 0.82), (0.69, 0.12, 0.29, 0.6)
 # position of the texts: left and middle of the height, relative to the size of the figure
 CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.06, 0.96, 0.72), (0.02, 0.84), (0.55, 0.84)
@@ -52,6 +53,7 @@ SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.06, 0.96, 0.72), (0.02, 0.84), (
 # half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
 # the view
 BAR, CORNER = 0.035, 0.035
+SCALE = 0.03  # the height of the scale of lengths below the axes, relative to the height of the figure
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
 
@@ -159,6 +161,7 @@ class Film:
         self.room = self._draw_room(0)
         for artist in self.room if self.room_moves else ():
             artist.set_animated(True)
+        draw_scale_bar(self.scene, SCALE, MUTED)
 
     def _draw_room(self, frame: int) -> list[Artist]:
         walls = list(self.recording.walls_at(float(self.times[frame])).values())

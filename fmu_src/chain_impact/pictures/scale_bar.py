@@ -1,0 +1,49 @@
+"""A bar of a round length below the moving chain of a film, as the scale of its lengths."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.transforms import blended_transform_factory
+
+LONGEST = 1 / 6  # the largest length of the bar, relative to the width of the view
+FACTORS = (5, 2, 1)  # a round length is a power of ten times one of these
+SMALL = 0.01  # [m] a shorter bar has its length in millimetres
+
+
+def round_length(most: float) -> float:
+    """Return the largest round length that is at most ``most`` [m]."""
+    power = 10.0 ** math.floor(math.log10(most))
+    return next(factor * power for factor in FACTORS if factor * power <= most)
+
+
+def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
+    """Draw the bar that ends at the right edge of axes, outside of them, with its length; return the artists.
+
+    ``height`` is the position of the bar, relative to the height of the figure.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    left, right = axes.get_xlim()
+    length = round_length(LONGEST * (right - left))
+    text = f"{1000.0 * length:.3g} mm" if length < SMALL else f"{length:.3g} m"
+    place: Any = blended_transform_factory(axes.transData, figure.transFigure)
+    look: dict[str, Any] = {"color": colour, "linewidth": 0.8, "marker": "|", "markersize": 6.0}
+    bar = Line2D([right - length, right], [height, height], transform=place, **look)
+    label = axes.annotate(
+        text,
+        (right - length, height),
+        (-5.0, 0.0),
+        xycoords=place,
+        textcoords="offset points",
+        color=colour,
+        fontsize=7,
+        ha="right",
+        va="center",
+        annotation_clip=False,
+    )
+    return [figure.add_artist(bar), label]
