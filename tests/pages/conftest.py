@@ -37,6 +37,7 @@ RECORDING = (
     "player/packed_recording.js",
     "drawing/arrow_scale.js",
     "charts/curve_charts.js",
+    "base/nearest.js",
     "base/ticks.js",
 )
 """Further modules that need no browser to be run."""

@@ -27,6 +27,7 @@ from chain_impact.recording.view import framed, free_room, pin_mark, places_of, 
 from chain_impact.scene.angles import in_radians
 from chain_impact.scene.bodies import outlines_of, rail_of
 from chain_impact.scene.half_planes import half_planes
+from chain_impact.scene.names import proposed
 from chain_impact.scene.unit_text import of_power, unit_text
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled
@@ -249,3 +250,24 @@ def test_colours_of_films_are_those_of_pages():
     known = {"muted": MUTED, "chain": CHAIN, "tip": TIP, "force": FORCE, "load": LOAD, **ENERGIES}
     del known["total"]  # black in a film
     assert {name: light[name] for name in known} == known
+
+
+PROPOSED = "([wrong, names]) => wrong.map((name) => proposed(name, names) ?? null)"
+
+
+def misspelt(chance, name):
+    """Return a name with up to three letters removed, doubled or exchanged, or a part of it."""
+    for _ in range(chance.integers(1, 4)):
+        at = int(chance.integers(0, len(name)))
+        letters = [name[:at] + name[at + 1 :], name[:at] + name[at : at + 1] + name[at:]]
+        letters += [name[:at] + name[at : at + 2][::-1] + name[at + 2 :], name[: at + 2]]
+        name = str(chance.choice(letters)) or name
+    return name
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_misspelt_name_gets_the_same_proposal(script, seed):
+    chance, known = random(seed), [*recorded("four_link_box").columns, "contact.stiffness", "link[1].length"]
+    wrong = [misspelt(chance, str(chance.choice(known))) for _ in range(100)]
+    wrong += ["lenght", "stifness", "force", "joint[9].angle", "link.mass", "x", "4].x", "[", ""]
+    assert script.evaluate(PROPOSED, [wrong, known]) == [proposed(name, known) for name in wrong]

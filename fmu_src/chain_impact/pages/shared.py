@@ -52,6 +52,12 @@ def shared() -> dict[str, Any]:
             unit: [word, angles.degrees_pattern(unit), angles.or_degrees(unit)]
             for unit, word in angles.DEGREES.items()
         },
+        "nearest": {
+            "NUMBER": names.NUMBER.pattern,
+            "LIKE_NAME": names.LIKE_NAME,
+            "SAME_LAST": names.SAME_LAST,
+            "LIKE_LAST": names.LIKE_LAST,
+        },
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
         "refusals": SENTENCES,

@@ -203,7 +203,16 @@ def signal_hint(name: str, signals: Collection[str]) -> str | None:
     return f"a signal is made in the scene file, in a table [signals.{signal}]: docs/drive.md tells how"
 
 
-def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
+NUMBER = re.compile(r"\[\d*\]")
+LIKE_NAME = 0.6
+"""The least similarity, 0 to 1, at which ``nearest`` returns a name."""
+SAME_LAST = 0.45
+"""The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
+LIKE_LAST = 0.8
+"""The least similarity, 0 to 1, at which ``nearest`` returns a name with a similar last part."""
+
+
+def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str | None:
     """Return the name that is most similar to ``name``, or None.
 
     Names that differ by their numbers only have priority, ``link[1].mass`` for ``link.mass``; then names with
@@ -250,13 +259,6 @@ def proposed(name: str, names: Iterable[str]) -> str | None:
 def _numbers(name: str) -> list[int]:
     """Return the numbers in a name: 2 for ``link[2].mass``."""
     return [int(number[1:-1] or 0) for number in NUMBER.findall(name)]
-
-
-NUMBER = re.compile(r"\[\d*\]")
-SAME_LAST = 0.45
-"""The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
-LIKE_LAST = 0.8
-"""The least similarity, 0 to 1, at which ``nearest`` returns a name with a similar last part."""
 
 
 def _dotted(path: DataPath) -> str:

@@ -2,9 +2,8 @@
 
 import { find, make } from "../base/dom.js";
 import { breakable, readable, unitText } from "../base/format.js";
+import { proposed } from "../base/nearest.js";
 import { MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
-
-const ALIKE = 0.6; // least similarity of a name that is proposed
 
 /** Return the names that match a text in which `*` stands for any text. */
 function like(text, columns) {
@@ -13,17 +12,10 @@ function like(text, columns) {
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
-/** Return a sentence on a name that no output has, with the most similar name if one is similar enough. */
+/** Return a sentence on a name that no output has, with the name that is probably meant. */
 function noOutput(name, columns) {
-  const pairsOf = (text) => [...text].slice(1).map((letter, k) => text[k] + letter);
-  // Dice's coefficient of the different pairs of letters, from 0 to 1
-  const pairs = new Set(pairsOf(name));
-  const likeness = (other) => {
-    const others = new Set(pairsOf(other));
-    return 2 * [...others].filter((pair) => pairs.has(pair)).length / (pairs.size + others.size || 1);
-  };
-  const nearest = columns.map((column) => column.name).reduce((best, other) => (likeness(other) > likeness(best) ? other : best), "");
-  return `${name} is no output${likeness(nearest) < ALIKE ? "" : `; the nearest is ${nearest}`}`;
+  const near = proposed(name, columns.map((column) => column.name));
+  return `${name} is no output${near === undefined ? "" : `; the nearest is ${near}`}`;
 }
 
 /** Return the names in a text with commas, as for `simulate --curves`; an error says which name is not possible. */

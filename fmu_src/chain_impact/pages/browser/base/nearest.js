@@ -1,0 +1,59 @@
+// The known name that is most similar to an unknown one: as scene/names.py finds it.
+
+const { LIKE_LAST, LIKE_NAME, NUMBER, SAME_LAST } = SHARED.nearest;
+const INDICES = new RegExp(NUMBER, "g");
+const lastOf = (name) => name.slice(name.lastIndexOf(".") + 1);
+
+/** Return how many letters two texts have in common: those of the longest common part, and of the texts beside it. */
+function commonLetters(a, b) {
+  let [size, atA, atB] = [0, 0, 0];
+  for (let i = 0; i < a.length; i += 1) {
+    for (let j = 0; j < b.length; j += 1) {
+      let k = 0;
+      while (i + k < a.length && j + k < b.length && a[i + k] === b[j + k]) k += 1;
+      if (k > size) [size, atA, atB] = [k, i, j];
+    }
+  }
+  return size && size + commonLetters(a.slice(0, atA), b.slice(0, atB)) + commonLetters(a.slice(atA + size), b.slice(atB + size));
+}
+
+/** Return the name that is most similar to `name`, of equal ones the last by the alphabet; undefined below a similarity. */
+function mostAlike(name, names, least) {
+  const likeness = (other) => 2 * commonLetters([...other], [...name]) / ([...other].length + [...name].length);
+  const rated = names.map((other) => [likeness(other), other]).filter(([rate]) => rate >= least);
+  return rated.reduce((best, one) => (one[0] > best[0] || (one[0] === best[0] && one[1] > best[1]) ? one : best), [-1])[1];
+}
+
+/** Return the one of some names that is most similar to an unknown name; undefined if none is. */
+function nearest(name, names) {
+  const bare = name.replaceAll(INDICES, "");
+  const numbersOf = (text) => [...text.matchAll(INDICES)].map(([found]) => Number(found.slice(1, -1)));
+  const numbered = names.filter((other) => other !== name && other.replaceAll(INDICES, "") === bare);
+  if (numbered.length) {
+    const own = numbersOf(name);
+    const distance = (other) => numbersOf(other).reduce((sum, number, k) => sum + Math.abs(number - own[k]), 0);
+    const alike = numbered.filter((other) => numbersOf(other).length === own.length);
+    return alike.length ? alike.reduce((best, other) => (distance(other) < distance(best) ? other : best)) : numbered[0];
+  }
+  const last = lastOf(name);
+  if (last === name) {
+    const rank = (other) => (other.startsWith("contact.") ? 0 : 1);
+    const first = names.toSorted((a, b) => rank(a) - rank(b) || a.length - b.length);
+    const alike = mostAlike(name, [...new Set(first.map(lastOf))], LIKE_LAST);
+    if (alike !== undefined) return first.find((other) => lastOf(other) === alike);
+  }
+  const same = last !== name && last.length > 1 ? names.filter((other) => lastOf(other) === last) : [];
+  const found = mostAlike(name, names, LIKE_NAME);
+  return same.includes(found) ? found : mostAlike(name, same, SAME_LAST) ?? found;
+}
+
+/** Return the shortest of some names that contains a text as whole words; undefined if none does. */
+function longer(text, names) {
+  const words = new RegExp(`(?<![\\p{L}\\p{N}])${text.replaceAll(/[\\^$.*+?()[\]{}|]/g, "\\$&")}(?![\\p{L}\\p{N}])`, "u");
+  return names.filter((name) => text && words.test(name)).toSorted((a, b) => a.length - b.length)[0];
+}
+
+/** Return the name that a message proposes for an unknown name; undefined without one. */
+export function proposed(name, names) {
+  return nearest(name, names) ?? longer(name, names);
+}
