@@ -14,7 +14,9 @@ from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.signals import with_inputs
+from chain_impact.variables.owners import OWNERS
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
 from tests.pages.in_pages import page_contents
 from tests.pages.scene_texts import BODIES, WRITTEN
@@ -25,6 +27,12 @@ RECORD = """([kit, text, contents]) => {
   const words = [...new BigInt64Array(record.buffer)].map(String);
   return { words, columns: columns.map(({ name, word, unit }) => [name, word, unit]), still,
     parameters: parameters.map(({ name, word, start }) => [name, word, String(start)]) };
+}"""
+
+
+STRUCTURE = """([kit, contents]) => {
+  const { known, lists, owners } = structureOf(complete(contents, kit), kit);
+  return [known, lists, owners];
 }"""
 
 
@@ -63,6 +71,25 @@ def test_the_file_of_every_model_makes_the_record_of_its_scene(script, model):
 def test_the_contents_of_a_random_scene_make_its_record(script, seed):
     scene = random_scenes.scene(seed)
     assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
+
+
+@pytest.mark.parametrize(
+    "source", [*model_names(), *range(10), WRITTEN, *BODIES.values()], ids=lambda source: str(source)[:20]
+)
+def test_the_structure_of_a_scene_is_that_of_python(script, source):
+    if isinstance(source, int):
+        scene = random_scenes.scene(source)
+    else:
+        scene = parse_scene(source, "scene.toml") if "\n" in source else load_scene(source)
+    contents = scene_to_dict(scene.with_values({"outputs.sensitivities": []}))
+    known, lists, owners = script.evaluate(STRUCTURE, [page_contents(scene)["kit"], contents])
+    structure = structure_of(scene_from_dict(contents, "scene.toml"))
+    assert known == structure.known
+    assert lists == {name: [*members] for name, members in structure.lists.items()}
+    for kind, row in OWNERS.items():
+        found = structure.owners(kind)
+        wanted = [one.values | {name: one.conditions[name] for name in row.conditions} for one in found]
+        assert owners[kind] == wanted, kind
 
 
 def test_a_file_with_everything_makes_the_record_of_its_scene(script):

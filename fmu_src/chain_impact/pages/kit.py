@@ -2,8 +2,9 @@
 
 The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
 data therefore contain templates, such as ``link[{n}].angle``, from which the page makes the variables as
-``variables/listing.py`` does. The index of a word in the record depends on the same numbers. The data contain
-the coefficients from which the page computes the index (compilation/affine.py).
+``variables/listing.py`` does, and the tables in ``variables/owners.py``, which the page evaluates. The index
+of a word in the record depends on the same numbers. The data contain the coefficients from which the page
+computes the index (compilation/affine.py).
 """
 
 from __future__ import annotations

@@ -9,23 +9,28 @@ import { drivenBy } from "./signals.js";
 /** Return the numbers from 0 to length − 1. */
 export const range = (length) => Array.from({ length }, (_, k) => k);
 
-/** Return the structure of a scene; its parts are named as in `structure.py`. */
+/** Return the structure of a scene, as `structure.py`, and the parts of the scene from which it follows. */
 export function structureOf(file, kit) {
-  const { chain: { base, links, slider }, walls, contact, inputs, outputs } = file;
   const [stops, existingWalls, sites, sliderStops, reached] = [stopsOf, wallsOf, sitesOf, sliderStopsOf, pairsOf].map((of) => of(file));
   const mayTouch = (existingWalls.length > 0 ? reached : touchingPoints(file)).length > 0;
-  const wallNames = [...BOX_WALLS, ...(mayTouch ? walls.map(({ name }) => name) : []), ...(stops.length ? STOPS : []), ...sliderStops];
+  const lines = mayTouch ? file.walls.map(({ name }) => name) : [];
+  const wallNames = [...BOX_WALLS, ...lines, ...(stops.length ? STOPS : []), ...sliderStops];
   const pairs = reached.map(([point, name]) => [point, wallNames.indexOf(name)]);
-  const rubs = mayTouch && existingWalls.length > 0 && (contact.friction > 0 || contact.static_friction > 0 ||
-    Object.values(contact.wall).some(({ friction, static_friction: least }) => friction !== undefined || least !== undefined));
-  const driven = drivenBy(file, kit.tables);
+  const parts = { file, driven: drivenBy(file, kit.tables), sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs };
+  const lists = listsOf(parts);
+  const known = withConditions(factsOf(parts, lists), lists, kit);
+  return { ...parts, lists, known, owners: mapped(kit.owners, (row) => ownersIn(row, known, lists)) };
+}
+
+/** Return the lists of a scene, see `owners.py`. */
+function listsOf({ file: { chain, walls, inputs }, driven, sites, sliderStops, stops, existingWalls, wallNames, pairs }) {
   const { STOP_CODES } = SHARED.kernel;
-  const lists = {
-    links: links.map(({ joint_friction: friction }, k) => {
-      const jointed = base !== "free" || k > 0;
+  return {
+    links: chain.links.map(({ joint_friction: friction }, k) => {
+      const jointed = chain.base !== "free" || k > 0;
       return { jointed, dry: jointed && friction > 0 };
     }),
-    sites: sites.map(({ link, entry, corner = 0 }) => ({ link, entry, corner })),
+    sites: sites.map(({ link, entry, corner = 0, name }) => ({ link, entry, corner, label: name })),
     candidates: [
       ...pairs.map(([n, wall]) => ({ n, wall, name: wallNames[wall], stop: 0, at_joint: false })),
       ...stops.map(([n, stop]) => ({ n, wall: wallNames.indexOf(stop), stop: STOP_CODES[stop], at_joint: true })),
@@ -40,7 +45,13 @@ export function structureOf(file, kit) {
     steps: driven.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first }) =>
       signal.times.map((_, entry) => ({ name, input, entry, knot: first + entry }))),
   };
-  const facts = {
+}
+
+/** Return the facts of a scene, see `owners.py`. */
+function factsOf({ file, driven, mayTouch, sliderStops, stops, existingWalls, pairs }, lists) {
+  const { chain: { base, links, slider }, contact, inputs, outputs } = file;
+  const hasOwnFriction = Object.values(contact.wall).some(({ friction, static_friction: least }) => (friction ?? least) !== undefined);
+  return {
     ...flags(inputs, "inputs"),
     ...flags(outputs, "outputs"),
     always: true,
@@ -48,7 +59,7 @@ export function structureOf(file, kit) {
     pinned: base === "pinned",
     slider: base === "slider",
     skewed: links.some(({ center_of_mass_offset: offset }) => offset !== 0),
-    contact_friction: rubs,
+    contact_friction: mayTouch && existingWalls.length > 0 && (contact.friction > 0 || contact.static_friction > 0 || hasOwnFriction),
     joint_friction: lists.links.some(({ dry }) => dry),
     slider_friction: slider?.friction > 0,
     own_stop_law: Boolean(file.stops.model),
@@ -58,9 +69,6 @@ export function structureOf(file, kit) {
     slider_stops: sliderStops.length,
     knots: driven.reduce((sum, { knots }) => sum + knots, 0),
   };
-  const known = withConditions(facts, lists, kit);
-  const owners = mapped(kit.owners, (row) => ownersIn(row, known, lists));
-  return { file, driven, sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs, lists, known, owners };
 }
 
 /** Return the values of a table under their dotted keys; a list of names counts as its length. */
