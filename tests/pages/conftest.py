@@ -51,6 +51,9 @@ async function compiled(text) {{
   return modules.get(text);
 }}"""
 
+USUAL = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
+"""The options of a page that can be changed later."""
+
 
 @pytest.fixture(scope="module")
 def browser():
@@ -72,20 +75,44 @@ def address(tmp_path_factory):
     return path.as_uri()
 
 
+@pytest.fixture(scope="module")
+def idle(browser):
+    """Return the pages that tests have left empty, each after the options that a page keeps.
+
+    They save the start of a process for each test.
+    """
+    return []
+
+
 @pytest.fixture
-def open_page(browser):
+def open_page(browser, idle):
     """Open a page, which must not report errors or load files; its clock may be ``stopped``."""
     said, opened, local = [], [], ["data:", "blob:"]
+    listeners = {
+        "console": lambda message: said.append(message.text),
+        "pageerror": lambda error: said.append(str(error)),
+        "request": lambda request: said.append(request.url),
+    }
+
+    def empty_page(options, kept):
+        place = next((k for k, (others, _) in enumerate(idle) if others == kept), None)
+        if place is None:
+            return browser.new_page(**options)
+        _, page = idle.pop(place)
+        page.set_viewport_size(options["viewport"])
+        page.emulate_media(color_scheme=options["color_scheme"], reduced_motion=options["reduced_motion"])
+        return page
 
     def open_page(address, begins=True, stopped=False, **options):
-        page = browser.new_page(**{"viewport": DESK, "reduced_motion": "reduce", **options})
-        opened.append(page)
+        options = {**USUAL, **options}
+        kept = {name: value for name, value in options.items() if name not in USUAL}
+        page = browser.new_page(**options) if stopped else empty_page(options, kept)
+        opened.append((kept, page, stopped))
         local.append(address.split("#")[0])
         if stopped:
             page.clock.install(time=0)
-        page.on("console", lambda message: said.append(message.text))
-        page.on("pageerror", lambda error: said.append(str(error)))
-        page.on("request", lambda request: said.append(request.url))
+        for event, listener in listeners.items():
+            page.on(event, listener)
         page.goto(address)
         if stopped:
             page.clock.pause_at(60)
@@ -94,8 +121,15 @@ def open_page(browser):
         return page
 
     yield open_page
-    for page in opened:
-        page.close()
+    for kept, page, stopped in opened:
+        for event, listener in listeners.items():
+            page.remove_listener(event, listener)
+        if stopped:
+            page.close()
+        else:
+            page.goto("about:blank")
+            page.mouse.move(0, 0)
+            idle.append((kept, page))
     assert [text for text in said if not text.startswith(tuple(local))] == []
 
 
