@@ -4,12 +4,11 @@ import functools
 import itertools
 
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
 from chain_impact.pictures import figures
-from chain_impact.pictures.overview import fill
+from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes
@@ -73,11 +72,10 @@ def crowd(count=60):
 def drawn(recording):
     """Return the page with a recording, and its axes: motion, time, energy, impact speeds.
 
-    The page is drawn once and cached.
+    The page has the usual size. It is drawn once and cached.
     """
     if id(recording) not in _PAGES:
-        page = Figure(figsize=figures.SIZE, layout="constrained")
-        fill(page, recording)
+        page = figures.drawn(functools.partial(fill, recording=recording), usual=usual_size(recording))
         page.draw_without_rendering()
         # the recording is kept, too, so that no other recording gets the same id
         _PAGES[id(recording)] = recording, page

@@ -10,7 +10,7 @@ from PIL import Image
 
 from chain_impact.pictures.style import words_of
 from chain_impact.scene.scene import model_names
-from tests.pictures.pictures import recorded
+from tests.pictures.pictures import drawn, recorded
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 # drawn by separate scripts
@@ -28,7 +28,7 @@ def lines(words):
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", sorted({*model_names()} - OTHERS))
 def test_the_picture_of_a_model_says_what_the_code_says(model):
-    now = words_of(recorded(model).plot())
+    now = words_of(drawn(recorded(model))[0])
     with Image.open(IMAGES / f"{model}.png") as picture:
         assert picture.text["Title"] == now["Title"]
         assert lines(picture.text) == lines(now)

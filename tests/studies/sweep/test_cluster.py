@@ -108,7 +108,7 @@ def test_no_workers_left(scheduler, monkeypatch):
     with pytest.raises(RunError, match="it has no workers left"):
         sweep(
             SCENE,
-            {"contact.restitution": "0.3:0.7:300000"},
+            {"contact.restitution": "0.3:0.7:100000"},
             scheduler=scheduler.address,
             progress=lambda _: worker.kill(),
         )
@@ -184,5 +184,5 @@ def test_the_scheduler_dies(scheduler):
 
     with pytest.raises(RunError, match="the connection was lost"):
         sweep(
-            SCENE, {"contact.restitution": "0.3:0.7:300000"}, scheduler=scheduler.address, progress=progress
+            SCENE, {"contact.restitution": "0.3:0.7:100000"}, scheduler=scheduler.address, progress=progress
         )
