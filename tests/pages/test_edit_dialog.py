@@ -15,6 +15,8 @@ from tests.pages.in_pages import until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
+SPRING = {"damping": 3.0, "stiffness": 40.0, "rest_position": 0.05}
+"""Keys of the slider → values that the test of a slider gives."""
 
 
 def downloaded(page, tmp_path):
@@ -205,8 +207,15 @@ def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
     page.get_by_role("combobox", name="Base").select_option("slider")
     edit(page, "slider.max", "0.2")
     edit(page, "slider.angle", "0.5")
+    for key, value in SPRING.items():
+        edit(page, f"slider.{key}", str(value))
+    heads = [page.locator(f"#edit-{name} th").all_inner_texts() for name in ("links", "slider")]
+    assert heads[0][3:6] == ["Centre of mass along, m", "Centre of mass left, m", "Inertia, kg·m²"]
+    assert heads[1][2:5] == ["Damping, N·s/m", "Stiffness, N/m", "Rest position, m"]
     scene = downloaded(page, tmp_path)
-    assert (scene.chain.base, scene.chain.slider.max, scene.chain.sites) == ("slider", 0.2, ())
+    slider = scene.chain.slider
+    assert (scene.chain.base, slider.max, scene.chain.sites) == ("slider", 0.2, ())
+    assert {key: getattr(slider, key) for key in SPRING} == SPRING
     assert_same_motion(page, scene)
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("combobox", name="Base").select_option("free")

@@ -1,7 +1,7 @@
 // The dialog in which the reader adds and removes links, points, walls and stops, and opens scene files.
 
 import { find, make } from "../base/dom.js";
-import { numberText, readable } from "../base/format.js";
+import { numberText, readable, unitText } from "../base/format.js";
 import { valueText } from "../scene/angles.js";
 import { contentsOf } from "../scene/changed_file.js";
 import {
@@ -12,19 +12,36 @@ import { contentsIn, sitesOf } from "../scene/scene_file.js";
 
 const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
 const LINK = {
-  length: "Length, m",
-  mass: "Mass, kg",
-  center_of_mass: "Centre along, m",
-  center_of_mass_offset: "Centre left, m",
-  inertia: "Inertia, kg·m²",
-  height: "Box height, m",
+  length: "Length",
+  mass: "Mass",
+  center_of_mass: "Centre of mass along",
+  center_of_mass_offset: "Centre of mass left",
+  inertia: "Inertia",
+  height: "Box height",
 };
-const STOP_HEADS = { joint_min: "Stop from, rad", joint_max: "Stop to, rad" };
-const SLIDER = { angle: "Slider: angle, rad", mass: "Mass, kg", friction: "Friction, N", min: "Stop from, m", max: "Stop to, m" };
+const STOP_HEADS = { joint_min: "Stop from", joint_max: "Stop to" };
+const SLIDER = {
+  angle: "Slider: angle",
+  mass: "Mass",
+  damping: "Damping",
+  stiffness: "Stiffness",
+  rest_position: "Rest position",
+  friction: "Friction",
+  force_limit: "Force limit",
+  min: "Stop from",
+  max: "Stop to",
+};
+const POINT = { x: "Along", y: "Left", radius: "Radius" };
+
 export class Editor {
-  /** `open` shows a scene with some contents and changed inputs, or throws an error; `first` shows the page's own scene. */
-  constructor(changes, open, first) {
-    Object.assign(this, { changes, open });
+  /**
+   * `open` shows a scene with some contents and changed inputs, or throws an error; `first` shows the page's own scene; `keys`
+   * are the rules of the keys of a scene file, with their units.
+   */
+  constructor(changes, open, first, keys) {
+    const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
+    const units = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
+    Object.assign(this, { changes, open, units });
     this.dialog = find("edit");
     find("edit-open").addEventListener("click", () => {
       this.#draw();
@@ -93,33 +110,41 @@ export class Editor {
   #draw() {
     const { scene: { file } } = this.changes;
     find("edit-base").value = file.chain.base;
-    const ofStops = stopsShown(file.chain).map((stop) => STOP_HEADS[stop]);
-    const heads = ["Link", ...Object.values(LINK), ...ofStops, ""];
+    const ofStops = Object.fromEntries(stopsShown(file.chain).map((stop) => [stop, STOP_HEADS[stop]]));
+    const heads = ["Link", ...this.#heads("link", { ...LINK, ...ofStops }), ""];
     fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
     const points = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
-    const ofPoints = ["Point", "Link", "Along, m", "Left, m", "Radius, m", "Name", ""];
+    const ofPoints = ["Point", "Link", ...this.#heads("point", POINT), "Name", ""];
     fillTable(find("edit-points"), ofPoints, points.map(([site, s]) => this.#pointRow(file, site, s)));
     find("edit-points").hidden = points.length === 0;
     const { slider } = file.chain;
     find("edit-slider").hidden = !slider;
     if (slider) {
       const cellOf = (key) =>
-        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), key === "angle" ? "rad" : "");
-      fillTable(find("edit-slider"), Object.values(SLIDER), [Object.keys(SLIDER).map(cellOf)]);
+        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), this.units.slider[key].unit);
+      fillTable(find("edit-slider"), this.#heads("slider", SLIDER), [Object.keys(SLIDER).map(cellOf)]);
     }
-    fillTable(find("edit-box"), Object.values(BOX).map((text) => `${text}, m`), [Object.keys(BOX).map((key) =>
+    fillTable(find("edit-box"), this.#heads("box", BOX), [Object.keys(BOX).map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
-    fillTable(find("edit-walls"), ["Wall", "x, m", "y, m", "Angle, rad", ""], file.walls.map((wall, k) => this.#wallRow(wall, k)));
+    const atPoint = ["x", "y"].map((axis) => `${axis}, ${unitText(this.units.wall.point.each.unit)}`);
+    const ofWalls = ["Wall", ...atPoint, ...this.#heads("wall", { angle: "Angle" }), ""];
+    fillTable(find("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
     find("edit-walls").hidden = file.walls.length === 0;
+  }
+
+  /** Return heads of the columns for keys of a table, from their labels: with units. */
+  #heads(table, labels) {
+    return Object.entries(labels).map(([key, label]) => `${label}, ${unitText(this.units[table][key].unit)}`);
   }
 
   /** Return the fields of a link. A free base has no joint, and so no stop; the last link cannot be removed. */
   #linkRow({ chain: { base, links } }, link, k) {
-    const field = (key, unit) => this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value), unit);
+    const field = (key) =>
+      this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value), this.units.link[key].unit);
     const hasJoint = k > 0 || base !== "free";
-    const stops = stopsShown({ base, links }).map((stop) => (hasJoint ? field(stop, "rad") : ""));
+    const stops = stopsShown({ base, links }).map((stop) => (hasJoint ? field(stop) : ""));
     const remover = links.length > 1 ? this.#remover(`link ${k + 1}`, (all) => removeLink(all, k)) : "";
-    return [`${k + 1}`, ...Object.keys(LINK).map((key) => field(key)), ...stops, remover];
+    return [`${k + 1}`, ...Object.keys(LINK).map(field), ...stops, remover];
   }
 
   /** Return the fields of a point of a link, among them the link to which the point belongs. */
@@ -128,7 +153,7 @@ export class Editor {
     const label = `point[${file.chain.links.length + 1 + s}]`;
     const pointOf = (all) => ownPoint(all, link, entry);
     const of = this.#field(`${label}.link`, link + 1, (value, all) => moveToLink(all, link, entry, value));
-    const fields = ["x", "y", "radius"].map((key) =>
+    const fields = Object.keys(POINT).map((key) =>
       this.#field(`${label}.${key}`, site[key], (value, all) => setOrRemove(pointOf(all), key, value)));
     const name = this.#field(`${label}.name`, site.name || undefined, (value, all) => setOrRemove(pointOf(all), "name", value));
     const remover = this.#remover(`point ${file.chain.links.length + 1 + s}`, (all) => removePoint(all, link, entry));
@@ -141,7 +166,7 @@ export class Editor {
     }));
     const turn = this.#field(`wall.${name}.angle`, angle, (value, all) => {
       all.walls[k].angle = value;
-    }, "rad");
+    }, this.units.wall.angle.unit);
     return [name, ...coordinates, turn, this.#remover(`wall ${name}`, (all) => removeWall(all, k))];
   }
 

@@ -202,7 +202,7 @@ find("map-open").addEventListener("click", () => {
 changes.onOpen(() => {
   engine = startEngine();
 });
-new Editor(changes, openContents, () => showScene(pageScene, ""));
+new Editor(changes, openContents, () => showScene(pageScene, ""), kit.keys);
 showDescription();
 const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
 player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });
