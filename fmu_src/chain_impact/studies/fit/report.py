@@ -40,7 +40,8 @@ def report(fit: Estimates) -> Iterator[str | Table]:
             for law_fit in fit.ranking
         )
         if equal > 1:
-            yield f"{equal} laws fit equally well, with ΔAIC < {EQUAL:g}: these data cannot tell them apart."
+            together = f"The first {equal} laws fit equally well, with ΔAIC < {EQUAL:g}"
+            yield f"{together}: these data cannot tell them apart."
 
 
 def heading(fit: Estimates, mark: str = "  ") -> str:
