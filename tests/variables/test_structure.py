@@ -87,7 +87,6 @@ def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
     known = structure_of(scene).known
     assert known["friction"] == scene.has_friction
     assert known["supply"] == scene.is_driven
-    assert known["has_inputs"] == scene.inputs.on_chain
     assert known["has_base_joint"] == scene.chain.has_base_joint
 
 

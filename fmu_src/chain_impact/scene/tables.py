@@ -326,13 +326,8 @@ class Inputs:
     @property
     def any(self) -> bool:
         """Whether the scene asks for inputs, also if signals drive all of them."""
-        return self.on_chain or bool(self.wall_motion)
-
-    @property
-    def on_chain(self) -> bool:
-        """Whether inputs act on the chain without contact: inputs other than the motion of walls."""
         asked = (self.joint_torques, self.joint_targets, self.slider_force, self.tip_force, self.base_motion)
-        return any(asked)
+        return any(asked) or bool(self.wall_motion)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
