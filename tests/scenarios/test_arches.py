@@ -60,7 +60,7 @@ def test_rest_goes_on_by_forces_within_their_limits(kind, seed):
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_random_chain_on_a_rough_floor_ends_early(kind):
     early = {}
-    for seed in range(150):
+    for seed in range(80):
         try:
             run(kind, seed, output_step=math.inf, output=[])
         except SimulationError as error:

@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.campaigns.random_derivatives import KINDS, check, compare
 from tests.helpers.scenes.derivative_scenes import link, start, table
 
-FEW, MANY = 2, 16
+FEW, MANY = 2, 8
 MASS = ["link[1].mass"]
 
 
@@ -71,5 +71,5 @@ def test_random_scenes(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_more_random_scenes(kind):
     found = {seed: check(kind, seed) for seed in range(FEW, FEW + MANY)}
-    assert sum(one.rows for one in found.values()) > 5_000
+    assert sum(one.rows for one in found.values()) > 2_500
     assert {seed: one.wrong[:3] for seed, one in found.items() if one.wrong} == {}

@@ -17,7 +17,7 @@ from tests.helpers.campaigns.resting_chains import (
     thrown,
 )
 
-FEW, MANY = 4, 60
+FEW, MANY = 4, 30
 MOST_OPEN = 1e-2  # relative to the largest derivative: allowed open part of a run
 
 
