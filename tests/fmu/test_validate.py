@@ -185,7 +185,8 @@ def test_findings_that_differ_only_in_the_variable_share_a_line(native, tmp_path
     assert len(found) > findings.MANY
     (line,) = findings.finding_lines(found)
     names = [one.variable for one in found]
-    assert f"{', '.join(names[: findings.NAMED])} and {len(names) - findings.NAMED} more: The unit" in line
+    most = findings.NAMED_VARIABLES
+    assert f"{', '.join(names[:most])} and {len(names) - most} more: The unit" in line
     few = found[: findings.MANY]
     assert findings.finding_lines(few) == [str(one) for one in few]
 

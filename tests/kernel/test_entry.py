@@ -10,6 +10,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE, PAUSED, UNLIMITED
 from chain_impact.scene.scene import with_values
+from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain
 from tests.helpers.scenes.problems import ball
@@ -28,11 +29,7 @@ class Runs:
 
     def word(self, *path):
         """Return the index of a number in the record."""
-        offset, dtype = 0, self.block.dtype
-        for name in path:
-            dtype, more = dtype.fields[name][:2]
-            offset += more
-        return offset // 8
+        return word_index(self.block.dtype, path)
 
     def run(self, stiffness, output_indices=(), rows=None, continuing=0):
         count = len(stiffness)

@@ -1,12 +1,10 @@
 """The function explore(): its files, and the name of the scene on the page."""
 
-import json
-import re
-
 import pytest
 
 from chain_impact import BuildError, SceneError, explore, load_scene
 from chain_impact.compilation import ready
+from tests.helpers.tools.page_data import data_of
 
 LAW = "def mine(penetration, stiffness):\n    return stiffness * penetration\n"
 SCENE = """name = "Mine"
@@ -26,11 +24,6 @@ angles = [0.4]
 """
 
 
-def command_of(path):
-    text = path.read_text(encoding="utf-8")
-    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', text, re.DOTALL)[1])["command"]
-
-
 @pytest.mark.parametrize(
     ("scene", "command"),
     [("rod_drop", "rod_drop"), (load_scene("ramp"), "ramp"),
@@ -38,7 +31,7 @@ def command_of(path):
 )  # fmt: skip
 def test_the_page_knows_what_the_command_line_calls_its_scene(tmp_path, scene, command):
     explore(scene, tmp_path / "a.html")
-    assert command_of(tmp_path / "a.html") == [command]
+    assert data_of((tmp_path / "a.html").read_text(encoding="utf-8"))["command"] == [command]
 
 
 def test_a_scene_that_cannot_be_read_leaves_no_file(tmp_path):

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from chain_impact import load_scene, simulate
 from chain_impact.cli import screen
-from chain_impact.recording.summary import FEW, LISTED, energy_lines
+from chain_impact.recording.summary import LISTED_IMPACTS, LISTED_IN_SHORT, energy_lines
 from chain_impact.recording.text import plural
 from tests.helpers.scenes.problems import dropped_ball
 
@@ -37,15 +37,15 @@ def test_energy_supplied_is_in_the_ledger():
 def test_a_long_list_of_impacts_ends_with_how_many_more():
     scene, _ = dropped_ball(1e-3, stop_time=1.0, model="hertz", stiffness=1e10)
     result = simulate(scene)
-    more = len(result.impacts) - LISTED
+    more = len(result.impacts) - LISTED_IMPACTS
     assert more > 1
-    assert result._repr_html_().count("<tr>") == 1 + LISTED
+    assert result._repr_html_().count("<tr>") == 1 + LISTED_IMPACTS
     assert f"… and {more} more impacts" in result._repr_html_()
     lines = repr(result).splitlines()
-    assert lines[FEW + 1].split()[0] == str(FEW)
-    assert lines[FEW + 2] == f"… and {len(result.impacts) - FEW} more impacts"
+    assert lines[LISTED_IN_SHORT + 1].split()[0] == str(LISTED_IN_SHORT)
+    assert lines[LISTED_IN_SHORT + 2] == f"… and {len(result.impacts) - LISTED_IN_SHORT} more impacts"
     printed = list(screen.summary(result))
-    assert [len(part.rows) for part in printed if isinstance(part, Table)] == [LISTED]
+    assert [len(part.rows) for part in printed if isinstance(part, Table)] == [LISTED_IMPACTS]
     assert f"… and {more} more impacts; --impacts FILE writes all" in printed
 
 

@@ -1,27 +1,14 @@
 """The co-simulation of an arm on a carriage: impulses to the carriage, motion to the arm."""
 
-import csv
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
-from chain_impact.scene.models import models_folder
 from tests.helpers.models import driven
+from tests.helpers.scenes.model_files import co_simulated
 from tests.tiers import needs_interop
 
 START = [-2.4, -2.1]  # rad
 IMPACT = 0.49  # s, before the impact of the tip
-
-
-def co_simulated(folder, *arguments):
-    """Return the columns that the model's script gives, in a process of its own."""
-    script = models_folder() / "carried_arm" / "co_simulation.py"
-    subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
-    with (folder / "CarriedArm.csv").open(newline="") as file:
-        names, *rows = csv.reader(file)
-    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
 
 
 @pytest.mark.full("builds two FMUs")
@@ -30,7 +17,7 @@ def test_the_error_before_the_impact_is_proportional_to_the_step(target, tmp_pat
     """The reference is a single simulation of carriage and arm."""
     errors = []
     for step in ("1e-3", "5e-4"):
-        columns = co_simulated(tmp_path, "--target", target, "--step", step)
+        columns = co_simulated("carried_arm", tmp_path, "--target", target, "--step", step)
         rows = columns["time"] < IMPACT
         exact = driven.carried(columns["time"][rows], START)
         errors.append(np.abs(columns["base.x"][rows] - exact[:, 0]).max())
@@ -41,7 +28,7 @@ def test_the_error_before_the_impact_is_proportional_to_the_step(target, tmp_pat
 @pytest.mark.full("builds two FMUs")
 def test_no_impulse_is_lost_between_communication_points(tmp_path):
     """The impulses of joint and wall equal the change of the arm's momentum, impacts included."""
-    columns = co_simulated(tmp_path, "--plot", tmp_path / "carriage.png")
+    columns = co_simulated("carried_arm", tmp_path, "--plot", tmp_path / "carriage.png")
     assert (tmp_path / "carriage.png").stat().st_size > 10_000
     momentum = sum(
         0.5 * mass * (columns[f"point[{k}].vx"] + columns[f"point[{k + 1}].vx"])
@@ -61,6 +48,6 @@ def test_no_impulse_is_lost_between_communication_points(tmp_path):
 @needs_interop
 @pytest.mark.parametrize("master", ["libcosim", "ecos"])
 def test_another_master_has_the_same_results(master, tmp_path):
-    ours, theirs = (co_simulated(tmp_path, "--master", name) for name in ("fmpy", master))
+    ours, theirs = (co_simulated("carried_arm", tmp_path, "--master", name) for name in ("fmpy", master))
     for name in ("base.x", "link[2].angle", "joint[1].impulse.x"):
         np.testing.assert_allclose(theirs[name], ours[name], rtol=0, atol=1e-6, err_msg=name)

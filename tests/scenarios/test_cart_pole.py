@@ -1,28 +1,19 @@
 """The co-simulation of a cart-pole and the controller that balances the pole."""
 
-import csv
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
 from chain_impact import Chain, load_scene
-from chain_impact.scene.models import models_folder
+from tests.helpers.scenes.model_files import co_simulated
 
-FOLDER = models_folder() / "cart_pole"
 STEP, ROWS = 5e-3, 1201  # s
 
 
 @pytest.mark.full("builds two FMUs")
 def test_the_controller_balances_the_pole_through_impact_and_push(tmp_path):
     """The reference is a Chain that a Python loop steps with the same gains."""
-    options = ["-o", tmp_path, "--plot", tmp_path / "cart.png"]
-    subprocess.run([sys.executable, FOLDER / "co_simulation.py", *options], check=True)
+    columns = co_simulated("cart_pole", tmp_path, "--plot", tmp_path / "cart.png")
     assert (tmp_path / "cart.png").stat().st_size > 10_000
-    with (tmp_path / "CartPole.csv").open(newline="") as file:
-        names, *rows = csv.reader(file)
-    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
     assert columns["impact.count"][-1] == 1
     assert abs(columns["link[1].angle"][-1] - np.pi / 2) < 1e-3
     assert abs(columns["slider.position"][-1]) < 1e-2

@@ -1,32 +1,18 @@
 """The co-simulation of the arm and its controller, two FMUs under a master with fixed steps."""
 
-import csv
 import subprocess
-import sys
 
 import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.scene.models import models_folder
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.scenes.model_files import table
+from tests.helpers.scenes.model_files import co_simulated, table
 from tests.tiers import needs_interop
 
 MODEL = "controlled_arm"
 SCENE = load_scene(MODEL)
 TORQUES = [variable.name for variable in PreparedScene(SCENE).inputs]
-
-
-def co_simulated(folder, *arguments):
-    """Return the columns that the model's script gives, in a process of its own, and its time."""
-    script = models_folder() / MODEL / "co_simulation.py"
-    subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
-    assert (folder / "ControlledArm.png").stat().st_size > 10_000
-    with (folder / "ControlledArm.csv").open(newline="") as file:
-        names, *rows = csv.reader(file)
-    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
-    return columns.pop("time"), columns
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +23,9 @@ def runs(tmp_path_factory):
     def get(target, master):
         if (target, master) not in done:
             folder = tmp_path_factory.mktemp("co_simulation")
-            done[target, master] = co_simulated(folder, "--target", target, "--master", master)
+            columns = co_simulated(MODEL, folder, "--target", target, "--master", master)
+            done[target, master] = columns.pop("time"), columns
+            assert (folder / "ControlledArm.png").stat().st_size > 10_000
         return done[target, master]
 
     return get
@@ -95,7 +83,7 @@ def test_every_master_finds_the_same(runs, master):
 @pytest.mark.full("takes long")
 def test_a_step_that_a_master_cannot_count_is_refused(tmp_path):
     with pytest.raises(subprocess.CalledProcessError) as caught:
-        co_simulated(tmp_path, "--master", "libcosim", "--step", str(2.0**-10))
+        co_simulated(MODEL, tmp_path, "--master", "libcosim", "--step", str(2.0**-10))
     assert b"a step of 0.0009765625 s is no whole number" in caught.value.stderr
 
 

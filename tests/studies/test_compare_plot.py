@@ -10,7 +10,7 @@ from chain_impact import CONTACT_LAWS, compare
 from chain_impact.pictures.style import GREY
 from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare_plot import (
-    NAMED,
+    COLOURED_LAWS,
     SIZE,
     conditions,
     fill,
@@ -68,7 +68,7 @@ def test_six_laws_are_named_each_in_its_own_colour_and_the_rest_is_grey(comparis
     }
     looks = looks_of(comparison)
     coloured = {law: look["color"] for law, look in looks.items() if look["color"] != GREY}
-    assert len(coloured) == len(set(coloured.values())) == NAMED
+    assert len(coloured) == len(set(coloured.values())) == COLOURED_LAWS
     for law, reason in why.items():
         (look,) = (look for look in looks.values() if law in look["label"].replace(",", "").split())
         assert look["label"].endswith(f"({reason})")
@@ -79,7 +79,7 @@ def test_the_scenes_own_law_is_named():
         with_values(default_scene(model="jankowski"), {("simulation", "stop_time"): 0.6}),
     )
     assert named_laws(comparison)["jankowski"] == "of the scene"
-    assert len(named_laws(comparison)) == NAMED
+    assert len(named_laws(comparison)) == COLOURED_LAWS
 
 
 def test_no_law_differs_more_than_those_that_are_said_to_differ_most(comparison):
@@ -115,7 +115,7 @@ def test_the_panels_show_loops_and_energy(comparison):
     assert sum("[" in name for name in names) == 4
     (legend,) = page.legends
     told = [text.get_text() for text in legend.get_texts()]
-    assert len(told) == NAMED + 1
+    assert len(told) == COLOURED_LAWS + 1
     ends = {
         run.law: run.restitution for run in comparison.runs if looks.get(run.law, {}).get("color") == GREY
     }
@@ -136,7 +136,7 @@ def test_the_headline_has_the_spread_of_the_laws(comparison):
         f"{min(found):.2f}",
         f"{max(found):.2f}",
     )
-    assert f"grey: {len(looks_of(comparison)) - NAMED} other laws" in conditions
+    assert f"grey: {len(looks_of(comparison)) - COLOURED_LAWS} other laws" in conditions
 
 
 def test_the_headline_counts_no_grey_laws_where_there_are_none():

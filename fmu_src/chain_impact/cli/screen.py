@@ -22,7 +22,13 @@ from chain_impact.recording.impacts import cut_sentence
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import phase_cells
-from chain_impact.recording.summary import LISTED, energy_lines, impact_list, load_lines, passing_lines
+from chain_impact.recording.summary import (
+    LISTED_IMPACTS,
+    energy_lines,
+    impact_list,
+    load_lines,
+    passing_lines,
+)
 from chain_impact.recording.text import Table as TextTable, plural
 from chain_impact.results.result import Result
 from chain_impact.scene.tables import Box
@@ -106,7 +112,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     if listed < count:
         impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
-    for part in tabulated(impact_list(recording, LISTED)):
+    for part in tabulated(impact_list(recording, LISTED_IMPACTS)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
     yield from meanings(recording)
     yield from passing_lines(recording)

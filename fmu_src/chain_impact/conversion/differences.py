@@ -11,7 +11,7 @@ from enum import IntEnum
 from chain_impact.recording.text import few
 
 NEGLIGIBLE = 0.02  # the largest relative size of a difference (`Difference.size`) that gives no warning
-SHOWN = 6  # largest number of names in a line
+LINE_NAMES = 6  # largest number of names in a line
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # the titles of reports
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 
@@ -101,7 +101,7 @@ def lines(differences: Iterable[Difference], title: str) -> list[str]:
     return [line(kind, list(dict.fromkeys(of_kind)), text) for (kind, text), of_kind in names.items()]
 
 
-def line(kind: str, names: Sequence[str], text: str, shown: int = SHOWN) -> str:
+def line(kind: str, names: Sequence[str], text: str, shown: int = LINE_NAMES) -> str:
     """Return a sentence on some elements of a kind."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")

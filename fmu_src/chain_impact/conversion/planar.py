@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.conversion.differences import (
     DIFFERS,
     LEFT_OUT,
-    SHOWN,
+    LINE_NAMES,
     WARNING,
     Difference,
     Effect,
@@ -221,7 +221,7 @@ class _Conversion:
         if chosen is not None or far[name] > TINY:
             others = [each for each in far if far[each] > TINY and each != name]
             others.sort(key=lambda each: -far[each])
-            more = f"; --tip can take {few(others, SHOWN)}" if others and chosen is None else ""
+            more = f"; --tip can take {few(others, LINE_NAMES)}" if others and chosen is None else ""
             self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
             return ends[name]
         self.notes.append(

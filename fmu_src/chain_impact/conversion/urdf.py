@@ -15,7 +15,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from chain_impact.conversion.differences import SHOWN, Difference, Effect, collected_warnings, of_joint
+from chain_impact.conversion.differences import (
+    LINE_NAMES,
+    Difference,
+    Effect,
+    collected_warnings,
+    of_joint,
+)
 from chain_impact.conversion.robot import Body, Joint, LinkShape, Robot, identifier, outline
 from chain_impact.conversion.urdf_elements import GEOMETRIES, other_elements
 from chain_impact.extras import require
@@ -56,7 +62,9 @@ def read_urdf(path: Path) -> Robot:
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
-        roots_text = f"has {few(roots, SHOWN)}" if roots else "has none" if named else "it has no link at all"
+        roots_text = (
+            f"has {few(roots, LINE_NAMES)}" if roots else "has none" if named else "it has no link at all"
+        )
         raise SceneError(f"{path}: must have exactly one root link; {roots_text}")
     bodies: list[Body] = []
     places: dict[str, int] = {}
@@ -66,7 +74,7 @@ def read_urdf(path: Path) -> Robot:
         bodies.append(replace(body, shapes=shapes.get(name, [])))
     if lost := [name for name in named if name not in places]:
         raise SceneError(
-            f"{path}: joints make a ring of {few(lost, SHOWN)}; each link must lead back to {roots[0]}"
+            f"{path}: joints make a ring of {few(lost, LINE_NAMES)}; each link must lead back to {roots[0]}"
         )
     differences = [*other_elements(root), *warned, *_odd_inertias(bodies)]
     for joint in robot.joints:

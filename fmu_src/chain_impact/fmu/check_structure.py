@@ -8,7 +8,7 @@ from itertools import pairwise
 from xml.etree.ElementTree import Element
 
 from chain_impact.fmu.check_variables import Variable
-from chain_impact.fmu.findings import NAMED, Finding
+from chain_impact.fmu.findings import NAMED_VARIABLES, Finding
 from chain_impact.recording.text import few
 
 OUTPUTS, DERIVATIVES, INITIAL = "Outputs", "Derivatives", "InitialUnknowns"
@@ -100,7 +100,8 @@ class Structure:
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
                 names = few(
-                    [self.known[reference].name for reference in self.known if reference in wrong], NAMED
+                    [self.known[reference].name for reference in self.known if reference in wrong],
+                    NAMED_VARIABLES,
                 )
                 text = f"{said} {names}: it lists {what}, and nothing else"
                 yield Finding(text, attribute=f"ModelStructure/{name if self.second else _THIRD[name]}")

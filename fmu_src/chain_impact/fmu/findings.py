@@ -23,7 +23,7 @@ LARGEST_FILE = 2**30
 
 The check uses the sizes that the zip declares. Python never unpacks more than this.
 """
-NAMED = 5  # largest number of variables that one sentence names
+NAMED_VARIABLES = 5  # largest number of variables that one sentence names
 MANY = 10  # more findings than this that differ only in the variable share one line
 
 
@@ -60,7 +60,7 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
         if len(others) < MANY:
             lines += [str(first), *map(str, others)]
         else:
-            names = few([finding.variable for finding in (first, *others)], NAMED)
+            names = few([finding.variable for finding in (first, *others)], NAMED_VARIABLES)
             lines.append(str(replace(first, variable=names)))
     return lines
 

@@ -28,7 +28,7 @@ from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.variable import UNLESS_SET
 
-NAMED = re.compile(r"point (\d+) \((\w+)(?:, link \d+)?\)")
+POINT_IN_TEXT = re.compile(r"point (\d+) \((\w+)(?:, link \d+)?\)")
 """Regular expression for the number and the name of a point at the start of a variable's description."""
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """Values, in addition to parameters, that can be set for one run of an FMU."""
@@ -93,7 +93,9 @@ def record_fmu(
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
     names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends]
     named = {name: _named(parameters[name], value) for name, value in values.items()}
-    point_names = {int(at[1]): at[2] for v in variables.values() if (at := NAMED.match(v.description or ""))}
+    point_names = {
+        int(at[1]): at[2] for v in variables.values() if (at := POINT_IN_TEXT.match(v.description or ""))
+    }
     derived = [name for name, parameter in parameters.items() if UNLESS_SET in (parameter.description or "")]
 
     def recording(rows: np.ndarray) -> Recording:

@@ -20,7 +20,9 @@ WITHIN, FOLLOWED = 50, 400
 CLOSE = 1000  # the number of times in a close view of one impact
 BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
 LONGEST = 0.02  # the duration shown for a contact that lasts to the end, relative to the run's duration
-LEAST = 1e-3  # the duration shown for an impulse, which has no duration, relative to the run's duration
+IMPULSE_SHOWN = (
+    1e-3  # the duration shown for an impulse, which has no duration, relative to the run's duration
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +112,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
     onset, run = float(impact["onset"]), end - start
     lasting = LONGEST * run if lasts(impact) else float(impact["end"]) - onset
     if not lasting > 0.0:
-        lasting = LEAST * run
+        lasting = IMPULSE_SHOWN * run
     return onset, max(start, onset - BEFORE * lasting), min(end, onset + (1.0 + AFTER) * lasting)
 
 

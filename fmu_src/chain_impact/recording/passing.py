@@ -12,7 +12,7 @@ from chain_impact.scene.half_planes import HalfPlane
 # a point passes through a wall if it is once on the free side and once beyond the wall, each time farther
 # from the wall than this, relative to the size of the motion
 THROUGH = 1e-3
-SHOWN = 4  # the largest number of points that a sentence names
+NAMED_POINTS = 4  # the largest number of points that a sentence names
 
 
 def passing(
@@ -37,7 +37,7 @@ def passing(
         least = THROUGH * float(np.ptp(places, axis=(0, 1)).max())
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]
         if len(through):
-            points = few([str(k) for k in through.tolist()], SHOWN)
+            points = few([str(k) for k in through.tolist()], NAMED_POINTS)
             which = f"point {points} passes" if len(through) == 1 else f"points {points} pass"
             sentences.append(f"{which} through {name} without touching it: see contact.points")
     return sentences

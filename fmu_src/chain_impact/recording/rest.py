@@ -12,7 +12,7 @@ from chain_impact.recording.recording import Recording
 # the largest speed of a point that counts as at rest, relative to a reference speed: the extent of the
 # largest path of a point, divided by the duration of the run
 SLOW = 0.02
-LEAST = 0.05  # the shortest rest that counts, relative to the duration of the run
+SHORTEST_REST = 0.05  # the shortest rest that counts, relative to the duration of the run
 
 
 def rest_word(recording: Recording) -> str:
@@ -30,7 +30,7 @@ def ends_at_rest(recording: Recording) -> bool:
 def rests(recording: Recording) -> list[tuple[float, float]]:
     """Return start and end [s] of each time in which no point or wall moves noticeably and no impact begins.
 
-    A rest shorter than LEAST is left out.
+    A rest shorter than SHORTEST_REST is left out.
     """
     time, places = recording.time, recording.all_points
     span, size = time[-1] - time[0], np.hypot(*np.ptp(places, axis=0).T).max()
@@ -44,7 +44,7 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
     still[hit.clip(0, len(still) - 1)] = False
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
     found = [(float(time[low]), float(time[high])) for low, high in edges.reshape(-1, 2)]
-    return [(low, high) for low, high in found if high - low >= LEAST * span]
+    return [(low, high) for low, high in found if high - low >= SHORTEST_REST * span]
 
 
 def rest_lines(recording: Recording) -> Iterator[str]:

@@ -18,9 +18,9 @@ from chain_impact.recording.text import Table, plural
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.unit_text import of_power
 
-LISTED, FEW = 30, 10  # the largest number of impacts in a list, and in a short text
+LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10  # the largest number of impacts in a list, and in a short text
 JOINTS = 8  # the largest number of joints whose forces the text lists
-SHOWN = 3  # the largest number of contacts and joints that the text names as sticking at the end
+NAMED_STICKING = 3  # the largest number of contacts and joints that the text names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
     (
@@ -169,8 +169,8 @@ def _friction_lines(result: Recording) -> Iterator[str]:
         for phase in last
     ]
     if places:
-        more = [f"{len(places) - SHOWN} more"] if len(places) > SHOWN else []
-        yield f"{'':9}sticks at the end: {', '.join([*places[:SHOWN], *more])}"
+        more = [f"{len(places) - NAMED_STICKING} more"] if len(places) > NAMED_STICKING else []
+        yield f"{'':9}sticks at the end: {', '.join([*places[:NAMED_STICKING], *more])}"
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:

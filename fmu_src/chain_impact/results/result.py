@@ -334,11 +334,11 @@ class Result(Pictured):
 
     def __repr__(self) -> str:
         """Return the summary of the run in some lines, with the first impacts."""
-        return as_text(summary.parts(self, len(self.names), self._facts(), summary.FEW))
+        return as_text(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IN_SHORT))
 
     def _repr_html_(self) -> str:
         """Return the summary for a notebook, with more impacts."""
-        return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED))
+        return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IMPACTS))
 
     def _facts(self) -> list[str]:
         """Return lines on the energy, on probable mistakes in the scene, and on the solver."""

@@ -10,7 +10,7 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.tables import Material
 from chain_impact.scene.unit_text import of_power
 
-LISTED = 6  # largest number of entries of a list that the text shows
+SHOWN_ENTRIES = 6  # largest number of entries of a list that the text shows
 WIDTH = 100  # largest number of characters of a line
 
 
@@ -42,7 +42,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
         stops, law = scene.stops, scene.stops.model or contact.model
         stiffness = f"K = {stops.stiffness:g} {of_power('N·m/rad', stops.exponent)}"
         ranges = [f"joint {joint} {_range(low, high)}" for joint, (low, high) in ends]
-        ranges = ranges if len(ranges) <= LISTED else [*ranges[: LISTED - 2], "…", ranges[-1]]
+        ranges = ranges if len(ranges) <= SHOWN_ENTRIES else [*ranges[: SHOWN_ENTRIES - 2], "…", ranges[-1]]
         yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"
     if scene.signals:
         driven = (f"{', '.join(signal.input)} by a {signal.form}" for signal in scene.signals.values())
@@ -74,4 +74,4 @@ def _range(low: float, high: float) -> str:
 
 def _listed(values: Iterable[float]) -> str:
     texts = [f"{value:g}" for value in values]
-    return ", ".join(texts if len(texts) <= LISTED else [*texts[: LISTED - 2], "…", texts[-1]])
+    return ", ".join(texts if len(texts) <= SHOWN_ENTRIES else [*texts[: SHOWN_ENTRIES - 2], "…", texts[-1]])

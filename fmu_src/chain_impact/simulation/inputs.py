@@ -44,7 +44,7 @@ FINER = 1e-3
 # the largest distance between a sample and a communication point that count as one time, relative to the stop
 # time
 SAME_TIME = 1e-12
-LISTED = 8  # largest number of names that the sentence of an error lists
+LISTED_NAMES = 8  # largest number of names that the sentence of an error lists
 NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
@@ -300,7 +300,7 @@ def inputs_text(inputs: Iterable[str]) -> str:
     how += " in the scene"
     if not names:
         return f"it has none, {how} make them"
-    shown = names if len(names) <= LISTED else [*names[: LISTED - 2], "…", names[-1]]
+    shown = names if len(names) <= LISTED_NAMES else [*names[: LISTED_NAMES - 2], "…", names[-1]]
     return f"it has {', '.join(shown)}, and {how} make all that there can be"
 
 

@@ -40,7 +40,7 @@ from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (10.0, 4.8)  # [inch] default size of the figure
-NAMED = 6  # largest number of laws that get a colour
+COLOURED_LAWS = 6  # largest number of laws that get a colour
 FINE = 400  # number of penetrations at which a band is computed
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that many programs and papers use."""
@@ -107,7 +107,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
-    """Return the laws that get a colour, at most NAMED, and the reason for each.
+    """Return the laws that get a colour, at most COLOURED_LAWS, and the reason for each.
 
     The law that differs most has the restitution in the first impact that is farthest from the restitution
     with the reference law. If this is the law without losses, which ignores the prescribed restitution, the
@@ -127,7 +127,7 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     for law in order[:1]:
         _add_reason(why, law, reason)
     for run in comparison.runs:
-        if run.law in USED and run.result is not None and len(why) < NAMED:
+        if run.law in USED and run.result is not None and len(why) < COLOURED_LAWS:
             why.setdefault(run.law, "much used")
     return why
 

@@ -16,7 +16,7 @@ from chain_impact.studies.law_runs import LawRun, LawRuns
 # the largest difference from the prescribed restitution with which a law realises it, relative to the
 # restitution
 NEAR = 0.05
-NAMED = 3  # the largest number of laws that the advice names
+NAMED_LAWS = 3  # the largest number of laws that the advice names
 NOTHING = "–"
 
 
@@ -108,7 +108,7 @@ def advice(comparison: LawRuns) -> str:
 
 def _few(laws: Sequence[str]) -> str:
     """Return the names of a few laws, or the number of many laws."""
-    return ", ".join(laws) if len(laws) <= NAMED else f"{len(laws)} laws, see e′"
+    return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 
 def _choice(comparison: LawRuns, near: Sequence[str]) -> str:

@@ -44,7 +44,7 @@ from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import Variable, variable_row
 
 Part = TypeVar("Part")
-NAMED = 64  # the largest number of selections of outputs whose indices are kept
+KEPT_SELECTIONS = 64  # the largest number of selections of outputs whose indices are kept
 
 
 def _common(part: Callable[[PreparedScene], Part]) -> cached_property[Part]:
@@ -266,7 +266,7 @@ class PreparedScene:
         if not isinstance(wanted, str):
             return by_names(*(variable.name for variable in self.outputs_named(wanted)))
         if wanted not in kept:
-            if len(kept) >= NAMED:
+            if len(kept) >= KEPT_SELECTIONS:
                 kept.clear()
             kept[wanted] = by_names(*(variable.name for variable in self.outputs_named(wanted)))
         return kept[wanted]
@@ -280,7 +280,7 @@ class PreparedScene:
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
         """A function from names of outputs to their indices, which it keeps for the last selections."""
         outputs, every = self._own_outputs, self.output_indices
-        return lru_cache(NAMED)(lambda *names: indices_of([outputs[name] for name in names], every))
+        return lru_cache(KEPT_SELECTIONS)(lambda *names: indices_of([outputs[name] for name in names], every))
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
         """Return the entries of ``columns`` for some names or patterns.

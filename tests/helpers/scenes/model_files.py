@@ -1,7 +1,9 @@
-"""Tables in the folders of models: inputs and reference results."""
+"""Tables in the folders of models: inputs and reference results; co-simulations by the models' scripts."""
 
 import csv
 import functools
+import subprocess
+import sys
 
 import numpy as np
 
@@ -17,10 +19,23 @@ CO_SIMULATED = {
 @functools.cache
 def table(model, file):
     """Return the columns and the time of a model's file."""
-    with (models_folder() / model / file).open(newline="") as lines:
-        names, *rows = csv.reader(lines)
-    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    columns = columns_of(models_folder() / model / file)
     return columns.pop("time"), columns
+
+
+def columns_of(path):
+    """Return the columns of a CSV file."""
+    with path.open(newline="") as lines:
+        names, *rows = csv.reader(lines)
+    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+
+
+def co_simulated(model, folder, *arguments):
+    """Return the columns that a model's script gives, in a process of its own."""
+    script = models_folder() / model / "co_simulation.py"
+    subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
+    (file,) = folder.glob("*.csv")
+    return columns_of(file)
 
 
 def reference(model):

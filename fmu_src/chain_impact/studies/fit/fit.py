@@ -27,7 +27,7 @@ from chain_impact.studies.fit.unknown import unknown
 
 # the exponential of a larger number is infinite, so an interval ends at infinity there
 LARGEST_LOGARITHM = 700.0
-FEW = 10  # the estimated standard deviation of a column with fewer values is rough; a remark says so
+ROUGH_BELOW = 10  # the estimated standard deviation of a column with fewer values is rough; a remark says so
 # if the data last longer than this number of times the scene's stop time, their times are probably not in
 # seconds
 LONG = 100.0
@@ -323,10 +323,10 @@ def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
     """Yield a remark on columns whose estimated standard deviation is rough, because they have few values."""
     for name in problem.estimated:
         count = int((at.usable & (problem.group == problem.names.index(name))).sum())
-        if 0 < count < FEW:
+        if 0 < count < ROUGH_BELOW:
             yield (
-                f"{name} has {plural(count, 'value')}: a σ that is estimated from fewer than {FEW} is rough, "
-                "and so are the intervals. Give its sigma if you know it."
+                f"{name} has {plural(count, 'value')}: a σ that is estimated from fewer than {ROUGH_BELOW} "
+                "is rough, and so are the intervals. Give its sigma if you know it."
             )
 
 

@@ -25,7 +25,7 @@ IMPROBABLE = 1e-3  # the probability of a χ², or of the largest residual, belo
 # residuals exceed it in 2 % of all cases
 ALIKE = 2.0
 ALONE = 1e-9  # a smaller 1 − h is round-off of 0
-NAMED = 3  # the largest number of values that the remark names
+NAMED_VALUES = 3  # the largest number of values that the remark names
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
@@ -66,9 +66,13 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
         places = [place for data_set in fit.data for place in places_of(data_set)]
         named = [
             f"{places[row]} is measured {value[row]:.6g}, the model has {value[row] + fit.residuals[row]:.6g}"
-            for row in order[:NAMED]
+            for row in order[:NAMED_VALUES]
         ]
-        more = f"; so are {plural(len(order) - NAMED, 'other value')}" if len(order) > NAMED else ""
+        more = (
+            f"; so are {plural(len(order) - NAMED_VALUES, 'other value')}"
+            if len(order) > NAMED_VALUES
+            else ""
+        )
         yield f"Far from what the other values tell: {'; '.join(named)}{more}. Are these rows wrong?"
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from chain_impact.pictures.sizes import Size
 
 TABLES = (".csv", PARQUET)
-LISTED = 10  # number of runs that a notebook shows
+SHOWN_RUNS = 10  # number of runs that a notebook shows
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,9 +72,9 @@ class Sweep(Runs):
         """Return the text of ``repr`` for a notebook, with the first runs."""
         first = next(iter(self.chunks(self.names)), {})
         rows = list(
-            zip(*(map(_cell_text, column[:LISTED].tolist()) for column in first.values()), strict=True)
+            zip(*(map(_cell_text, column[:SHOWN_RUNS].tolist()) for column in first.values()), strict=True)
         )
-        more = [f"… and {plural(len(self) - LISTED, 'more run')}"] if len(self) > LISTED else []
+        more = [f"… and {plural(len(self) - SHOWN_RUNS, 'more run')}"] if len(self) > SHOWN_RUNS else []
         return as_html([repr(self), Table(self.names, rows), *more])
 
     def to_dataframe(self) -> Any:
