@@ -32,8 +32,8 @@ SCHEMA = DOCS / "scene.schema.json"
 WITH_LAW_COUNT = [DOCS.parent / name for name in ("README.md", "CITATION.cff")]
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
 RADIUS = 0.02  # m, radius of the spheres in the table of stiffness
-LAW_COUNT = re.compile(r"\b\d+(?= (?:contact )?laws\b)")
-"""The number of all contact laws in a text."""
+LAW_COUNT = re.compile(r"\b(?<!first )\d+(?= (?:contact )?laws\b(?!, see))")
+"""The number of all contact laws in a text, but not a number of some laws that a command prints."""
 METALS = {
     "mild steel": (207e9, 0.3, 7850.0, 300e6),
     "copper, annealed": (120e9, 0.34, 8960.0, 70e6),

@@ -33,7 +33,7 @@ def test_build_puts_the_fmu_of_a_scene_into_the_folder(run, here, option, scene)
 @pytest.mark.parametrize(
     ("options", "other"), [("--target native", "--fmi 3"), ("--fmi 3", "--fmi 2"), ("", "--target native")]
 )
-def test_build_without_a_scene_takes_the_default_and_names_the_other_target(run, here, options, other):
+def test_build_without_a_scene_takes_the_default_and_names_the_other_kind(run, here, options, other):
     said = run("build", *options.split())[1]
     assert said.splitlines()[0] == "FMU      build/FourLinkBox.fmu"
     assert said.endswith(f": {other}\n")

@@ -33,7 +33,7 @@ class Callbacks(ctypes.Structure):
         ("logger", Logger),
         ("allocate", Allocate),
         ("free", Free),
-        ("contact_log", Finished),
+        ("finished", Finished),
         ("environment", c_void_p),
     )
 

@@ -1,5 +1,7 @@
 """The documentation in an FMU, without a build: its page, its drawing, its terminals."""
 
+# Tests: pictures/start.py
+
 from collections import Counter
 from html import escape
 from pathlib import Path

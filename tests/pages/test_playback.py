@@ -46,8 +46,8 @@ def test_it_plays_on_its_own_and_pauses(show_recording):
     assert time_after(page, 100) > stopped
 
 
-def test_a_page_with_reduced_motion_starts_paused(show_recording):
-    """In 1/3 s: a fraction of a millisecond at an impact, otherwise as long or twice as long."""
+def test_a_page_starts_paused_and_its_clock_keeps_its_rate(show_recording):
+    """In 1/3 s the clock passes a part of a millisecond at an impact, else as long or twice as long."""
     page = show_recording(stopped=True)
     assert time_after(page, 500) == 0.0
     page.get_by_role("button", name="Play").click()

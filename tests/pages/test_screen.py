@@ -195,7 +195,7 @@ def angle(page, link=4):
     return parameters(page)[f"initial.angle[{link}]"]
 
 
-def test_a_finger_drags_a_joint_and_a_second_finger_does_not(show):
+def test_a_finger_drags_a_joint_without_scrolling_and_a_second_one_does_not(show):
     page = show(viewport=PHONE, has_touch=True)
     first, second = middle(page, "joint 4"), middle(page, "joint 1")
     lower = second + np.array([0, 40])

@@ -1,7 +1,5 @@
 """The page with derivatives."""
 
-# Tests: pictures/bars.py
-
 import re
 
 import numpy as np

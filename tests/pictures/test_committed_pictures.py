@@ -1,6 +1,6 @@
 """The committed pictures of models: their texts equal the texts that the code draws."""
 
-# Tests: pictures/start.py, pictures/style.py
+# Tests: pictures/style.py
 
 import re
 from pathlib import Path

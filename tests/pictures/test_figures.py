@@ -1,7 +1,5 @@
 """The height that a figure needs."""
 
-# Tests: pictures/sizes.py
-
 import pytest
 
 from chain_impact.pictures.figures import least_figure

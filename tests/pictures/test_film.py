@@ -218,7 +218,9 @@ def test_no_text_runs_out_of_a_film(size):
         assert not one.overlaps(other)
 
 
-@pytest.mark.parametrize(("width", "length", "text"), [(4.0, 0.5, "0.5 m"), (0.02, 0.002, "2 mm")])
+@pytest.mark.parametrize(
+    ("width", "length", "text"), [(4.0, 0.5, "0.5 m"), (0.6, 0.1, "0.1 m"), (0.02, 0.002, "2 mm")]
+)
 def test_a_bar_below_the_chain_has_the_round_length_that_is_written_at_it(width, length, text):
     axes = Figure().add_axes((0.1, 0.2, 0.8, 0.7), xlim=(-0.5 * width, 0.5 * width))
     bar, label = draw_scale_bar(axes, 0.05, "black")

@@ -1,6 +1,6 @@
 """The page with a recording: its files, its headline, and no overlaps."""
 
-# Tests: pictures/legends.py
+# Tests: pictures/legends.py, pictures/sizes.py
 
 import dataclasses
 import itertools
@@ -199,8 +199,8 @@ def check_ink(page):
         text.set_visible(True)
 
 
-# a page of 120 mm has the panels of one of 84 mm with more room; one of 190 mm has those of the usual page
-BUSY = ["sliding_rod", "four_link_box", "thrown_brick"]
+# a page of 120 mm has the panels of one of 84 mm with more room; one of 190 mm is nearly the usual page
+BUSY = ["sliding_rod", "four_link_box", "thrown_brick", "hopper"]
 SIZES = [(model, width) for model in BUSY for width in WIDTHS]
 SIZES += [(model, WIDTHS[0]) for model in model_names() if model not in BUSY]
 

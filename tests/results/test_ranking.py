@@ -1,5 +1,7 @@
 """The ranking of parameters by their effect on a quantity."""
 
+# Tests: pictures/bars.py
+
 from dataclasses import replace
 
 import numpy as np

@@ -83,7 +83,7 @@ def test_no_contact_is_missed_and_the_energy_balance_is_kept(seed):
 
 
 @pytest.mark.full("takes long")
-@pytest.mark.parametrize("first", range(0, 400, 100))
+@pytest.mark.parametrize("first", range(0, 800, 100))
 def test_most_runs_end_as_they_should(first):
     statuses = [check(seed) for seed in range(first, first + 100)]
     assert set(statuses) <= {0, BASE_BEYOND_WALL, TOO_MUCH_WORK, *SQUEEZED}

@@ -302,7 +302,7 @@ def test_a_chain_with_a_dry_joint_comes_to_rest_on_a_rigid_floor(friction, angle
     assert np.abs(result.impacts["onset"]).max() < 5.0
 
 
-def test_a_joint_that_sticks_at_its_stop_hits_it_once():
+def test_a_joint_that_sticks_at_its_stop_hits_it_few_times():
     """The drive of joint 1 shakes joint 2, whose dry friction holds it where its stop has stopped it."""
     links = [
         {"length": 0.4, "mass": 1.0, "joint_stiffness": 100.0},

@@ -113,20 +113,21 @@ class Parser(argparse.ArgumentParser):
         """
         options, others = super().parse_known_args(args, namespace)
         if others:
-            option = others[0].partition("=")[0]
-            self.error(f"{option} {self._fault_of(option)}")
+            self.error(self._fault_of(others[0]))
         return options, others
 
-    def _fault_of(self, option: str) -> str:
+    def _fault_of(self, argument: str) -> str:
         """Return what is wrong with an argument that the verb does not take, and what to write instead."""
-        if not option.startswith("-"):
-            return "is one argument too many"
+        if not argument.startswith("-"):
+            sets = "=" in argument and "--set" in self._option_string_actions
+            return f"{argument} is one argument too many" + (f"; write --set {argument}" if sets else "")
+        option = argument.partition("=")[0]
         files = [action for action in self._actions if action.metavar == "FILE"]
-        written = [f.option_strings[0] for f in files if str(f.help).startswith(("write", "draw"))]
-        if option == "-o" and written:
-            return f"is no option; files are written by {', '.join(written)}"
+        written = [file.option_strings[0] for file in files if str(file.help).startswith(("write", "draw"))]
+        if option.startswith("-o") and written:
+            return f"{option} is no option; files are written by {', '.join(written)}"
         near = nearest(option, self._option_string_actions)
-        return "is no option" + (f"; the nearest is {near}" if near else "")
+        return f"{option} is no option" + (f"; the nearest is {near}" if near else "")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not a choice, and name the most similar choice.

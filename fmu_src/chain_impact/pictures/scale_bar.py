@@ -12,13 +12,15 @@ from matplotlib.transforms import blended_transform_factory
 
 LONGEST = 1 / 6  # the largest length of the bar, relative to the width of the view
 FACTORS = (5, 2, 1)  # a round length is a power of ten times one of these
+ROUND_OFF = 1e-12  # the relative excess of a length that counts as round-off
 SMALL = 0.01  # [m] a shorter bar has its length in millimetres
 
 
 def round_length(most: float) -> float:
     """Return the largest round length that is at most ``most`` [m]."""
     power = 10.0 ** math.floor(math.log10(most))
-    return next(factor * power for factor in FACTORS if factor * power <= most)
+    # the logarithm of a number just below a power of ten may be rounded up
+    return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + ROUND_OFF))
 
 
 def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:

@@ -20,9 +20,8 @@ WITHIN, FOLLOWED = 50, 400
 CLOSE = 1000  # the number of times in a close view of one impact
 BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
 LONGEST = 0.02  # the duration shown for a contact that lasts to the end, relative to the run's duration
-IMPULSE_SHOWN = (
-    1e-3  # the duration shown for an impulse, which has no duration, relative to the run's duration
-)
+# the duration shown for an impulse, which has no duration, relative to the run's duration
+IMPULSE_SHOWN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)

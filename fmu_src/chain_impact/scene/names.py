@@ -219,7 +219,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
     the same last part, ``contact[1].y_min.force`` for ``joint[1].force``. If ``name`` has one part, a name
     with a similar last part has priority: one of [contact], else the shortest, ``contact.stiffness`` for
     ``stifness`` and ``link[1].length`` for ``lenght``. A similarity is a number from 0 to 1. A name needs at
-    least the similarity ``at_least``, or SAME_LAST if the last part is the same.
+    least the similarity ``at_least``; SAME_LAST if the last part is the same; LIKE_LAST for a last part.
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
     bare = NUMBER.sub("", name)

@@ -17,7 +17,7 @@ class Form(NamedTuple):
     Attributes:
         required: the keys that must be given.
         optional: the keys that may be missing, with their defaults.
-        knots: the number of polynomials, or None if it is the number of given values.
+        knots: the number of polynomials, or None if it depends on the given values.
     """
 
     required: tuple[str, ...]

@@ -53,10 +53,8 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
     fields = d["signal"]
     first, order = int(fields["first"][j]), int(fields["order"][j])
     rows = slice(first, first + knots_of(signal))
-    fields["form"][j], fields["shape"][j] = (
-        list(FORMS).index(signal.form),
-        SHAPES.index(signal.shape or SHAPES[0]),
-    )
+    fields["form"][j] = list(FORMS).index(signal.form)
+    fields["shape"][j] = SHAPES.index(signal.shape or SHAPES[0])
     fields["last"][j], fields["segment"][j] = rows.stop - 1, first
     for key in NUMBERS:
         fields[key][j] = getattr(signal, key) or 0.0

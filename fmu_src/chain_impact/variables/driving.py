@@ -10,7 +10,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_values import write_signal
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import inputs_asked
-from chain_impact.variables.structure import structure_of
+from chain_impact.variables.structure import Structure
 
 _DRIVEN = {
     "joint_torque": kernel.TORQUE,
@@ -24,11 +24,11 @@ _DRIVEN = {
 """Field of the record that holds an input → the number by which the kernel knows the input."""
 
 
-def fill_signals(d: Any, scene: Scene) -> None:
+def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     """Write the signals of a scene into a new instance."""
     if not scene.signals:
         return
-    structure, fields, stop = structure_of(scene), d["signal"], scene.simulation.stop_time
+    fields, stop = d["signal"], scene.simulation.stop_time
     paths = {variable.name: variable.record_path for variable in inputs_asked(structure)}
     first, knot = dict[str, int](), 0
     for j, signal in enumerate(structure.signals):

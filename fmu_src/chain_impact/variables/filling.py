@@ -95,22 +95,23 @@ def kept_of(scene: Scene) -> Kept:
     for kept in tuple(_kept):
         if changed_numbers(kept.scene, scene) is not None:
             return kept
-    _kept.insert(0, Kept(scene))
+    new = Kept(scene)  # another thread may insert its own at the same time
+    _kept.insert(0, new)
     del _kept[MOST_KEPT:]
-    return _kept[0]
+    return new
 
 
-def new_record(scene: Scene, structure: Structure, sizes: Counts, kept: Kept) -> np.ndarray:
+def new_record(scene: Scene, structure: Structure, kept: Kept) -> np.ndarray:
     """Return an uninitialized instance with the parameters of a scene, an array with one record.
 
     Args:
         scene: the scene.
         structure: the structure of the scene.
-        sizes: the sizes of the record.
         kept: what is kept of the scene.
     """
-    layout = layout_of(*sizes)
-    if kept.record is None:
+    sizes, last = structure.counts, kept.record
+    layout, changed = layout_of(*sizes), changed_numbers(last[0], scene) if last else None
+    if last is None or changed is None:
         words = np.zeros(layout.itemsize // WORD)
         # ``block.view`` would compare the types first, which takes longer than the rest of this function
         block = np.ndarray(1, layout, words)
@@ -119,9 +120,9 @@ def new_record(scene: Scene, structure: Structure, sizes: Counts, kept: Kept) ->
             _write(table, words, scene, sizes)
         kept.record = scene, words.copy()
     else:
-        before, words = kept.record[0], kept.record[1].copy()
+        words = last[1].copy()
         block = np.ndarray(1, layout, words)
-        for table in changed_numbers(before, scene) or ():
+        for table in changed:
             _write(table, words, scene, sizes)
     return block
 
@@ -177,7 +178,7 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
     for c, candidate in enumerate(structure.lists["candidates"]):
         d["shift"]["channel"][c] = channels.get(candidate.get("name"), -1)
     d["stops"]["law"] = _law_number(scene.stops.model) if scene.stops.model else 0
-    fill_signals(d, scene)
+    fill_signals(d, scene, structure)
     _fill_materials(d, scene)
 
 

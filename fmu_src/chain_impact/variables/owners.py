@@ -153,6 +153,7 @@ OWNERS = {
         conditions={"rests": "not inputs.joint_targets", "rubs": "slider_friction"},
     ),
     "line": Owners(over="lines", numbers={"at": "order"}),
+    # where points may touch, each wall that exists has a material
     "material": Owners(over="walls", has="exists and pairs", numbers={"at": "order"}),
     "moving wall": Owners(over="moving_walls", numbers={"at": "2*inputs.base_motion + 2*order"}),
     "touched wall": Owners(over="walls", has="touched", numbers={"at": "links + order"}),

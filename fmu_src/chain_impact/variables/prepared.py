@@ -334,7 +334,7 @@ class PreparedScene:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
-        block = new_record(self.scene, self.structure, self.sizes, self._kept)
+        block = new_record(self.scene, self.structure, self._kept)
         return with_tangents(block, [variable.set_path for variable in varied]) if varied else block
 
     def _named(

@@ -43,7 +43,7 @@ class Structure:
         """The facts, conditions and counts of the scene, and the lengths of its lists, by name."""
         return with_conditions(self.facts, self.lists)
 
-    @property
+    @cached_property
     def counts(self) -> Counts:
         """The counts at the start of the scene's record."""
         return Counts(*(self.known[name] for name in COUNTS))

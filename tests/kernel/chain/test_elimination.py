@@ -183,7 +183,7 @@ def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, 
     np.testing.assert_allclose(found, expected, rtol=5e-9)
 
 
-def test_without_impedance_the_response_is_that_of_the_free_chain():
+def test_no_impedance_clears_all_of_its_parts():
     _, d = stopped_chain(3)
     own = d.work.impedance
     parts = own.xx, own.xy[:4], own.yy[:4]

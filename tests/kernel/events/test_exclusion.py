@@ -201,6 +201,20 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
     assert d.search.acceleration == length_bound(d, d.work.acceleration)
 
 
+@pytest.mark.parametrize("channels", [0, 2])
+def test_the_way_of_a_step_counts_the_acceleration_at_its_start(monkeypatch, channels):
+    """way = h (v + h a), with the larger acceleration of both ends; nothing moves at the end."""
+    d, _ = stepped(0, size=0.01, near=1.0)
+    assert exclusion.excludes_events(d)
+    d.channels, (safe, lasted) = channels, (d.search.safe_distance, d.step.end - d.step.start)
+    monkeypatch.setattr(exclusion, "fastest_wall", lambda d: (0.0, 0.0))
+    for vectors in (d.work.velocity, d.work.acceleration):
+        vectors.x[:], vectors.y[:] = 0.0, 0.0
+    d.search.speed, d.search.acceleration = 0.0, 100.0
+    exclusion.remains_far(d)
+    assert d.search.safe_distance == pytest.approx(safe - 100.0 * lasted * lasted)
+
+
 def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
     d.search.safe_distance, d.search.speed, d.search.acceleration = 5.0, 0.0, 0.0

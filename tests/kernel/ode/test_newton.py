@@ -136,7 +136,7 @@ def test_error_estimates_have_orders_five_and_six_and_combine_to_seven(kind, est
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 
 
-def test_a_linear_problem_is_solved_in_one_iteration():
+def test_a_linear_problem_is_solved_in_two_iterations():
     matrix = np.array([[-2.0, 1.0], [0.5, -3.0]])
     step, _ = problem(lambda y: matrix @ y, lambda y: matrix)
     start = np.array([1.0, -2.0])

@@ -154,8 +154,8 @@ def remains_far(d):
     search.speed = length_bound(d, d.work.velocity)
     search.acceleration = length_bound(d, d.work.acceleration)
     if d.channels > 0:
-        fastest, acceleration = fastest_wall(d)
-        search.speed, search.acceleration = search.speed + fastest, search.acceleration + acceleration
+        rate, rate_change = fastest_wall(d)
+        search.speed, search.acceleration = search.speed + rate, search.acceleration + rate_change
     # way: a bound on the distance that any point moves in the step; the acceleration counts double, as a
     # margin
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
