@@ -122,8 +122,6 @@ def translation(d: Plain, x: Iterable[float], y: Iterable[float]) -> Motion:
 def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     """Return a pinned link at rest whose tip a rigid wall holds against its torque.
 
-    The force is a polynomial.
-
     The force [N] is a polynomial of the fraction of the step, lowest power first; the step begins at 0 s.
     """
     _, d = chain(np.random.default_rng(2), 1, "pinned", inputs=True, model="newton_impact")

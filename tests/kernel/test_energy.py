@@ -73,7 +73,7 @@ def test_stored_energy_is_that_of_springs_and_pressed_contacts(base, count):
 
 @BASES
 @pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
-def test_no_motion_changes_the_ledger(base, count, law):
+def test_no_motion_changes_the_energy_balance(base, count, law):
     """The reference is a central difference along ẏ, under gravity, springs, dampers, inputs and contacts."""
     _, d, y, _ = prepared(base, count, model=law, stiffness=1e5)
     if d.contact.any_rigid:

@@ -22,7 +22,7 @@ def test_energy_that_was_not_recorded_has_no_lines():
     assert list(energy_lines({"total": np.ones(2)})) == []
 
 
-def test_energy_supplied_is_in_the_ledger():
+def test_energy_supplied_is_in_the_energy_balance():
     columns = {"total": [1.0, 3.0], "dissipated": [0.0, 0.5], "supplied": [0.0, 2.25]}
     lines = list(energy_lines({name: np.array(values) for name, values in columns.items()}))
     assert lines == [

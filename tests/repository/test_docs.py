@@ -218,7 +218,7 @@ def test_notebooks_are_committed_without_outputs():
 
 def test_the_fields_and_the_code_that_the_computation_page_names_exist():
     text = (ROOT / "docs" / "computation.md").read_text(encoding="utf-8")
-    parts = "model|contact|law|inputs|step|work|touch|candidate|search|implicit|rigid|output"
+    parts = "|".join(instance_dtype(2, 3).names)
     fields = re.findall(rf"`((?:{parts})(?:\.\w+)+)`", text)
     assert len(fields) > 15
     for field in fields:

@@ -1,6 +1,7 @@
 """Scripts outside the package: the names that they import exist, although no quick test runs most scripts."""
 
 import ast
+import re
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -47,3 +48,10 @@ def test_what_scripts_import_from_the_package_and_the_tests_is_there():
     }
     found = {module: names_of(module) for _, module, _ in asked}
     assert [one for one in asked if one[2] not in found[one[1]] and not find_spec(".".join(one[1:]))] == []
+
+
+def test_the_programs_that_write_generated_files_exist():
+    text = (ROOT / ".ci" / "regenerate.py").read_text(encoding="utf-8")
+    programs = re.findall(r'^    "(\S+\.py)",', text, re.MULTILINE)
+    assert len(programs) == 3
+    assert [program for program in programs if not (ROOT / program).is_file()] == []

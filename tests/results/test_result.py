@@ -112,8 +112,8 @@ def test_arrays_are_gathered_from_whatever_is_there(result):
     for name in some.energy.dtype.names:
         np.testing.assert_array_equal(some.energy[name], result.energy[name])
     pushed = load_scene("pinned_arm")
-    ledger = simulate(pushed, 0.1, inputs={"joint[2].torque": 1.0}, output="energy.*").energy
-    assert abs(ledger["supplied"][-1]) > 0.0
+    balance = simulate(pushed, 0.1, inputs={"joint[2].torque": 1.0}, output="energy.*").energy
+    assert abs(balance["supplied"][-1]) > 0.0
 
 
 def test_no_outputs_leave_the_impacts(result):

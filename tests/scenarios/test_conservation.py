@@ -9,7 +9,7 @@ from tests.helpers.models.reference import momenta
 from tests.helpers.scenes.problems import GRAVITY, default_scene, of_law, rod, tumbling_chain
 
 
-def ledger(result):
+def balance(result):
     """Return the conserved quantity: present energy plus dissipated energy minus supplied energy."""
     energy = result.energy
     return energy["total"] + energy["dissipated"] - energy["supplied"]
@@ -37,7 +37,7 @@ def test_energy_drift_falls_with_the_tolerance():
 
 
 @pytest.mark.parametrize("law", CONTACT_LAWS)
-def test_energy_never_rises_and_the_ledger_closes(law):
+def test_energy_never_rises_and_the_energy_balance_closes(law):
     result = simulate(default_scene(**of_law(law)), stop_time=2.0, tolerance=1e-10)
     energy, start = result.energy, result.energy["total"][0]
     assert start == pytest.approx(61.6630096858, abs=1e-9)
@@ -47,14 +47,14 @@ def test_energy_never_rises_and_the_ledger_closes(law):
         np.diff(energy["dissipated"]) >= -1e-11 * start
     ).all()  # dissipated energy may fall by round-off only
     assert (result.outputs["force"] >= 0.0).all()
-    assert np.ptp(ledger(result)) < 1e-6 * start
+    assert np.ptp(balance(result)) < 1e-6 * start
 
 
 @pytest.mark.parametrize("method", SOLVER_METHODS)
-def test_ledger_closes_to_the_tolerance_when_the_force_ends_before_the_contact(method):
+def test_the_energy_balance_closes_when_the_force_ends_before_the_contact(method):
     """A rod's end leaves a soft, damped wall faster than the wall recovers: no force, but stored energy."""
     scene = rod(1.0, 1.0, 0.0, gravity=GRAVITY, stop_time=0.55, restitution=0.25, stiffness=1e4)
     result = simulate(scene, tolerance=1e-10, output_step=1e-4, method=method)
     outputs = result.outputs
     assert ((outputs["penetration"] > 1e-3) & (outputs["force"] == 0.0)).any()
-    assert np.ptp(ledger(result)) < 1e-7 * ledger(result)[0]
+    assert np.ptp(balance(result)) < 1e-7 * balance(result)[0]

@@ -350,16 +350,16 @@ def test_the_power_of_any_law_of_the_family(exponent):
 
 
 @pytest.mark.parametrize("name", ["sprung", "pinned", "pressed", "six", "tsuji", "kelvin_voigt", "rigid"])
-def test_the_derivative_of_the_ledger_is_constant(name):
+def test_the_derivative_of_the_energy_balance_is_constant(name):
     """d(total + dissipated − supplied)/dp keeps its initial value."""
     case = CASES[name]
     answer = found(case, start=True)
     first = len(state_names(case.scene))
     parts = answer.slopes[:, first:]
-    ledger = parts[:, 0] + parts[:, 1] - (parts[:, 2] if case.inputs else 0.0)
+    balance = parts[:, 0] + parts[:, 1] - (parts[:, 2] if case.inputs else 0.0)
     largest = np.maximum(np.abs(parts).max((0, 1)), 1e-30)
     units = np.array([size_of(case, name) for name in case.parameters])
-    moved = np.abs(ledger - ledger[0]).max(0)
+    moved = np.abs(balance - balance[0]).max(0)
     # an energy of 1 J over the parameter is the smallest scale
     assert (moved <= 1e-8 * np.maximum(largest, 1e-3 / units)).all(), worst(moved / largest, case.parameters)
 

@@ -196,7 +196,7 @@ def test_a_fall_with_impacts_costs_a_bounded_number_of_evaluations(damping, most
     ],
     ids=["rigid, springs", "rigid, dampers", "auto", "implicit"],
 )
-def test_the_ledger_closes_through_impacts(scene, stop_time, impacts, method):
+def test_the_energy_balance_closes_through_impacts(scene, stop_time, impacts, method):
     result = simulate(scene, stop_time=stop_time, method=method)
     assert len(result.impacts) >= impacts
     assert balance(result) < 1e-6
@@ -224,7 +224,7 @@ def strained(count, stiffness, tolerance, base="free", bend=2.0):
 
 
 def changes(scene, method="auto"):
-    """Return the most that the ledger has grown and fallen, in parts of its start, and the status."""
+    """Return the most that the energy balance has grown and fallen, in parts of its start, and the status."""
     instance = Instance(scene)
     instance.record["solver"]["method"] = 1 + SOLVER_METHODS.index(method)
     instance.initialize()

@@ -165,7 +165,7 @@ def test_a_push_is_carried_at_once(resting):
 
 
 @pytest.mark.parametrize("law", [RIGID, "zhang_sharf"])
-def test_torques_that_switch_every_millisecond_keep_the_ledger(law):
+def test_torques_that_switch_every_millisecond_keep_the_energy_balance(law):
     scene = load_scene("pinned_arm")
     instance = Instance(rigid(scene) if law == RIGID else scene)
     record = instance.record
@@ -175,8 +175,8 @@ def test_torques_that_switch_every_millisecond_keep_the_ledger(law):
         record["given"]["changed"] = 1
         record["contact_log"]["collected"] = record["contact_log"]["count"]
         assert instance.trajectory(np.array([(k + 1) * 1e-3]), out[k : k + 1]) == 1
-    ledger = out["total"] + out["dissipated"] - out["supplied"]
-    assert np.ptp(ledger) < 1e-6 * out["kinetic"].max()
+    balance = out["total"] + out["dissipated"] - out["supplied"]
+    assert np.ptp(balance) < 1e-6 * out["kinetic"].max()
     assert (out["force"] >= 0.0).all()
 
 

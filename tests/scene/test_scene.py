@@ -76,7 +76,7 @@ def test_four_link_box_is_the_scene_of_the_design():
     scene = load_scene("four_link_box")
     rod = Link(length=0.5, mass=1.0, center_of_mass=0.25, inertia=0.5**2 / 12, joint_damping=0.0)
     assert scene.chain.links == (rod,) * 4
-    # energy at the start, with the plane as complex numbers; the value is in physics.md
+    # energy at the start, with the plane as complex numbers
     velocity, omega = complex(*scene.initial.velocity), np.array(scene.initial.angular_velocities)
     links = 0.5 * np.exp(1j * np.array(scene.initial.angles))
     heights = scene.initial.position[1] + np.imag(np.cumsum(links) - links / 2)

@@ -45,8 +45,8 @@ def test_a_function_is_followed_to_the_tolerance(torque, method):
         result = simulate(scene, output_step=0.01, inputs=inputs, method=method)
         # the implicit method has larger errors at the same tolerance, also without inputs
         assert np.abs(motion(result) - expected).max() < 20.0 * tolerance
-        ledger = result.energy["total"] + result.energy["dissipated"] - result.energy["supplied"]
-        assert np.ptp(ledger) < 20.0 * tolerance
+        balance = result.energy["total"] + result.energy["dissipated"] - result.energy["supplied"]
+        assert np.ptp(balance) < 20.0 * tolerance
 
 
 @pytest.mark.full("more cases", but=2)

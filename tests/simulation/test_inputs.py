@@ -88,8 +88,8 @@ def test_energy_supplied_is_the_work_of_the_torques():
     angle = result.angles[:, 0]
     work = sum(wave(t) * turn for t, turn in zip(result.time, np.diff(angle), strict=False))
     assert result.energy["supplied"][-1] == pytest.approx(work, abs=1e-12)
-    ledger = result.energy["total"] + result.energy["dissipated"] - result.energy["supplied"]
-    np.testing.assert_allclose(ledger, ledger[0], rtol=0, atol=1e-9)
+    balance = result.energy["total"] + result.energy["dissipated"] - result.energy["supplied"]
+    np.testing.assert_allclose(balance, balance[0], rtol=0, atol=1e-9)
 
 
 # --- against each other ------------------------------------------------------------------------------------

@@ -63,7 +63,7 @@ CASES += [("ramp", {"walls": [{"name": "ramp", "point": [0.0, 0.0], "angle": -0.
 
 
 @pytest.mark.parametrize(("model", "changes"), CASES, ids=str)
-def test_what_is_more_than_a_number_makes_another_model(model, changes):
+def test_a_change_of_more_than_numbers_makes_a_new_record(model, changes):
     scene = load_scene(model)
     changed = scene.with_values(changes)
     wanted = from_nothing(changed)

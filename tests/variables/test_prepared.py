@@ -1,4 +1,4 @@
-"""A model: its derived quantities, the size of a new instance, and the places of the scene's values."""
+"""A prepared scene: its derived quantities, the size of a new instance, and where it has the values."""
 
 import pickle
 from collections import Counter

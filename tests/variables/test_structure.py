@@ -19,7 +19,7 @@ from chain_impact.variables.owners import (
     OWNERS,
     RECORD,
     holds,
-    value,
+    number_of,
 )
 from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
@@ -73,8 +73,8 @@ def test_no_owner_changes_what_holds_for_its_scene():
 
 def test_the_forms_of_texts():
     known = {"a": 2, "b": 3, "no": False, "yes": True}
-    assert value("2*a + b + 1", known) == 8
-    assert value("yes*b + no*a", known) == 3
+    assert number_of("2*a + b + 1", known) == 8
+    assert number_of("yes*b + no*a", known) == 3
     assert holds("no and a or b", known)
     assert not holds("a and no or not yes", known)
     assert holds("not no", known)

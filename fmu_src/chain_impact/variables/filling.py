@@ -30,7 +30,7 @@ from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.owners import RECORD, value
+from chain_impact.variables.owners import RECORD, number_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure
 
@@ -168,9 +168,9 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
         for name in parts:
             part = part[name]
         if not over:
-            part[key] = value(text, structure.known)
+            part[key] = number_of(text, structure.known)
         elif members := structure.lists[over]:
-            part[key] = [value(text, member) for member in members]
+            part[key] = [number_of(text, member) for member in members]
     d["step"]["regularized"] = NO_CONTACT
     channels = {owner.values["name"]: owner.values["at"] for owner in structure.owners("moving wall")}
     for channel in channels.values():

@@ -205,7 +205,7 @@ class Owner:
     conditions: dict[str, Any] = field(default_factory=dict)
 
 
-def value(text: str, known: Mapping[str, Any]) -> int:
+def number_of(text: str, known: Mapping[str, Any]) -> int:
     """Return the number that a text of the tables stands for."""
     terms = _split(text, " + ", "*")
     return sum(math.prod([known[word] if word in known else int(word) for word in term]) for term in terms)
@@ -230,7 +230,7 @@ def with_conditions(facts: Mapping[str, int], lists: Mapping[str, Sequence[Any]]
     known = {**facts, **{name: len(members) for name, members in lists.items()}}
     for name, condition in CONDITIONS.items():
         known[name] = holds(condition.rule, known)
-    return known | {name: value(text, known) for name, text in COUNTS_OF.items()}
+    return known | {name: number_of(text, known) for name, text in COUNTS_OF.items()}
 
 
 def owners_of(
@@ -238,10 +238,10 @@ def owners_of(
 ) -> list[Owner]:
     """Return the owners of a kind, in the order of their variables."""
     row, found = OWNERS[kind], dict[Any, Owner]()
-    for order, member in enumerate(lists.get(row.over) or [{}] * value(row.over, known)):
+    for order, member in enumerate(lists.get(row.over) or [{}] * number_of(row.over, known)):
         here = {**known, **member, "order": order}
         if holds(row.has, here):
-            values = {**member, **{name: value(text, here) for name, text in row.numbers.items()}}
+            values = {**member, **{name: number_of(text, here) for name, text in row.numbers.items()}}
             for name, rule in row.conditions.items():
                 here[name] = holds(rule, here)
             found.setdefault(tuple(map(values.get, ("n", "of", "name"))), Owner(values, here))

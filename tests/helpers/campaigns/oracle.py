@@ -227,9 +227,9 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
     yield "not finite", float(len(bad)), 0.0, f"outputs or impacts that are not finite: {bad}"
     if bad or not len(outputs):
         return
-    ledger = outputs["total"] + outputs["dissipated"] - outputs["supplied"]
+    balance = outputs["total"] + outputs["dissipated"] - outputs["supplied"]
     if run.status == OK:
-        yield "energy", float(np.ptp(ledger)), energy_bound(run), "drift of the ledger [J]"
+        yield "energy", float(np.ptp(balance)), energy_bound(run), "drift of the energy balance [J]"
     fall = float((np.maximum.accumulate(outputs["dissipated"]) - outputs["dissipated"]).max())
     yield "undissipated", fall, dissipation_bound(run), "fall of the dissipated energy [J]"
     elastic = {law.model for law in run.laws} == {"hertz"}

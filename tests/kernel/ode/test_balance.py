@@ -23,7 +23,7 @@ from tests.kernel.steps import free_motion, set_step, walls_away
 
 
 def after_a_step():
-    """Return the default chain at the end of a step in flight, and the ledger at its start."""
+    """Return the default chain at the end of a step in flight, and the energy balance at its start."""
     instance = Instance(load_scene("four_link_box"))
     instance.advance(0.2)
     d = Plain(instance.record)
@@ -41,7 +41,7 @@ def error_after_check(d, theta):
     return float(d.trial.error)
 
 
-def test_a_step_of_the_solver_keeps_the_ledger():
+def test_a_step_of_the_solver_keeps_the_energy_balance():
     d = after_a_step()
     before = float(d["balance"]["at_end"])
     assert error_after_check(d, -1.0) <= 1.0
@@ -50,7 +50,7 @@ def test_a_step_of_the_solver_keeps_the_ledger():
 
 @pytest.mark.parametrize("theta", [-1.0, 0.7])
 @pytest.mark.parametrize("entry", [3, 7, 9, 12])  # an angle, rates, and the dissipated energy
-def test_a_step_that_changes_the_ledger_or_is_not_finite_is_refused(entry, theta):
+def test_a_step_that_changes_the_energy_balance_or_is_not_finite_is_refused(entry, theta):
     d = after_a_step()
     before = float(d["balance"]["at_end"])
     for off in (1e-5, np.nan):
@@ -64,8 +64,8 @@ def test_a_step_that_changes_the_ledger_or_is_not_finite_is_refused(entry, theta
 def test_a_run_ends_if_the_energy_balance_drifts_too_fast():
     d = after_a_step()
     balance.start_balance(d, 0.0)
-    own, ledger_now = d.balance, float(d.balance.at_end)
-    own.reference = ledger_now - 200.0 * own.least_allowed
+    own, balance_now = d.balance, float(d.balance.at_end)
+    own.reference = balance_now - 200.0 * own.least_allowed
     assert balance.check_balance(d) == ENERGY_NOT_KEPT
     # a larger energy allows larger errors
     d["step"]["state_end"][6:12] *= 10.0
@@ -73,7 +73,7 @@ def test_a_run_ends_if_the_energy_balance_drifts_too_fast():
     # earlier changes no longer count
     own.reference, d["step"]["end"] = 1e9, 1.5
     assert balance.check_balance(d) == OK
-    assert own.reference == ledger_now
+    assert own.reference == balance_now
 
 
 @pytest.mark.parametrize(

@@ -89,7 +89,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
 def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
     """A torque set to its present value restarts the solver in the middle of implicit steps."""
-    ledger = []
+    balance = []
     for restarts in (0, 20):
         instance = touching(tolerance)
         for time in np.linspace(0.9, 1.1, restarts + 1):
@@ -98,8 +98,8 @@ def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
         instance.advance(1.2)
         output = instance.record["output"]
         instance.observe()
-        ledger.append(float(output["total"] + output["dissipated"]))
-    assert ledger[1] == pytest.approx(ledger[0], abs=10.0 * tolerance)
+        balance.append(float(output["total"] + output["dissipated"]))
+    assert balance[1] == pytest.approx(balance[0], abs=10.0 * tolerance)
 
 
 # --- what a step begins with -------------------------------------------------------------------------------

@@ -163,7 +163,7 @@ class Dataset:
 
 
 @contextmanager
-def kept(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
+def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
     """In this context, lock the folder of a sweep against other sweeps; a complete folder is only read.
 
     Raises:

@@ -13,7 +13,7 @@ from chain_impact.compilation.ready import missing_compilers
 from chain_impact.progress import Progress, log, silent
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
-from chain_impact.studies.sweep.dataset import kept, known_by
+from chain_impact.studies.sweep.dataset import known_by, locked_dataset
 from chain_impact.studies.sweep.design import Design, Sampling, check_table_size, grid, sampled, whole
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.partial import keep, partial_path, take_up
@@ -93,7 +93,7 @@ def sweep(
     check_table_size(design, len(variations) + len(job.dtype.names or ()), scene.name, streamed=streamed)
     rows = np.zeros(0 if streamed else design.runs, job.dtype)
     with ExitStack() as stack:
-        dataset = stack.enter_context(kept(target, job, design)) if target and streamed else None
+        dataset = stack.enter_context(locked_dataset(target, job, design)) if target and streamed else None
         head = known_by(job, design)
         done: list[Span] = []
         if dataset:
