@@ -37,12 +37,27 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     assert f"{first['onset']:.4f}" in rows[1]
     page.locator(".unpin").first.click()
     until(page, "document.querySelectorAll('#pins tbody tr').length === 2")
+    for _ in range(2):  # a motion is pinned once
+        page.get_by_role("button", name="Pin").click()
+    assert page.locator("#pins tbody tr").count() == 3
+
+
+def test_a_carriage_has_one_size_in_all_motions(show):
+    page = show("cart_pole")
+    page.evaluate("chainImpact.show({'link[1].length': 0.9})")
+    until(page, "document.querySelectorAll('polygon.compared').length === 1")
+    widths = page.evaluate(
+        "['polygon.compared', '.carriage'].map((one) => document.querySelector(one).getBBox().width)"
+    )
+    assert widths[0] == pytest.approx(widths[1], rel=1e-6)
 
 
 def test_two_pins_leave_the_list_of_impacts_in_sight(show):
     page = show(viewport={"width": 1366, "height": 800})
-    for _ in range(2):
+    for value in (0.4, 0.6):
         page.get_by_role("button", name="Pin").click()
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
     top = page.locator("#pins").bounding_box()["y"]
     rows = [row.bounding_box() for row in page.locator("#impacts tbody tr").all()[:3]]
     assert all(row["y"] + row["height"] < top for row in rows)

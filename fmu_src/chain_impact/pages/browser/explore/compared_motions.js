@@ -25,9 +25,10 @@ export class ComparedMotions {
     this.#last = now;
   }
 
-  /** Pin the shown motion; its text describes the changes in it. */
+  /** Pin the shown motion, unless it is pinned already; its text describes the changes in it. */
   pin() {
     const { recording } = this.player;
+    if (this.pinned.some((motion) => motion.recording === recording)) return;
     const used = this.pinned.map(({ colour }) => colour);
     const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
     this.pinned.push({ recording, text: recording.text || "as in the scene", colour });
@@ -53,7 +54,7 @@ export class ComparedMotions {
       const frame = recording.frameAt(clock.time);
       const positions = Array.from({ length: recording.links + 1 }, (_, point) =>
         drawing.camera.toScreen(...recording.pointAt(frame, point)));
-      recording.bodiesAt(frame).forEach((corners) => {
+      recording.bodiesAt(frame, shown).forEach((corners) => {
         drawing.behind.polygon(corners.map((corner) => drawing.camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });
       drawing.behind.polyline(positions).addClass(`compared ${kind}`).fill("none");

@@ -94,8 +94,11 @@ export class Recording {
     return [this.x, this.y].map((all) => this.between(all, frame, point, this.pointCount));
   }
 
-  /** Return the corners of the bodies at a frame [m]: the links with points, and the carriage of a slider. */
-  bodiesAt(frame) {
+  /**
+   * Return the corners of the bodies at a frame [m]: the links with points, and the carriage of a slider; `shown`: the recording
+   * in whose drawing they are, as the size of a carriage is that of the drawing.
+   */
+  bodiesAt(frame, shown = this) {
     const links = this.bodies.map(([link, corners]) => {
       const [[x0, y0], [x1, y1]] = [link - 1, link].map((point) => this.pointAt(frame, point));
       const length = Math.hypot(x1 - x0, y1 - y0) || 1;
@@ -103,7 +106,10 @@ export class Recording {
       return corners.map(([along, left]) => [x0 + c * along - s * left, y0 + s * along + c * left]);
     });
     const [x, y] = this.pointAt(frame, 0);
-    return this.rail ? [...links, this.rail.carriage.map(([dx, dy]) => [x + dx, y + dy])] : links;
+    if (!this.rail) return links;
+    const sizeOf = ({ rail: { carriage: [corner] } }) => Math.hypot(...corner);
+    const scale = shown.rail ? sizeOf(shown) / sizeOf(this) : 1;
+    return [...links, this.rail.carriage.map(([dx, dy]) => [x + scale * dx, y + scale * dy])];
   }
 
   /** Return the walls in their positions at a frame: name → normal and offset [m]. */
