@@ -1,10 +1,10 @@
 """Does chain-impact work on this machine? ``python packaging/smoke.py`` in an environment that has it.
 
 It calls every public function once, and the command line, in a temporary folder, and needs no other file of
-the repository. A function without its package must name the missing package. The kernels of all kinds must
-give the same bits. ``--write FILE`` keeps the results, and ``--compare FILE`` says by how much those of
-another machine differ. With ``--traps``, which needs Linux on x86-64, an invalid operation, a division by
-zero or an overflow ends the process, as in a host that unmasks these exceptions.
+the repository. If an optional package is missing, the error of a function must name it. The kernels of all
+kinds must give the same bits. ``--write FILE`` keeps the results, and ``--compare FILE`` says by how much
+those of another machine differ. With ``--traps``, which needs Linux on x86-64, an invalid operation, a
+division by zero or an overflow ends the process, as in a host that unmasks these exceptions.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from chain_impact.kernel.chain.joints import first_joint, joint_armature, joint_
 from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points
 from chain_impact.kernel.chain.state import omega_at, relative
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.forces.contact import set_joint_top
+from chain_impact.kernel.forces.contact import set_joint_square
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, maximum_of
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
@@ -215,8 +215,8 @@ def update_load_peaks(d):
     for k in range(touch.active_count):
         c = touch.active_index[k]
         for i in range(first_joint(d), d.links):
-            if transmitted.top[i] > touch.joint_top[c]:
-                set_joint_top(d, c, transmitted.top[i], i + 1)
+            if transmitted.top[i] > touch.joint_square[c]:
+                set_joint_square(d, c, transmitted.top[i], i + 1)
     # this call leaves the forces, and the values that follow from them, at the end of the step
     load_joints_at(d, fraction(d, d.step.end))
     ensure_points(d)
@@ -231,7 +231,7 @@ def search_step(d):
     """
     transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):
-        least = min(least, d.touch.joint_top[d.touch.active_index[k]])
+        least = min(least, d.touch.joint_square[d.touch.active_index[k]])
     for i in range(d.links):
         transmitted.top[i] = min(transmitted.peak[i], least)
     search_peaks(d, d.step.end)

@@ -293,5 +293,5 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
     log.max_penetration[entry] = max_penetration / arm
     log.effective_mass[entry] = touch.effective_mass[c] * arm * arm
     log.impulse[entry] = (impulse - d.quadrature.impulse_at_onset[c]) * arm
-    log.joint_force[entry] = math.sqrt(touch.joint_top[c]) if touch.joint_top[c] > 0.0 else 0.0
+    log.joint_force[entry] = math.sqrt(touch.joint_square[c]) if touch.joint_square[c] > 0.0 else 0.0
     log.joint[entry] = touch.joint[c]

@@ -156,7 +156,7 @@ def choose_size(d, onset, goes_on):
     Args:
         d: the instance.
         onset: the candidate with an onset among the events, the last one in their order; −1 if there is no
-        onset.
+            onset.
         goes_on: whether the proposed size remains valid if there is no onset.
     """
     if d.touch.active_count == 0:

@@ -110,7 +110,7 @@ def latch_onset(d, c):
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     set_rates(d, c, -gap_rate, 1.0)  # 1: the force rises at the onset
     set_extremes(d, c, 0.0, 0.0)
-    set_joint_top(d, c, 0.0, 0)
+    set_joint_square(d, c, 0.0, 0)
     touch.effective_mass[c] = effective_mass(d, c)
     latch(d, c)
     touch.active[c] = 1
@@ -177,12 +177,12 @@ def set_extremes(d, c, peak_force, max_penetration):
     d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
 
 
-def set_joint_top(d, c, top, joint):
+def set_joint_square(d, c, top, joint):
     """Set the largest square of a force [N²] in any joint during the contact of candidate c.
 
     ``joint`` is the number of the joint, 1…N, or 0 for none.
     """
-    d.touch.joint_top[c], d.touch.joint[c] = top, joint
+    d.touch.joint_square[c], d.touch.joint[c] = top, joint
 
 
 def cross_kink(d, c):

@@ -119,7 +119,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("number", INTEGER, (candidates,)),  # number of the onset among all onsets, counted from 1
         ("peak_force", REAL, (candidates,)),  # N, peak force so far
         ("max_penetration", REAL, (candidates,)),  # m, largest penetration so far
-        ("joint_top", REAL, (candidates,)),  # N², largest square of a joint force during the contact
+        ("joint_square", REAL, (candidates,)),  # N², largest square of a joint force during the contact
         ("joint", INTEGER, (candidates,)),  # number of the joint with the largest force, 1…N; 0 for none
         # m, errors in the clearances of the active contacts by the two error estimates of a tried step,
         # packed

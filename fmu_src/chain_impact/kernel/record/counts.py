@@ -6,7 +6,7 @@ from typing import NamedTuple
 class Counts(NamedTuple):
     """The counts, in their order in the record; comments in the kernel use the letters.
 
-    pages/browser/scene/owners.js computes the same counts for a scene in a browser.
+    The table variables/owners.py has the rules for the counts of a scene, in Python and in a browser.
     """
 
     links: int  # N

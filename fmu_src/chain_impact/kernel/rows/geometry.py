@@ -308,7 +308,7 @@ def length_bound(d, vectors):
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
-    if d.model.has_stops:
+    if d.model.has_stops:  # the places of other joints have no clearances
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
             most = max(most, abs(vectors.x[k]))
     for k in range(site_place(d, 0), site_place(d, d.sites)):
@@ -345,6 +345,7 @@ def faces_base(d, c):
 
     Wall and base can meet if one of the two moves.
     """
+    # the candidates of each wall are in the order of the points
     first = at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]
     return first and (d.model.base_moves or d.shift.channel[c] >= 0)
 

@@ -7,7 +7,7 @@ jumps, which may be larger than the values on both sides.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.forces.contact import contact_force, set_extremes, set_joint_top
+from chain_impact.kernel.forces.contact import contact_force, set_extremes, set_joint_square
 from chain_impact.kernel.loads import set_load_peak, square_of_force
 from chain_impact.kernel.ode.last_step import delay_start
 from chain_impact.kernel.rows.geometry import clearance
@@ -29,8 +29,8 @@ def forget_peaks(t, delay):
             set_load_peak(t, i, unknown(peak, delay))
         for k in range(t.touch.active_count):
             c = t.touch.active_index[k]
-            if at_end >= value(t.touch.joint_top[c]):
-                set_joint_top(t, c, unknown(t.touch.joint_top[c], delay), t.touch.joint[c])
+            if at_end >= value(t.touch.joint_square[c]):
+                set_joint_square(t, c, unknown(t.touch.joint_square[c], delay), t.touch.joint[c])
     if t.touch.compliant_count > 0:
         locate_points(t, t.step.state_end)
     for k in range(t.touch.active_count):
