@@ -40,6 +40,7 @@ export class GridMap {
   #engines = []; // the workers that are in use
   #touched; // the run at which a finger has pointed
   #chosen; // the run that the keyboard has chosen
+  #refuses = false; // whether the text tells why the fields are refused
 
   /** `begin` is a function that makes an engine. */
   constructor(begin, changes) {
@@ -90,6 +91,7 @@ export class GridMap {
   /** Fill the lists with the parameters and outputs of the scene; the map of another scene is removed. */
   #fill() {
     this.#stop();
+    this.#refuses = false;
     this.shown = undefined;
     this.drawing.clear();
     find("map-files").hidden = true;
@@ -127,9 +129,11 @@ export class GridMap {
     try {
       request = this.#requestOf(points);
     } catch (error) {
+      this.#refuses = true;
       this.#say(`${error.message}.`);
       return;
     }
+    this.#refuses = false;
     this.#stop();
     this.#touched = this.#chosen = undefined;
     const shown = { ...request, points, results: Array(points * points), faults: new Map(), rows: 0 };
@@ -141,6 +145,7 @@ export class GridMap {
     const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
     if (shown !== this.shown) return;
     this.#stop();
+    if (this.#refuses) return; // the text tells why fields are refused that were changed in the meantime
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
     const summary = points === POINTS
       ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.`
@@ -212,7 +217,7 @@ export class GridMap {
       if (fault) this.shown.faults.set(index, fault);
     }
     this.shown.rows += 1;
-    this.#say(`${this.shown.rows} of ${points} rows`);
+    if (!this.#refuses) this.#say(`${this.shown.rows} of ${points} rows`);
     this.#draw();
   }
 
