@@ -293,5 +293,5 @@ def momenta(result):
 def balance(result):
     """Return the largest change of the energy balance, over the largest energy of the motion."""
     energy = result.energy
-    balance = energy["total"] + energy["dissipated"] - energy["supplied"]
-    return np.ptp(balance) / max(energy["kinetic"].max(), np.ptp(energy["potential"]))
+    ledger = energy["total"] + energy["dissipated"] - energy["supplied"]
+    return np.ptp(ledger) / max(energy["kinetic"].max(), np.ptp(energy["potential"]))
