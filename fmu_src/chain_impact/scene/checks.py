@@ -20,7 +20,7 @@ from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_t
 from chain_impact.scene.reading import SceneError, no_wall, refusal, shown
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
-from chain_impact.scene.tables import Chain, Contact, Material, Stops
+from chain_impact.scene.tables import ChainTable, Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 # A link longer than LONG [m] with less mass per length than LIGHT [kg/m] is probably given in mm: only a long
@@ -45,7 +45,7 @@ def check(scene: Contents) -> None:
         raise SceneError("; ".join([str(error), *angle_hints(scene)]), error.path) from None
 
 
-def check_masses(chain: Chain) -> None:
+def check_masses(chain: ChainTable) -> None:
     """Refuse links without inertia that can turn without moving any mass: see kernel/chain/inertia.py.
 
     Nothing would determine their angular acceleration.
@@ -178,7 +178,7 @@ def _refuse_table(scene: Contents) -> None:
             raise refusal(("stops", entry.name), "no_stops", value=shown(value))
 
 
-def _check_links(chain: Chain) -> None:
+def _check_links(chain: ChainTable) -> None:
     joint, key = chain.stops[0]
     if joint == 1 and chain.base == "free":
         raise refusal(("chain", "links", 0, key), "no_joint", value=getattr(chain.links[0], key))

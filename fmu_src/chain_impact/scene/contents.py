@@ -22,7 +22,7 @@ from chain_impact.scene.tables import (
     MODEL_NAME,
     XML_TEXT,
     Box,
-    Chain,
+    ChainTable,
     Contact,
     Initial,
     Inputs,
@@ -49,7 +49,7 @@ class Contents:
     license: str = quantity("", "license of the model, for its FMU", "", matching=XML_TEXT)
     version: str = quantity("", "version of the model, for its FMU", "", matching=XML_TEXT)
     gravity: tuple[float, float] = quantity("m/s2", "acceleration of gravity", (0.0, -9.81))
-    chain: Chain
+    chain: ChainTable
     box: Box
     walls: tuple[Wall, ...] = quantity("", "walls at any angle, beside the box or in place of it", ())
     contact: Contact

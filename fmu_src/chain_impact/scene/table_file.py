@@ -16,7 +16,7 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, decimal_comma, shown
 from chain_impact.scene.text_file import check_separator, likely_time, text_of
 
-Source = str | Path | Mapping[str, Sequence[Any]]
+TableSource = str | Path | Mapping[str, Sequence[Any]]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
 TIME = "time"
 # a table that lasts longer than the run by this factor cannot be in seconds: with times in milliseconds the
@@ -90,7 +90,7 @@ class Table:
         return number
 
 
-def read_table(source: Source) -> Table:
+def read_table(source: TableSource) -> Table:
     """Return the table of a CSV file with a head line, of a Parquet file, or of columns in Python.
 
     Raises:

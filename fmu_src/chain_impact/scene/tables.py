@@ -127,7 +127,7 @@ class Slider:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Chain:
+class ChainTable:
     """The links from base to tip, and the kind of base."""
 
     base: str = quantity(

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from chain_impact.kernel.forces.inputs import CONTINUES, REINITIALIZE
 from chain_impact.scene.names import AXES, DataPath, input_asked
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.table_file import TIME, Source, gap_hints, read_table, samples_of
+from chain_impact.scene.table_file import TIME, TableSource, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
 from chain_impact.simulation.motions import (
@@ -33,7 +33,7 @@ from chain_impact.variables.prepared import PreparedScene
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
-Given = Mapping[str, Signal] | Source
+Given = Mapping[str, Signal] | TableSource
 """Inputs by their names, or a table with the column ``time`` and a column for each input."""
 Interpolation = Literal["follow", "hold", "linear"]
 """How an input acts between its samples, or between the calls of its function: see ``simulate``."""
@@ -138,7 +138,7 @@ def input_course(
     """
     scene = prepared.scene
     if not isinstance(inputs, Mapping) or TIME in inputs:
-        inputs = _columns(cast("Source", inputs), scene.simulation.stop_time)
+        inputs = _columns(cast("TableSource", inputs), scene.simulation.stop_time)
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
@@ -212,7 +212,7 @@ def input_course(
     )
 
 
-def _columns(table: Source, stop: float) -> Mapping[str, Signal]:
+def _columns(table: TableSource, stop: float) -> Mapping[str, Signal]:
     """Return the columns of a table of inputs, by the names of the inputs."""
     read = read_table(table)
     times, columns = samples_of(read, stop)

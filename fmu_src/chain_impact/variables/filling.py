@@ -25,7 +25,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import Chain, Contact, Link, Slider
+from chain_impact.scene.tables import ChainTable, Contact, Link, Slider
 from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
@@ -145,7 +145,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
 
 
-def _chains_differ(first: Chain, second: Chain) -> bool:
+def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
     """Return whether two chains differ in anything other than numbers that can be written alone."""
     if first is second:
         return False

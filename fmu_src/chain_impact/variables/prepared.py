@@ -354,7 +354,7 @@ class PreparedScene:
 def kernel_size(scene: Scene) -> int:
     """Return the size by which ``kernel_library`` finds the kernel of a scene: its number of links.
 
-    The size is ``GENERAL`` if the base or a wall moves, signals drive inputs, or ``Chain.is_body`` is true.
+    The size is ``GENERAL`` if the base or a wall moves, signals drive inputs, or the chain ``is_body``.
     """
     moves = scene.inputs.base_motion or scene.moving_walls
     return GENERAL if moves or scene.chain.is_body or scene.signals else len(scene.chain.links)

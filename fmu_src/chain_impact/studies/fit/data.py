@@ -14,7 +14,7 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.table_file import Source, Table, is_table, read_table
+from chain_impact.scene.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.text_file import likely_time
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
 from chain_impact.variables.prepared import PreparedScene
@@ -144,7 +144,7 @@ class Measurements:
 
 
 def read_measurements(
-    sources: Source | Sequence[Source],
+    sources: TableSource | Sequence[TableSource],
     scene: Scene,
     sigma: Mapping[str, float | str],
     columns: Sequence[str] | None = None,
@@ -166,7 +166,7 @@ def read_measurements(
         SceneError: when a table cannot be used.
         OSError: when a file cannot be read.
     """
-    several = cast("Sequence[Source]", [sources] if is_table(sources) else sources)
+    several = cast("Sequence[TableSource]", [sources] if is_table(sources) else sources)
     tables = [read_table(source) for source in several]
     source = "+".join(table.source for table in tables)
     measured = [name for table in tables for name in _value_columns(table)]

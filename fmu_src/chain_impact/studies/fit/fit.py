@@ -14,7 +14,7 @@ from chain_impact.progress import Progress, silent
 from chain_impact.recording.text import plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
-from chain_impact.scene.table_file import Source, is_table
+from chain_impact.scene.table_file import TableSource, is_table
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
@@ -37,7 +37,7 @@ OF_FORCE = ("peak_force", "max_penetration")
 
 def fit(
     scene: SceneSource,
-    data: Source | Sequence[Source | Sequence[Source]],
+    data: TableSource | Sequence[TableSource | Sequence[TableSource]],
     free: Sequence[str],
     *,
     free_each: Sequence[str] = (),
@@ -201,9 +201,11 @@ def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
     return on_bounds if np.array_equal(on_bounds.usable, at.usable) else at
 
 
-def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | Sequence[Source]]:
+def _runs(
+    data: TableSource | Sequence[TableSource | Sequence[TableSource]],
+) -> list[TableSource | Sequence[TableSource]]:
     """Return the tables of each data set."""
-    runs = list(cast("Iterable[Source | Sequence[Source]]", [data] if is_table(data) else data))
+    runs = list(cast("Iterable[TableSource | Sequence[TableSource]]", [data] if is_table(data) else data))
     if not runs:
         raise SceneError("data: must be at least one table")
     return runs
