@@ -99,12 +99,12 @@ def all_kinds_of_kernels_give_the_same_bits() -> str:
         found = ready.find(ready.library_name(size, system.HOST, what=kind))
         if found is None:
             continue
-        kernel, block = load_kernel(found), PreparedScene(scene).new_instance()
-        assert kernel.initialize(block.ctypes.data, 0.0) == 0
-        assert kernel.advance(block.ctypes.data, 2.0) == 0
-        assert kernel.observe(block.ctypes.data) == 0
-        assert block[0]["impact"]["count"] > 1
-        blocks[found.name] = block.tobytes()
+        kernel, memory = load_kernel(found), PreparedScene(scene).new_instance()
+        assert kernel.initialize(memory.ctypes.data, 0.0) == 0
+        assert kernel.advance(memory.ctypes.data, 2.0) == 0
+        assert kernel.observe(memory.ctypes.data) == 0
+        assert memory[0]["impact"]["count"] > 1
+        blocks[found.name] = memory.tobytes()
     assert len(set(blocks.values())) <= 1, f"not the same: {', '.join(blocks)}"
     return f"{len(blocks)} kernels"
 
@@ -117,16 +117,16 @@ def a_process_that_rounds_upwards() -> None:
         instance.kernel_for(scene, derivatives=False),
     )
     for rounding in (0, UPWARDS.get(system.HOST, 0x400000)):
-        block = PreparedScene(scene).new_instance()
+        memory = PreparedScene(scene).new_instance()
         assert c.fesetround(rounding) == 0
         try:
-            assert kernel.initialize(block.ctypes.data, 0.0) == 0
-            assert kernel.advance(block.ctypes.data, 2.0) == 0
-            assert kernel.observe(block.ctypes.data) == 0
+            assert kernel.initialize(memory.ctypes.data, 0.0) == 0
+            assert kernel.advance(memory.ctypes.data, 2.0) == 0
+            assert kernel.observe(memory.ctypes.data) == 0
             assert c.fegetround() == rounding
         finally:
             c.fesetround(0)
-        blocks.append(block.tobytes())
+        blocks.append(memory.tobytes())
     assert blocks[0] == blocks[1]
 
 

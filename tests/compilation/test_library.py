@@ -75,13 +75,13 @@ def test_a_kernel_for_any_number_of_links_gives_the_same_bits_as_one_for_four():
     scene = load_scene("four_link_box")
     outputs = []
     for path in (kernel_library(4), kernel_library(ready.LARGEST_EXACT + 1)):
-        block, kernel = PreparedScene(scene).new_instance(), load_kernel(path)
-        assert kernel.initialize(block.ctypes.data, 0.0) == 0
-        assert kernel.advance(block.ctypes.data, 1.0) == 0
-        assert kernel.observe(block.ctypes.data) == 0
-        outputs.append(block.tobytes())
+        memory, kernel = PreparedScene(scene).new_instance(), load_kernel(path)
+        assert kernel.initialize(memory.ctypes.data, 0.0) == 0
+        assert kernel.advance(memory.ctypes.data, 1.0) == 0
+        assert kernel.observe(memory.ctypes.data) == 0
+        outputs.append(memory.tobytes())
     assert outputs[0] == outputs[1]
-    assert block[0]["impact"]["count"] > 1
+    assert memory[0]["impact"]["count"] > 1
 
 
 def test_the_number_of_candidates_is_no_part_of_a_kernel():

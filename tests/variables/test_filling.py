@@ -14,7 +14,7 @@ MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "co
 
 
 def from_nothing(scene):
-    filling._kept.clear()
+    filling._cache.clear()
     return PreparedScene(scene)
 
 
@@ -88,9 +88,9 @@ def test_a_scene_finds_what_is_kept_of_an_earlier_one():
     outputs = from_nothing(first).outputs
     assert PreparedScene(other).outputs
     assert PreparedScene(first.with_values({"contact.restitution": 0.5})).outputs is outputs
-    for number in range(2 * filling.MOST_KEPT):
+    for number in range(2 * filling.MOST_CACHED):
         PreparedScene(other.with_values({"outputs.impacts": number}))
-    assert len(filling._kept) == filling.MOST_KEPT
+    assert len(filling._cache) == filling.MOST_CACHED
 
 
 def test_a_record_is_ones_own():

@@ -115,14 +115,14 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
     prepared = PreparedScene(BOX)
     names = [f"link[{i}].mass" for i in range(1, 5)] + ["contact.stiffness", "link[2].length"]
     varied = prepared.varied_by(names)
-    plain, block = prepared.new_instance([])[0], prepared.new_instance(varied)[0]
+    plain, memory = prepared.new_instance([])[0], prepared.new_instance(varied)[0]
     count = -(-len(names) // DIRECTIONS)
-    assert (plain["tangents"], block["tangents"]) == (0, count)
-    behind = block[block.dtype.names[-1]]
+    assert (plain["tangents"], memory["tangents"]) == (0, count)
+    behind = memory[memory.dtype.names[-1]]
     assert behind.shape == (count,)
     for name in plain.dtype.names:
         if name != "tangents":
-            assert block[name].tobytes() == plain[name].tobytes()
+            assert memory[name].tobytes() == plain[name].tobytes()
 
     def check(source, duals):
         for name in set(source.dtype.names) - {"tangents"}:

@@ -91,7 +91,7 @@ class DifferentiatedInstance(Instance):
             SimulationError: when the scene cannot start.
         """
         for path, value in zip(paths, values, strict=True):
-            self.words[word_index(self._block.dtype, path)] = value
+            self.words[word_index(self._memory.dtype, path)] = value
         self.initialize()
 
     def slope_words(self, words: np.ndarray) -> np.ndarray:
@@ -103,7 +103,7 @@ class DifferentiatedInstance(Instance):
         Returns:
             Indices of shape (W · P,); the derivatives of one output come one after the other.
         """
-        layout, tangent = self._block.dtype, self._tangents.dtype
+        layout, tangent = self._memory.dtype, self._tangents.dtype
         tangents, directions = np.divmod(np.arange(len(self.parameters)), DIRECTIONS)
         first = (
             first_word(layout, BEHIND) + tangents * (tangent.itemsize // WORD) + first_word(tangent, "output")

@@ -161,10 +161,10 @@ class Instance:
         self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied), sizes=size)
         self.initialize()
 
-    def _use(self, block: np.ndarray) -> None:
+    def _use(self, memory: np.ndarray) -> None:
         """Use an array of one record as the memory of the instance."""
-        self._block, self.record, self._address = block, block[0], block.ctypes.data
-        self.words = np.ndarray(block.nbytes // WORD, np.float64, block)
+        self._memory, self.record, self._address = memory, memory[0], memory.ctypes.data
+        self.words = np.ndarray(memory.nbytes // WORD, np.float64, memory)
         self._integers = self.words.view(np.int64)
 
     def initialize(self) -> None:
@@ -186,13 +186,13 @@ class Instance:
         if not self.record["given"]["changed"]:
             status: int = self._kernel.observe(self._address)
             return status
-        tried = self._block.copy()  # a copy, because reading outputs must not change the run
+        tried = self._memory.copy()  # a copy, because reading outputs must not change the run
         status = self._kernel.observe(tried.ctypes.data)
         self.record["fault"] = tried[0]["fault"]
         self.record["output"] = tried[0]["output"]
         self.record["stops"]["restitution"] = tried[0]["stops"]["restitution"]
         if self.record["tangents"]:
-            self._block[0][BEHIND]["output"] = tried[0][BEHIND]["output"]
+            self._memory[0][BEHIND]["output"] = tried[0][BEHIND]["output"]
         return status
 
     def is_sound(self, words: np.ndarray) -> bool:
@@ -375,12 +375,12 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctype
     return kernel
 
 
-def sizes_of(block: np.ndarray) -> tuple[int, ...]:
+def sizes_of(memory: np.ndarray) -> tuple[int, ...]:
     """Return the counts and flags at the start of a record, for a kernel with exactly these sizes.
 
     The number of tangent instances, which is the last of these words, is left out.
     """
-    return tuple(block.view(np.int64)[: HEAD - 1].tolist())
+    return tuple(memory.view(np.int64)[: HEAD - 1].tolist())
 
 
 def load_kernel(library: Path) -> ctypes.CDLL:

@@ -36,7 +36,7 @@ from chain_impact.variables.structure import Structure
 
 
 @dataclass
-class Kept:
+class Common:
     """What scenes have in common that differ only in numbers.
 
     Attributes:
@@ -51,9 +51,9 @@ class Kept:
     record: tuple[Scene, np.ndarray] | None = None
 
 
-_kept: list[Kept] = []
-"""What is kept of the last scenes that differ in more than numbers, the newest first."""
-MOST_KEPT = 16
+_cache: list[Common] = []
+"""One entry for each of the last scenes that differ in more than numbers, the newest first."""
+MOST_CACHED = 16
 _GIVEN_IF = {
     kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
 }
@@ -90,41 +90,41 @@ _OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
 which walls the points can reach."""
 
 
-def kept_of(scene: Scene) -> Kept:
-    """Return what is kept of the scenes that differ from a scene only in numbers."""
-    for kept in tuple(_kept):
-        if changed_numbers(kept.scene, scene) is not None:
-            return kept
-    new = Kept(scene)  # another thread may insert its own at the same time
-    _kept.insert(0, new)
-    del _kept[MOST_KEPT:]
+def common_of(scene: Scene) -> Common:
+    """Return what the scenes have in common that differ from a scene only in numbers."""
+    for common in tuple(_cache):
+        if changed_numbers(common.scene, scene) is not None:
+            return common
+    new = Common(scene)  # another thread may insert its own at the same time
+    _cache.insert(0, new)
+    del _cache[MOST_CACHED:]
     return new
 
 
-def new_record(scene: Scene, structure: Structure, kept: Kept) -> np.ndarray:
+def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray:
     """Return an uninitialized instance with the parameters of a scene, an array with one record.
 
     Args:
         scene: the scene.
         structure: the structure of the scene.
-        kept: what is kept of the scene.
+        common: the entry of the cache to which the scene belongs.
     """
-    sizes, last = structure.counts, kept.record
+    sizes, last = structure.counts, common.record
     layout, changed = layout_of(*sizes), changed_numbers(last[0], scene) if last else None
     if last is None or changed is None:
         words = np.zeros(layout.itemsize // WORD)
-        # ``block.view`` would compare the types first, which takes longer than the rest of this function
-        block = np.ndarray(1, layout, words)
-        _fill(block[0], scene, structure)
+        # ``memory.view`` would compare the types first, which takes longer than the rest of this function
+        memory = np.ndarray(1, layout, words)
+        _fill(memory[0], scene, structure)
         for table in _tables():
             _write(table, words, scene, sizes)
-        kept.record = scene, words.copy()
+        common.record = scene, words.copy()
     else:
         words = last[1].copy()
-        block = np.ndarray(1, layout, words)
+        memory = np.ndarray(1, layout, words)
         for table in changed:
             _write(table, words, scene, sizes)
-    return block
+    return memory
 
 
 def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
@@ -293,7 +293,7 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
     words[indices] = [number for read in readers for number in read(scene)]
 
 
-@lru_cache(MOST_KEPT * len(keys(Scene)))
+@lru_cache(MOST_CACHED * len(keys(Scene)))
 def _words_of(
     table: str, sizes: Counts, lines: int, slides: bool, met: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
@@ -328,20 +328,20 @@ def _law_number(name: str) -> int:
     return law.number if law else USER_LAW
 
 
-def with_tangents(block: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
+def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
     """Return an instance with the tangent instances, which follow it in memory, for derivatives.
 
     ``paths`` are the paths of the parameters in the record. Each parameter has its own direction: there its
     derivative is 1, and the derivatives of all other parameters are 0.
     """
-    layout, count = block.dtype, -(-len(paths) // DIRECTIONS)
+    layout, count = memory.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()
     behind = (BEHIND, tangent_dtype(layout), (count,))
     whole = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), behind]))
-    block["tangents"] = count
+    memory["tangents"] = count
     for name in names:
-        whole[name] = block[name]
-    _copy_values(block[0], whole[0][BEHIND])
+        whole[name] = memory[name]
+    _copy_values(memory[0], whole[0][BEHIND])
     for number, path in enumerate(paths):
         field: Any = whole[0][BEHIND][number // DIRECTIONS]
         for step in path:

@@ -21,7 +21,7 @@ from chain_impact.scene.reading import matches, matching
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.signals import driven_by
 from chain_impact.scene.tables import Outputs
-from chain_impact.variables.filling import kept_of, new_record, with_tangents
+from chain_impact.variables.filling import common_of, new_record, with_tangents
 from chain_impact.variables.hints import Hint, of_series, output_hint, parts_hint
 from chain_impact.variables.indices import (
     WORD,
@@ -52,7 +52,7 @@ def _common(part: Callable[[PreparedScene], Part]) -> cached_property[Part]:
 
     @wraps(part)
     def found(prepared: PreparedScene) -> Part:
-        parts = prepared._kept.parts
+        parts = prepared._shared.parts
         if part.__name__ not in parts:
             parts[part.__name__] = part(prepared)
         common: Part = parts[part.__name__]
@@ -69,8 +69,8 @@ class PreparedScene:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, self._kept = scene, kept_of(scene)
-        vars(self).update(self._kept.parts)
+        self.scene, self._shared = scene, common_of(scene)
+        vars(self).update(self._shared.parts)
 
     def __eq__(self, other: object) -> bool:
         """Return whether another prepared scene has an equal scene."""
@@ -334,8 +334,8 @@ class PreparedScene:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
-        block = new_record(self.scene, self.structure, self._kept)
-        return with_tangents(block, [variable.set_path for variable in varied]) if varied else block
+        memory = new_record(self.scene, self.structure, self._shared)
+        return with_tangents(memory, [variable.set_path for variable in varied]) if varied else memory
 
     def _named(
         self,
