@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
-from chain_impact.pictures import drawn
+from chain_impact.pictures import draw_figure
 from chain_impact.pictures.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, headline
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -112,7 +112,7 @@ def draw(folder: Path) -> None:
     """Draw all charts, each as <model>.png."""
     for model, fill in CHARTS.items():
         with mpl.rc_context(STYLE):
-            drawn(fill, folder / f"{model}.png", usual=SIZE)
+            draw_figure(fill, folder / f"{model}.png", usual=SIZE)
 
 
 if __name__ == "__main__":

@@ -88,9 +88,9 @@ def _value(kind: Any, rule: Any) -> dict[str, Any]:
         choices = {"enum": list(rule["choices"])}
         # an editor offers the choices, and a file may contain another name
         return rules | ({"anyOf": [choices, {"minLength": 1}]} if rule["extended_by"] else choices)
-    if rule["matching"] is not None:
+    if rule["pattern"] is not None:
         # TOML has no surrogates, and Taplo's regular expressions cannot contain surrogates
-        rules["pattern"] = "^({})$".format(rule["matching"][0].replace(r"\uD800-\uDFFF", ""))
+        rules["pattern"] = "^({})$".format(rule["pattern"][0].replace(r"\uD800-\uDFFF", ""))
     return rules
 
 

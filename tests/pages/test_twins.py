@@ -15,7 +15,7 @@ import pytest
 import quickjs
 
 from chain_impact import load_scene, model_names, simulate
-from chain_impact.pages.drawn import GROUPS, drawn
+from chain_impact.pages.drawn import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts, text_of
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.film_figure import CHAIN, FORCE, MUTED, TIP
@@ -205,7 +205,7 @@ def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script,
 def test_the_quantities_that_are_drawn(script, source):
     scene = {"knee": knee, "sled": sled}.get(source, partial(load_scene, source))()
     scene = scene.with_values({"outputs.loads": True, "simulation.stop_time": 1e-3})
-    known = drawn(simulate(scene).columns)
+    known = drawn_entries(simulate(scene).columns)
     assert known.keys() == set(GROUPS)
     for group, entries in script.evaluate(DRAWN, page_contents(scene)):
         found = {(n, name): set(names) for n, name, names in entries}

@@ -28,7 +28,7 @@ def recorded(model):
 
 def write(recording, path):
     """Write the picture of a recording to a file."""
-    figures.drawn(functools.partial(fill, recording=recording), path)
+    figures.draw_figure(functools.partial(fill, recording=recording), path)
 
 
 def hit(time, point, wall, speed):
@@ -75,7 +75,7 @@ def drawn(recording):
     The page has the usual size. It is drawn once and cached.
     """
     if id(recording) not in _PAGES:
-        page = figures.drawn(functools.partial(fill, recording=recording), usual=usual_size(recording))
+        page = figures.draw_figure(functools.partial(fill, recording=recording), usual=usual_size(recording))
         page.draw_without_rendering()
         # the recording is kept, too, so that no other recording gets the same id
         _PAGES[id(recording)] = recording, page

@@ -16,7 +16,7 @@ from chain_impact import (
     record_fmu,
 )
 from chain_impact.scene.angles import in_radians, radians_hint
-from chain_impact.scene.reading import shown
+from chain_impact.scene.reading import value_text
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.scene_file import updated
@@ -192,7 +192,7 @@ def test_a_fitted_scene_file_keeps_degrees_that_do_not_change(arm):
 def test_what_is_no_angle_is_refused_with_the_form(arm):
     needed = 'must be a finite number [rad], or text in degrees as "90 deg"'
     for wrong in ("90 grad", "90 deg/s", "1e999 deg", True):
-        assert refusal(arm.with_values, {ANGLE: wrong}) == f"Arm: {ANGLE} = {shown(wrong)} {needed}"
+        assert refusal(arm.with_values, {ANGLE: wrong}) == f"Arm: {ANGLE} = {value_text(wrong)} {needed}"
     needed = 'must be a finite number [rad/s], or text in degrees as "90 deg/s"'
     assert refusal(Chain(arm).set, {RATE: "90 deg"}) == f"Arm: {RATE} = '90 deg' {needed}"
     assert refusal(variations_of, arm, {RATE: ["90 deg"]}) == f"Arm: {RATE} = 90 deg {needed}"

@@ -34,13 +34,14 @@ def test_what_a_row_names_is_there(kind):
 
 
 def test_all_of_a_kind_are_described_at_once():
-    found = {one.kind.pattern: one.of_its_kind for one in PreparedScene(EVERYTHING).variables}
+    found = {one.kind.pattern: one.kind_description for one in PreparedScene(EVERYTHING).variables}
     assert found["link[i].length"] == "link i: length; must be > 0"
     assert found["wall.<wall>.x"] == "wall at any angle: x of a point on the wall"
     assert found["contact[k].<wall>.penetration"] == "point k at a wall: penetration, 0 when apart"
     assert found["joint[i].angle"] == "joint i: angle of link i relative to the link before"
     pinned = {
-        one.kind.pattern: one.of_its_kind for one in PreparedScene(load_scene("triple_pendulum")).variables
+        one.kind.pattern: one.kind_description
+        for one in PreparedScene(load_scene("triple_pendulum")).variables
     }
     assert pinned["joint[i].angle"] == "joint i: angle of link i relative to the link before, or the ground"
 
@@ -49,7 +50,9 @@ def test_the_derivatives_of_a_kind_are_a_kind():
     prepared = PreparedScene(
         load_scene("four_link_box").with_values({"outputs.sensitivities": ["link[*].mass"]})
     )
-    kinds = {one.kind.pattern: one.of_its_kind for one in prepared.variables if one.name.startswith("sens")}
+    kinds = {
+        one.kind.pattern: one.kind_description for one in prepared.variables if one.name.startswith("sens")
+    }
     assert (
         kinds["sensitivity.link[i].mass.point[k].x"]
         == "derivative of point[k].x with respect to link[i].mass"

@@ -29,7 +29,7 @@ from chain_impact.recording.summary import (
     load_lines,
     passing_lines,
 )
-from chain_impact.recording.text import Table as TextTable, plural
+from chain_impact.recording.text import TextTable, plural
 from chain_impact.results.result import Result
 from chain_impact.scene.tables import Box
 from chain_impact.scene.unit_text import unit_text

@@ -261,11 +261,11 @@ def report(
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
     """Draw the derivatives of a recording, or else its motion with energies and impacts."""
-    from chain_impact.pictures import SIZE, drawn, fill, fill_sensitivities, usual_size
+    from chain_impact.pictures import SIZE, draw_figure, fill, fill_sensitivities, usual_size
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
     usual = SIZE if has_derivatives else usual_size(recording, size=canvas.size)
-    canvas.draw(partial(drawn, fill_page, usual=usual), fill_page)
+    canvas.draw(partial(draw_figure, fill_page, usual=usual), fill_page)
 
 
 def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
@@ -280,11 +280,11 @@ def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
 
 def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
     """Draw curves, or refuse outputs that no picture can show."""
-    from chain_impact.pictures import curves_size, drawn, fill_curves
+    from chain_impact.pictures import curves_size, draw_figure, fill_curves
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
     try:
-        canvas.draw(partial(drawn, fill_page, usual=curves_size(curves)), fill_page)
+        canvas.draw(partial(draw_figure, fill_page, usual=curves_size(curves)), fill_page)
     except ValueError as error:
         raise UsageError(str(error)) from None
 

@@ -127,7 +127,7 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
     for variable in variables:
         variables_of_kind.setdefault(variable.kind.pattern, []).append(variable)
     return [
-        (kind, str(len(some)), some[0].causality, unit_text(some[0].unit), some[0].of_its_kind)
+        (kind, str(len(some)), some[0].causality, unit_text(some[0].unit), some[0].kind_description)
         for kind, some in variables_of_kind.items()
     ]
 

@@ -38,7 +38,7 @@ if unknown := DRAWN.keys() - _NAMES:
     raise KeyError(f"no outputs: {', '.join(sorted(unknown))}")
 
 
-def drawn(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str, Any]]]:
+def drawn_entries(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str, Any]]]:
     """Return group → its entries, from the columns of a recording.
 
     An entry has the number ``n`` and the ``name`` of its owner (0 and "" without them), and its ``columns``:

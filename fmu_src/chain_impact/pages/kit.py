@@ -139,7 +139,7 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
     limits = {
         name: rule[name] for name in ("minimum", "above", "maximum", "choices") if rule[name] is not None
     }
-    pattern = {"pattern": f"^(?:{rule['matching'][0]})$"} if rule["matching"] else {}
+    pattern = {"pattern": f"^(?:{rule['pattern'][0]})$"} if rule["pattern"] else {}
     if rule["unit_by"]:
         limits["hasUnitOfInput"] = True
     return limits | pattern | {"kind": kind.__name__, "unit": rule["unit"], "allowed": allowed(kind, rule)}

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.pages.drawn import drawn
+from chain_impact.pages.drawn import drawn_entries
 from chain_impact.pages.encoding import encoded
 from chain_impact.pages.shared import FINEST, declaration
 from chain_impact.recording.joint_stops import JointRange
@@ -128,7 +128,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "y": _packed(points[:, :, 1]),
         "drawn": {
             group: [entry | found for entry in entries if (found := _column_data(entry["columns"]))]
-            for group, entries in drawn(recording.columns).items()
+            for group, entries in drawn_entries(recording.columns).items()
         },
         "impacts": impacts(recording),
         "walls": free_sides(recording.walls),

@@ -1,9 +1,9 @@
-"""Pictures of a recording: functions that fill figures, and ``drawn``, which writes a figure to a file."""
+"""Pictures of a recording: functions that fill figures, and ``draw_figure``, which makes figure or file."""
 
 from chain_impact.pictures.bars import bars_size, fill_bars
 from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
-from chain_impact.pictures.figures import SIZE, NoRoomError, check_alone, drawn
+from chain_impact.pictures.figures import SIZE, NoRoomError, check_alone, draw_figure
 from chain_impact.pictures.impact import SIZE as IMPACT_SIZE, fill_impact, fill_loop_axes
 from chain_impact.pictures.motion import draw_chain
 from chain_impact.pictures.overview import fill, fill_axes, usual_size
@@ -19,8 +19,8 @@ __all__ = [
     "check_alone",
     "curves_size",
     "draw_chain",
+    "draw_figure",
     "draw_walls",
-    "drawn",
     "fill",
     "fill_axes",
     "fill_bars",

@@ -60,7 +60,7 @@ class NoRoomError(ValueError):
         self.least = least
 
 
-def drawn(
+def draw_figure(
     fill: Fill,
     path: str | os.PathLike[str] | None = None,
     size: Size | None = None,

@@ -83,7 +83,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     Raises:
         ValueError: when a panel does not exist.
     """
-    shown = chosen(recording, panels)
+    shown = panels_to_draw(recording, panels)
     if title is not None:
         write_head(figure, recording, title)
     for foot_text in filter(None, (full_names(recording), SEPARATOR.join(recording.passing))):
@@ -157,7 +157,7 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     Raises:
         ValueError: when a panel does not exist, or the numbers of axes and panels differ.
     """
-    shown, given = chosen(recording, panels), np.ravel(axes).tolist()
+    shown, given = panels_to_draw(recording, panels), np.ravel(axes).tolist()
     if len(shown) != len(given):
         raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
     with drawn_into(given):
@@ -175,7 +175,7 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
                     NUMBERS[name](panel, recording, ink)
 
 
-def chosen(recording: Recording, panels: Sequence[str]) -> list[str]:
+def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
     """Return the panels to draw, in the order of PANELS."""
     for name in panels:
         if name not in PANELS:
@@ -196,7 +196,7 @@ def usual_size(
     Raises:
         ValueError: when a panel does not exist.
     """
-    shown = chosen(recording, panels)
+    shown = panels_to_draw(recording, panels)
     heights, ratio = heights_of(recording, shown), broadness(recording)
     if "motion" not in shown or not heights or (size and figure_size(size)[0] < WIDE):
         return SIZE

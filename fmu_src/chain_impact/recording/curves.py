@@ -10,8 +10,8 @@ import numpy as np
 from chain_impact.recording.course import Rerun
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.reading import matching
-from chain_impact.variables.hints import of_series
+from chain_impact.scene.reading import names_matching
+from chain_impact.variables.hints import series_hint
 from chain_impact.variables.prepared import PreparedScene
 
 # WITHIN: the number of additional times within an impact; FOLLOWED: the largest number of impacts that get
@@ -75,8 +75,10 @@ def curves_of(
         UnknownNameError: when no output matches one of the names.
         ValueError: when no impact has the number.
     """
-    hint = of_series(recording.output_hint)
-    like = (matching(recording.name, pattern, recording.columns, "no output", hint) for pattern in names)
+    hint = series_hint(recording.output_hint)
+    like = (
+        names_matching(recording.name, pattern, recording.columns, "no output", hint) for pattern in names
+    )
     chosen = list(dict.fromkeys(name for matches in like for name in matches))
     onset, low, high = window(recording, around)
     time = recording.time

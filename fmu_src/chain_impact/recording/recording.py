@@ -24,7 +24,7 @@ from chain_impact.recording.text import plural, what
 from chain_impact.scene.bodies import Rail
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
-from chain_impact.scene.reading import matching
+from chain_impact.scene.reading import names_matching
 from chain_impact.system import written_whole
 from chain_impact.variables.hints import output_hint
 
@@ -340,7 +340,8 @@ class Recording:
         if output is not None:
             wanted = [output] if isinstance(output, str) else list(output)
             matches = (
-                matching(self.name, pattern, columns, "no column", self.output_hint) for pattern in wanted
+                names_matching(self.name, pattern, columns, "no column", self.output_hint)
+                for pattern in wanted
             )
             columns = {name: columns[name] for name in ("time", *chain.from_iterable(matches))}
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:

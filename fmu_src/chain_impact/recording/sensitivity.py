@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from chain_impact.recording.equality import same
-from chain_impact.recording.text import Table, as_html, plural
+from chain_impact.recording.text import TextTable, as_html, plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
@@ -100,7 +100,7 @@ class Sensitivities:
             for k, (name, value) in enumerate(self.parameters.items())
         ]
         title = ["Changes of outputs at the end, to first order"] if outputs else []
-        return as_html([repr(self), *title, Table(head, rows), *self.limits])
+        return as_html([repr(self), *title, TextTable(head, rows), *self.limits])
 
     def of_output(self, quantity: str, parameter: str) -> np.ndarray:
         """Return the derivative of an output with respect to a parameter, at all times, shape (T,)."""

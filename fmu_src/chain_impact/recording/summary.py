@@ -14,7 +14,7 @@ from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import element_label
-from chain_impact.recording.text import Table, plural
+from chain_impact.recording.text import TextTable, plural
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.unit_text import of_power
 
@@ -56,7 +56,7 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
     yield f"balance  off by at most {off:.1e} J: an energy check, no bound on positions or times"
 
 
-def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | Table]:
+def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | TextTable]:
     """Yield the summary: lines, and the list of the first impacts.
 
     Args:
@@ -74,12 +74,12 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
     yield from facts
 
 
-def impact_list(result: Recording, most: int) -> Iterator[str | Table]:
+def impact_list(result: Recording, most: int) -> Iterator[str | TextTable]:
     """Yield the first impacts as a table, and a line with the number of other impacts."""
     impacts = enumerate(result.impacts[:most], start=1)
     rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
     if rows:
-        yield Table(("#", *impact_heads(result)), rows)
+        yield TextTable(("#", *impact_heads(result)), rows)
     if (more := len(result.impacts) - most) > 0:
         yield f"… and {plural(more, 'more impact')}"
 

@@ -63,26 +63,26 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
-class Table(NamedTuple):
+class TextTable(NamedTuple):
     """A table of texts: the head and the rows."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
 
 
-def as_text(parts: Iterable[str | Table]) -> str:
+def as_text(parts: Iterable[str | TextTable]) -> str:
     """Return lines and tables as a text of several lines."""
     blocks = ([part] if isinstance(part, str) else aligned(*part) for part in parts)
     return "\n".join(line for block in blocks for line in block)
 
 
-def as_html(parts: Iterable[str | Table]) -> str:
+def as_html(parts: Iterable[str | TextTable]) -> str:
     """Return lines and tables for a notebook; the first line is a title."""
     title, *following = parts
     blocks = [f"<b>{escape(str(title))}</b>"]
-    for is_table, group in groupby(following, lambda part: isinstance(part, Table)):
+    for is_table, group in groupby(following, lambda part: isinstance(part, TextTable)):
         for part in group if is_table else ["\n".join(map(str, group)).strip("\n")]:
-            blocks.append(html_table(*part) if isinstance(part, Table) else f"<pre>{escape(part)}</pre>")
+            blocks.append(html_table(*part) if isinstance(part, TextTable) else f"<pre>{escape(part)}</pre>")
     return f"<div>{''.join(blocks)}</div>"
 
 

@@ -108,7 +108,7 @@ class Pictured(Recording):
             curves_to_draw = self.curves([curves] if isinstance(curves, str) else curves, around)
             if ax is None:
                 fill = partial(pictures.fill_curves, recording=self, curves=curves_to_draw, title=title)
-                return pictures.drawn(fill, path, size, pictures.curves_size(curves_to_draw))
+                return pictures.draw_figure(fill, path, size, pictures.curves_size(curves_to_draw))
             pictures.check_alone(path, size)
             pictures.fill_curve_axes(np.ravel(ax).tolist(), self, curves_to_draw)
             return ax
@@ -121,7 +121,7 @@ class Pictured(Recording):
         shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
         if ax is None:
             fill = partial(pictures.fill, recording=self, panels=shown, title=title)
-            return pictures.drawn(fill, path, size, pictures.usual_size(self, shown, size))
+            return pictures.draw_figure(fill, path, size, pictures.usual_size(self, shown, size))
         pictures.check_alone(path, size)
         pictures.fill_axes(ax, self, shown or ["motion"])
         return ax
@@ -168,7 +168,7 @@ class Pictured(Recording):
         course = course_of(self.prepared, self.rerun, impact, until=stop, near=near)
         if ax is None:
             fill = partial(pictures.fill_impact, recording=self, number=number, course=course)
-            return pictures.drawn(fill, path, size, pictures.IMPACT_SIZE)
+            return pictures.draw_figure(fill, path, size, pictures.IMPACT_SIZE)
         pictures.check_alone(path, size)
         pictures.fill_loop_axes(ax, impact, course, at_stop=self.is_stop(impact["wall"]))
         return ax
@@ -200,7 +200,9 @@ class Pictured(Recording):
         from chain_impact import pictures
 
         names = self._derivatives.drawn(outputs)
-        return pictures.drawn(partial(pictures.fill_sensitivities, recording=self, outputs=names), path, size)
+        return pictures.draw_figure(
+            partial(pictures.fill_sensitivities, recording=self, outputs=names), path, size
+        )
 
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> InlinePage | None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.

@@ -14,9 +14,9 @@ from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.recording.summary import digits
-from chain_impact.recording.text import Table, as_html, as_text, plural
+from chain_impact.recording.text import TextTable, as_html, as_text, plural
 from chain_impact.scene.names import nearest
-from chain_impact.scene.reading import SceneError, matching
+from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ class Ranking:
         """Return the change, divided by the absolute value of the quantity; NaN if this value is 0."""
         return effect.change / abs(self.value) if self.value else np.nan
 
-    def parts(self) -> Iterator[str | Table]:
+    def parts(self) -> Iterator[str | TextTable]:
         """Yield the lines of the ranking, and the table of the effects."""
         yield f"{self.source}  {self.quantity} = {with_unit(f'{self.value:.6g}', self.unit)} ({self.where})"
         yield "effect   of 1 % of each parameter, to first order"
@@ -139,7 +139,7 @@ class Ranking:
             yield f"{name} is left out: it changes the unit of the stiffness"
         yield from (f"limit    {limit}" for limit in self.limits)
 
-    def _tables(self, effects: Sequence[Effect]) -> Iterator[Table]:
+    def _tables(self, effects: Sequence[Effect]) -> Iterator[TextTable]:
         """Yield the table of some effects; nothing if there are none."""
         unit = unit_text(self.unit)
         rows = [
@@ -153,7 +153,7 @@ class Ranking:
             for effect in effects
         ]
         if rows:
-            yield Table(
+            yield TextTable(
                 ("parameter", "value", f"effect, {unit}" if unit else "effect", "in %", "derivative"), rows
             )
 
@@ -171,7 +171,7 @@ class Ranking:
         """
         from chain_impact import pictures
 
-        return pictures.drawn(self.fill, path, size, pictures.bars_size(min(len(self.effects), DRAWN)))
+        return pictures.draw_figure(self.fill, path, size, pictures.bars_size(min(len(self.effects), DRAWN)))
 
     def fill(self, figure: Figure) -> None:
         """Draw the bars on an empty figure."""
@@ -227,7 +227,9 @@ def ranking_of(
     wanted = [parameters] if isinstance(parameters, str) else parameters
     what = "not among simulate(sensitivities=[…])"
     like = {
-        name for pattern in wanted for name in matching(recording.name, pattern, names, what, lambda _: None)
+        name
+        for pattern in wanted
+        for name in names_matching(recording.name, pattern, names, what, lambda _: None)
     }
     left_out = tuple(name for name in EXPONENTS if name in like and name not in wanted)
     chosen = np.array([name in like and name not in left_out for name in names])

@@ -18,8 +18,8 @@ from chain_impact.recording.text import as_html, as_text
 from chain_impact.results.pictured import Pictured
 from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.reading import UnknownNameError, matching
-from chain_impact.variables.hints import of_series
+from chain_impact.scene.reading import UnknownNameError, names_matching
+from chain_impact.variables.hints import series_hint
 from chain_impact.variables.prepared import PreparedScene
 
 if TYPE_CHECKING:
@@ -117,8 +117,8 @@ class Result(Pictured):
             return self.motion[name]
         if name in self.names:
             return self.stepwise[name]
-        hint = of_series(self.output_hint)
-        like = matching(self.scene.name, name, self.names, "no output of this result", hint)
+        hint = series_hint(self.output_hint)
+        like = names_matching(self.scene.name, name, self.names, "no output of this result", hint)
         return {item: self[item] for item in like}
 
     @property

@@ -17,7 +17,7 @@ from chain_impact.scene.angles import radians_hint, turns_hint
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
-from chain_impact.scene.reading import SceneError, no_wall, refusal, shown
+from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import ChainTable, Contact, Material, Stops
@@ -76,12 +76,14 @@ def check_together(scene: Contents) -> None:
     for point in contact.points:
         if point not in movable or contact.points.count(point) > 1:
             words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
-            raise refusal(("contact", "points"), "points", point=shown(point), **words)
+            raise refusal(("contact", "points"), "points", point=value_text(point), **words)
     check_law(contact.model, ("contact",), contact)
     for name, material in contact.wall.items():
         check_law(contact.model, ("contact", "wall", name), material)
     if scene.chain.base != "free" and any(velocity := scene.initial.velocity):
-        raise refusal(("initial", "velocity"), f"velocity_{scene.chain.base}", value=shown(list(velocity)))
+        raise refusal(
+            ("initial", "velocity"), f"velocity_{scene.chain.base}", value=value_text(list(velocity))
+        )
     check_slider(scene)
     check_motion(scene)
     check_reach(scene)
@@ -89,12 +91,12 @@ def check_together(scene: Contents) -> None:
     for i, wall in enumerate(scene.walls):
         others = (*WALLS, *stops, *(other.name for other in scene.walls[:i]))
         if wall.name in others:
-            words = {"value": shown(wall.name), "others": ", ".join(others)}
+            words = {"value": value_text(wall.name), "others": ", ".join(others)}
             raise refusal(("walls", i, "name"), "wall_name", **words)
     for i, link in enumerate(scene.chain.links):
         names = [point.name for point in link.points if point.name]
         if twice := [name for name in names if names.count(name) > 1]:
-            raise refusal(("chain", "links", i, "points"), "point_names", name=shown(twice[0]))
+            raise refusal(("chain", "links", i, "points"), "point_names", name=value_text(twice[0]))
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius:.15g}"
@@ -136,7 +138,7 @@ def check_reach(scene: Contents) -> None:
     pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
     if out_of_reach and len(scene.walls) > pairs:
         i = [wall.name for wall in scene.walls].index(out_of_reach[0])
-        raise refusal(("walls", i, "name"), "out_of_reach", value=shown(out_of_reach[0]))
+        raise refusal(("walls", i, "name"), "out_of_reach", value=value_text(out_of_reach[0]))
 
 
 def check_motion(scene: Contents) -> None:
@@ -146,7 +148,7 @@ def check_motion(scene: Contents) -> None:
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
-            raise no_wall(("inputs", "wall_motion", i), walls, f"= {shown(name)} ")
+            raise no_wall(("inputs", "wall_motion", i), walls, f"= {value_text(name)} ")
 
 
 def check_law(model: str, table: DataPath, values: Contact | Material | Stops) -> None:
@@ -175,7 +177,7 @@ def check_stops(scene: Contents) -> None:
 def _refuse_table(scene: Contents) -> None:
     for entry in keys(Stops):
         if (value := getattr(scene.stops, entry.name)) is not None:
-            raise refusal(("stops", entry.name), "no_stops", value=shown(value))
+            raise refusal(("stops", entry.name), "no_stops", value=value_text(value))
 
 
 def _check_links(chain: ChainTable) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.scene.contents import AnyScene
 from chain_impact.scene.half_planes import direction
-from chain_impact.scene.reading import SceneError, no_wall, refusal, shown
+from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
 from chain_impact.scene.shapes import with_shapes
 from chain_impact.scene.signals import with_signals
 from chain_impact.scene.tables import Material
@@ -48,7 +48,7 @@ def with_angles(scene: AnyScene) -> AnyScene:
         if (wall.angle is None) == (wall.normal is None):
             raise refusal(("walls", i), "wall_angle" if wall.angle is None else "wall_angles")
         if wall.normal and not any(wall.normal):
-            raise refusal(("walls", i, "normal"), "no_normal", value=shown(list(wall.normal)))
+            raise refusal(("walls", i, "normal"), "no_normal", value=value_text(list(wall.normal)))
         walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
     return replace(scene, walls=tuple(walls))
 

@@ -42,12 +42,12 @@ PARALLEL = 1e-12
 class Contents:
     """The contents of a scene: its tables, and values that follow from the tables alone."""
 
-    name: str = quantity("", "model name", matching=MODEL_NAME)
-    description: str = quantity("", "what the scene shows", "", matching=XML_TEXT)
-    author: str = quantity("", "who has made the model, for its FMU", "", matching=XML_TEXT)
-    copyright: str = quantity("", "copyright of the model, for its FMU", "", matching=XML_TEXT)
-    license: str = quantity("", "license of the model, for its FMU", "", matching=XML_TEXT)
-    version: str = quantity("", "version of the model, for its FMU", "", matching=XML_TEXT)
+    name: str = quantity("", "model name", pattern=MODEL_NAME)
+    description: str = quantity("", "what the scene shows", "", pattern=XML_TEXT)
+    author: str = quantity("", "who has made the model, for its FMU", "", pattern=XML_TEXT)
+    copyright: str = quantity("", "copyright of the model, for its FMU", "", pattern=XML_TEXT)
+    license: str = quantity("", "license of the model, for its FMU", "", pattern=XML_TEXT)
+    version: str = quantity("", "version of the model, for its FMU", "", pattern=XML_TEXT)
     gravity: tuple[float, float] = quantity("m/s2", "acceleration of gravity", (0.0, -9.81))
     chain: ChainTable
     box: Box

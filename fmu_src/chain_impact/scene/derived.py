@@ -18,7 +18,7 @@ from chain_impact.scene.limits import Derived
 from chain_impact.scene.names import DataPath
 
 
-def of_every_link(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
+def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
     """Yield the paths of derived values in the scene, from their ``paths`` in the data of a file.
 
     An entry of the data can stand for several links; in the scene each link has its own entry.
@@ -33,7 +33,7 @@ def of_every_link(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterato
                 yield path
 
 
-def of_entry(path: DataPath, data: Mapping[str, Any]) -> DataPath:
+def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
     """Return the path in the data of a file for a path in the scene, where each link has its own entry."""
     match path:
         case "chain", "links", int(i), *following:

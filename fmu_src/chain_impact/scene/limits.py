@@ -18,7 +18,7 @@ _KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # limit → test whether a val
     "above": operator.gt,
     "maximum": operator.le,
     "choices": lambda value, choices: value in choices,
-    "matching": lambda value, matching: re.fullmatch(matching[0], value),
+    "pattern": lambda value, pattern: re.fullmatch(pattern[0], value),
 }
 
 
@@ -30,7 +30,7 @@ class Limits(TypedDict, total=False):
     maximum: float  # value <= maximum
     choices: tuple[str, ...]
     # regular expression for the whole text, and the meaning of this expression in words
-    matching: tuple[str, str]
+    pattern: tuple[str, str]
     per_link: bool  # the list has one value for each link
     entries: tuple[int, int]  # lowest and highest number of entries of a list
     or_true: bool  # in a list of names, `true` stands for all names and is read as the name "*"
@@ -128,7 +128,7 @@ def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
     if rule["choices"] is not None:
         return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
     if kind is str:
-        return str(rule["matching"][1])
+        return str(rule["pattern"][1])
     if kind is bool:
         return "true or false"
     signs = {"minimum": ">=", "above": ">", "maximum": "<="}

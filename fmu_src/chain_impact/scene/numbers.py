@@ -20,7 +20,7 @@ from chain_impact.scene.names import DataPath, name_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
 
-Table = TypeVar("Table")
+SceneTable = TypeVar("SceneTable")
 LARGEST_NUMBER = sys.float_info.max
 LINKS = 64  # number of links up to which the fast path applies; a longer chain is read as a whole
 _KEYS: dict[DataPath, tuple[Any, tuple[str, ...]]] = {
@@ -133,10 +133,10 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
     return _with(scene, chain=_with(scene.chain, links=(*links[:i], link, *links[i + 1 :])))
 
 
-def _with(table: Table, **changes: Any) -> Table:
+def _with(table: SceneTable, **changes: Any) -> SceneTable:
     """Return a table with some values changed; ``dataclasses.replace`` would take twice the time."""
     kind: Any = type(table)
-    fresh: Table = object.__new__(kind)
+    fresh: SceneTable = object.__new__(kind)
     for name, read, write in _slots(kind):
         write(fresh, changes[name] if name in changes else read(table))
     return fresh

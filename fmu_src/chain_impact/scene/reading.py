@@ -100,11 +100,11 @@ class UnknownNameError(SceneError, KeyError):
         if hint is None:
             near = proposed(name, names) if isinstance(name, str) else None
             hint = f"the nearest is {near}" if near else otherwise
-        text = name if isinstance(name, str) else shown(name)
+        text = name if isinstance(name, str) else value_text(name)
         super().__init__(f"{source}: {text} is {what}; {hint}")
 
 
-def matching(
+def names_matching(
     source: str,
     name: str,
     names: Iterable[str],
@@ -120,13 +120,13 @@ def matching(
         UnknownNameError: when no name matches.
     """
     is_text = isinstance(name, str)
-    matched = matches(name, names) if is_text else []
+    matched = find_names(name, names) if is_text else []
     if not matched:
         raise UnknownNameError(source, name, names, what, hint(name) if is_text else None)
     return matched
 
 
-def matches(name: str, names: Iterable[str]) -> list[str]:
+def find_names(name: str, names: Iterable[str]) -> list[str]:
     """Return the names that equal ``name``, or that match it; a ``*`` in ``name`` stands for any text."""
     for spelling in (name, fmu_name(name)):
         if spelling in names:
@@ -175,7 +175,7 @@ class Reader:
     def _table(self, table: Any, data: Any, path: DataPath, tables: Mapping[str, Any]) -> Any:
         """Return `data` as a dataclass `table`; refuse other data. `tables` are the values read before."""
         if not isinstance(data, Mapping):
-            raise self._refusal(path, "no_table", value=shown(data))
+            raise self._refusal(path, "no_table", value=value_text(data))
         entries = {entry.name: entry for entry in keys(table)}
         for name in data:
             if name not in entries:
@@ -218,7 +218,7 @@ class Reader:
             meant = (
                 nearest_choice(value, rule["choices"]) if kind is str else meant_number(value, rule["unit"])
             )
-            raise self._refusal(path, "not_allowed", value=shown(value), allowed=needed + meant)
+            raise self._refusal(path, "not_allowed", value=value_text(value), allowed=needed + meant)
         return result
 
     def _list(
@@ -243,7 +243,7 @@ class Reader:
         if not isinstance(value, list | tuple):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
             names = " of names, or true for all" if rule["or_true"] else ""
-            raise self._refusal(path, "no_list", value=shown(value), names=names, expected=expected)
+            raise self._refusal(path, "no_list", value=value_text(value), names=names, expected=expected)
         least, most = rule["entries"] or (0, math.inf)
         if not least <= len(value) <= most:
             raise self._refusal(path, "entries", count=len(value), least=least, most=most)
@@ -252,7 +252,7 @@ class Reader:
     def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Return the tables of one kind as a dict, by name; refuse other values."""
         if not isinstance(value, Mapping):
-            raise self._refusal(path, "no_tables", value=shown(value))
+            raise self._refusal(path, "no_tables", value=value_text(value))
         return {
             name: self._table(entry_type(kind), entry, (*path, name), tables) for name, entry in value.items()
         }
@@ -265,7 +265,7 @@ class Reader:
 
         If no key is similar, the message lists the keys of this table.
         """
-        name = shown(name).strip("'")
+        name = value_text(name).strip("'")
         what = f"{self.label((*path, name))} is unknown"
         here = [entry.name for entry in keys(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
@@ -331,7 +331,7 @@ def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
     return f"; the nearest is {near}" if near else ""
 
 
-def shown(value: Any) -> str:
+def value_text(value: Any) -> str:
     """Return the text of a value for a message: one line of limited length."""
     try:
         text = str(value).lower() if isinstance(value, bool) else " ".join(repr(value).split())

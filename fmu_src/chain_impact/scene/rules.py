@@ -37,7 +37,7 @@ FROM_JOINTS = Derived(
 ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), constant=True)
 
 
-def of_contact(key: str) -> Derived:
+def as_in_contact(key: str) -> Derived:
     """Return the rule for a default that equals a key of the table ``contact``, in a scene with stops."""
     return Derived(
         "as in [contact]",

@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.scene import checks, completion, drawing, scene_text, shapes
 from chain_impact.scene.contents import Contents, named_point_hint
-from chain_impact.scene.derived import above, of_entry, of_every_link, rule_at, rule_of, without_derived
+from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
 from chain_impact.scene.limits import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
@@ -33,7 +33,7 @@ from chain_impact.scene.names import (
     proposed,
 )
 from chain_impact.scene.numbers import with_numbers
-from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, shown
+from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, value_text
 from chain_impact.scene.tables import Link
 from chain_impact.scene.text_file import text_of
 from chain_impact.scene.warning import warn
@@ -158,12 +158,12 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     try:
         reader = Reader(Scene, label)
         scene = reader.read(data)
-        scene = replace(scene, derived_paths=tuple(sorted(of_every_link(reader.derived, data))))
+        scene = replace(scene, derived_paths=tuple(sorted(paths_in_scene(reader.derived, data))))
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
         # while the data are read, the path is that of the data
-        text, path = str(error), error.path if scene is None else of_entry(error.path, data)
+        text, path = str(error), error.path if scene is None else path_in_file(error.path, data)
         if error.path and text.startswith(written := path_text(error.path)):
             text = label(path) + text.removeprefix(written)
         raise SceneError(f"{source}: {text}", path) from None
@@ -274,7 +274,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
         except (LookupError, TypeError, ValueError):
-            raise SceneError(f"{scene.name}: {shown(path)} is no path to a value of the scene") from None
+            raise SceneError(f"{scene.name}: {value_text(path)} is no path to a value of the scene") from None
     changed = _validated(_without_empty(shapes.without_corners(data)), scene.name, in_file=False)
     kept = scene.has_joint_angles and completion.ANGLES not in paths
     return replace(changed, has_joint_angles=kept or changed.has_joint_angles)

@@ -87,7 +87,7 @@ class Signal:
     """A signal, which drives inputs over time; a key that its form does not have is None."""
 
     input: tuple[str, ...] = quantity(
-        "", "the input that it drives, or a list of them", matching=INPUT, or_one=True
+        "", "the input that it drives, or a list of them", pattern=INPUT, or_one=True
     )
     form: str = quantity("", "form", choices=tuple(FORMS))
     value: float | None = _value("value of a constant")
@@ -113,7 +113,7 @@ class Signal:
     values: tuple[float, ...] | None = _value(
         "value from each of the times on; before the first, the first one"
     )
-    file: str | None = quantity("", "table with time and a column for each input", None, matching=TABLE_FILE)
+    file: str | None = quantity("", "table with time and a column for each input", None, pattern=TABLE_FILE)
     interpolation: str | None = quantity(
         "",
         "of a table; default: spline for the motion of base and walls, else hold",

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.names import DataPath
-from chain_impact.scene.reading import SceneError, refusal, shown
+from chain_impact.scene.reading import SceneError, refusal, value_text
 from chain_impact.scene.signal import Samples, Signal, unit_of
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of
@@ -29,7 +29,7 @@ def check_signals(scene: Contents) -> None:
                 if driven in owners:
                     other = owners[driven]
                     by = f"signals.{other} drives {driven}" if other != name else "it is listed twice"
-                    raise refusal(_input(name), "driven_twice", value=shown(input_name), by=by)
+                    raise refusal(_input(name), "driven_twice", value=value_text(input_name), by=by)
             owners |= dict.fromkeys(driven_alone(input_name), name)
             _check_motion(name, signal, input_name)
 
@@ -47,7 +47,7 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
         if input_name in there:
             continue
         how = how_asked(scene, input_name)
-        raise refusal(_input(name), "strange_input", value=shown(input_name), how=how)
+        raise refusal(_input(name), "strange_input", value=value_text(input_name), how=how)
     units = {unit_of(input_name): input_name for input_name in signal.input}
     if len(units) > 1 and signal.form != "table":
         (unit, first), (other_unit, other) = list(units.items())[:2]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.scene.reading import SceneError, decimal_comma, shown
+from chain_impact.scene.reading import SceneError, decimal_comma, value_text
 from chain_impact.scene.text_file import check_separator, likely_time, text_of
 
 TableSource = str | Path | Mapping[str, Sequence[Any]]
@@ -84,7 +84,7 @@ class Table:
             number = math.inf
         if not math.isfinite(number):
             raise SceneError(
-                f"{self.where(row, name)} = {shown(value)} must be a finite number{otherwise}"
+                f"{self.where(row, name)} = {value_text(value)} must be a finite number{otherwise}"
                 f"{decimal_comma(value)}"
             )
         return number
@@ -102,7 +102,7 @@ def read_table(source: TableSource) -> Table:
         if hasattr(source, "iter_columns"):  # the source is a table of polars
             source = {series.name: series.to_list() for series in source.iter_columns()}
         if not hasattr(source, "items"):
-            raise SceneError(f"data: {shown(source)} must be a file, a data frame, or columns by name")
+            raise SceneError(f"data: {value_text(source)} must be a file, a data frame, or columns by name")
         columns = {str(name): list(cells) for name, cells in source.items()}
         lengths = {name: len(cells) for name, cells in columns.items()}
         if len(set(lengths.values())) > 1:

@@ -21,7 +21,7 @@ from chain_impact.scene.rules import (
     MOVABLE,
     ROD,
     ZEROS,
-    of_contact,
+    as_in_contact,
     with_stops,
 )
 
@@ -48,7 +48,7 @@ class Site:
     x: float = quantity("m", "position along the link, from the joint nearer to the base")
     y: float = quantity("m", "position to the left of the link's line", 0.0)
     radius: float | None = quantity("m", "radius of the point", CONTACT_RADIUS, minimum=0.0)
-    name: str = quantity("", "name in lists and pictures", "", matching=OPTIONAL_NAME)
+    name: str = quantity("", "name in lists and pictures", "", pattern=OPTIONAL_NAME)
 
     @property
     def is_at_joint(self) -> bool:
@@ -217,7 +217,7 @@ class Box:
 class Wall:
     """A straight, endless wall at any angle; a file may give a normal in place of the angle."""
 
-    name: str = quantity("", "name, different for each wall", matching=IDENTIFIER)
+    name: str = quantity("", "name, different for each wall", pattern=IDENTIFIER)
     point: tuple[float, float] = quantity("m", "a point on the wall")
     angle: float | None = quantity("rad", "direction of the wall, from +x; its left is free", None)
     normal: tuple[float, float] | None = quantity("1", "in place of angle: a vector to the free side", None)
@@ -248,7 +248,7 @@ class Material:
 class Contact:
     """The contact law of the walls, and the points that may touch the walls."""
 
-    law_file: str = quantity("", "file with a law of your own, named as the law", "", matching=_PYTHON_FILE)
+    law_file: str = quantity("", "file with a law of your own, named as the law", "", pattern=_PYTHON_FILE)
     model: str = quantity(
         "", "contact law", "zhang_sharf", choices=tuple(CONTACT_LAWS), extended_by="law_file"
     )
@@ -289,10 +289,10 @@ class Stops:
         "N.m/rad^exponent", "stiffness of the stops", with_stops(1e5), above=0.0
     )
     exponent: float | None = quantity(
-        "1", "exponent of penetration at the stops", of_contact("exponent"), minimum=1.0, maximum=3.0
+        "1", "exponent of penetration at the stops", as_in_contact("exponent"), minimum=1.0, maximum=3.0
     )
     restitution: float | None = quantity(
-        "1", "prescribed restitution of the stops", of_contact("restitution"), minimum=0.0, maximum=1.0
+        "1", "prescribed restitution of the stops", as_in_contact("restitution"), minimum=0.0, maximum=1.0
     )
     minimum_impact_speed: float | None = quantity(
         "rad/s",
@@ -319,7 +319,7 @@ class Inputs:
         "",
         "names of the walls that move, or true for all: along their inward normals, and as belts",
         (),
-        matching=(rf"\*|{IDENTIFIER[0]}", "the name of a wall"),
+        pattern=(rf"\*|{IDENTIFIER[0]}", "the name of a wall"),
         or_true=True,
     )
 
@@ -344,7 +344,7 @@ class Outputs:
     loads: bool = quantity("", "forces and moments in the joints and on the walls, and their peaks", False)
     solver: bool = quantity("", "steps, evaluations and status of the solver", True)
     sensitivities: tuple[str, ...] = quantity(
-        "", "parameters and inputs with respect to which outputs have derivatives", (), matching=_NAME
+        "", "parameters and inputs with respect to which outputs have derivatives", (), pattern=_NAME
     )
 
 

@@ -20,7 +20,7 @@ from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.recording.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import input_asked, input_key
-from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
+from chain_impact.scene.reading import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.instance import Instance, SimulationError, fault_text, spans_of
@@ -153,7 +153,9 @@ class Chain:
             SimulationError: when the solver cannot go on.
         """
         if not 0.0 < duration < math.inf:
-            raise SceneError(f"{self.scene.name}: step({shown(duration)}) must be a finite number > 0 [s]")
+            raise SceneError(
+                f"{self.scene.name}: step({value_text(duration)}) must be a finite number > 0 [s]"
+            )
         self.step_to(self.time + duration)
 
     def step_to(self, time: float) -> None:
@@ -165,7 +167,7 @@ class Chain:
         """
         if not self.time <= time < math.inf:
             needed = f"a finite number >= {self.time!r} [s], the present time"
-            raise SceneError(f"{self.scene.name}: step_to({shown(time)}) must be {needed}")
+            raise SceneError(f"{self.scene.name}: step_to({value_text(time)}) must be {needed}")
         self._ready()
         self._stepped, self._observed = True, False
         self._instant[0] = time
@@ -246,7 +248,7 @@ class Chain:
             SceneError: when ``state`` does not belong to a chain of this scene, or is damaged.
         """
         if not isinstance(state, bytes | bytearray | memoryview):
-            subject = f"restore({shown(state)})"
+            subject = f"restore({value_text(state)})"
             raise SceneError(f"{self.scene.name}: {subject} must be given the bytes that save() returned")
         state = bytes(state)
         magic, checksum, digest, stepped, *counts = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
@@ -306,7 +308,7 @@ class Chain:
         selected = [
             match
             for name in names
-            for match in matching(self.scene.name, name, self._accesses, "no variable", self._hint)
+            for match in names_matching(self.scene.name, name, self._accesses, "no variable", self._hint)
         ]
         accesses = [self._accesses[name] for name in selected]
         selection = _Selection(
@@ -334,7 +336,7 @@ class Chain:
             kept = False
         if not kept or isinstance(value, bool):
             allowed = f"{access.allowed}{or_degrees(access.unit)}"
-            raise SceneError(f"{self.scene.name}: {name} = {shown(value)} must be {allowed}")
+            raise SceneError(f"{self.scene.name}: {name} = {value_text(value)} must be {allowed}")
         return access, number
 
     def _hint(self, name: str) -> str | None:

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
-from chain_impact.pictures.figures import check_alone, drawn, settle
+from chain_impact.pictures.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.sizes import Size
@@ -56,7 +56,7 @@ def plot_comparison(
 ) -> Any:
     """Draw the picture; see ``Comparison.plot``."""
     if ax is None:
-        return drawn(partial(fill, comparison=comparison), path, size, SIZE)
+        return draw_figure(partial(fill, comparison=comparison), path, size, SIZE)
     check_alone(path, size)
     with drawn_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))

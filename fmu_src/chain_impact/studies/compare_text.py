@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.impact_units import unit_at
-from chain_impact.recording.text import Table, prefixed
+from chain_impact.recording.text import TextTable, prefixed
 from chain_impact.studies.law_change import EXACT_LAW, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
@@ -20,7 +20,7 @@ NAMED_LAWS = 3  # the largest number of laws that the advice names
 NOTHING = "–"
 
 
-def report(comparison: LawRuns) -> Iterator[str | Table]:
+def report(comparison: LawRuns) -> Iterator[str | TextTable]:
     """Yield the whole text: lines and a table."""
     yield heading(comparison)
     yield law_table(comparison)
@@ -40,7 +40,7 @@ def heading(comparison: LawRuns) -> str:
     )
 
 
-def law_table(comparison: LawRuns) -> Table:
+def law_table(comparison: LawRuns) -> TextTable:
     """Return the table with a row for each law; the last column, without a name, has the notes.
 
     The unit of each column suits its largest value.
@@ -56,7 +56,7 @@ def law_table(comparison: LawRuns) -> Table:
     shown = [shared_unit(name, values) for name, values in quantities.items()]
     head = ("law", "e′", *(name for name, _ in shown), "impacts", "differs at", "steps", "")
     rows = zip(comparison.runs, *(cells for _, cells in shown), strict=True)
-    return Table(head, [_row(run, cells) for run, *cells in rows])
+    return TextTable(head, [_row(run, cells) for run, *cells in rows])
 
 
 def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:

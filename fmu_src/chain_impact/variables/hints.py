@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 
-from chain_impact.scene.reading import matches
+from chain_impact.scene.reading import find_names
 
 Hint = Callable[[str], str | None]
 """A function that returns a hint for an unknown name; None if none is known."""
@@ -15,9 +15,9 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
 
     ``how`` are words for what makes an input an output.
     """
-    if matches(name, inputs):
+    if find_names(name, inputs):
         return f"it is an input{how and f'; {how} makes it an output'}"
-    if matches(name, parameters):
+    if find_names(name, parameters):
         return "parameters are no outputs: they stay constant during a run"
     return None
 
@@ -28,7 +28,7 @@ def parts_hint(name: str, names: Iterable[str]) -> str | None:
     return f"there are {', '.join(parts[:3])}" if parts else None
 
 
-def of_series(hint: Hint) -> Hint:
+def series_hint(hint: Hint) -> Hint:
     """Return a function that gives hints for names that are no time series.
 
     For outputs that change only at events, it says where the result has them; else it returns what ``hint``

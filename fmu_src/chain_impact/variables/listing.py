@@ -58,7 +58,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
 
 def inputs(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that the scenes of a structure ask for, except inputs that signals drive."""
-    driven = structure.of_signals
+    driven = structure.driven_quantities
     return (variable for variable in inputs_asked(structure) if variable.name not in driven)
 
 
@@ -85,9 +85,9 @@ def outputs_of(structure: Structure) -> dict[str, Variable]:
 
 def _driven(structure: Structure) -> Iterator[Variable]:
     """Yield the quantities that signals drive, as outputs with the names of the inputs that they replace."""
-    of_signals = structure.of_signals
-    for kind, owner, words in _each(INPUTS, structure) if of_signals else ():
-        driven = of_signals.get(kind.name.format_map(words))
+    rows = structure.driven_quantities
+    for kind, owner, words in _each(INPUTS, structure) if rows else ():
+        driven = rows.get(kind.name.format_map(words))
         if driven is not None:
             row, order = driven
             rate_of = "signal" if order > 0 and structure.signals[row].outputs[order - 1] else ""

@@ -17,12 +17,12 @@ from chain_impact.kernel.record.counts import Counts
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.limits import keys
 from chain_impact.scene.names import DataPath, input_asked, parameter_hint
-from chain_impact.scene.reading import matches, matching
+from chain_impact.scene.reading import find_names, names_matching
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.signals import driven_by
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.filling import common_of, new_record, with_tangents
-from chain_impact.variables.hints import Hint, of_series, output_hint, parts_hint
+from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
 from chain_impact.variables.indices import (
     WORD,
     OutputIndices,
@@ -288,7 +288,7 @@ class PreparedScene:
         Raises:
             UnknownNameError: when no column has a name, or matches a pattern.
         """
-        columns = self._named(wanted, self.columns, "no output", of_series(self.output_hint))
+        columns = self._named(wanted, self.columns, "no output", series_hint(self.output_hint))
         return {name: self.columns[name] for name in columns}
 
     def output_hint(self, name: str) -> str | None:
@@ -298,7 +298,7 @@ class PreparedScene:
             return hint
         if asked := input_asked(name):
             return f"the scene does not have this input: it needs {asked}"
-        if matches(name, self._own_outputs):
+        if find_names(name, self._own_outputs):
             return None
         named = named_point_hint(self.scene, name, self._own_outputs)
         return named or parts_hint(name, self._own_outputs) or self._hint_on_more(name)
@@ -309,7 +309,7 @@ class PreparedScene:
             if getattr(self.scene.outputs, key.name) is False:
                 asked = f"outputs.{key.name} = true"
                 more = all_outputs(self.scene.with_values({f"outputs.{key.name}": True}))
-                if matches(name, more):
+                if find_names(name, more):
                     return f"it needs {asked}"
                 if parts := parts_hint(name, more):
                     return f"with {asked} {parts}"
@@ -347,7 +347,9 @@ class PreparedScene:
         """Return the keys of ``available`` that equal a wanted name or match a wanted pattern, each once."""
         names = (wanted,) if isinstance(wanted, str) else wanted
         return {
-            match: None for name in names for match in matching(self.scene.name, name, available, what, hint)
+            match: None
+            for name in names
+            for match in names_matching(self.scene.name, name, available, what, hint)
         }
 
 

@@ -49,7 +49,7 @@ class Structure:
         return Counts(*(self.known[name] for name in COUNTS))
 
     @property
-    def of_signals(self) -> dict[str, tuple[int, int]]:
+    def driven_quantities(self) -> dict[str, tuple[int, int]]:
         """The quantities that signals drive: name → row of the signal, and index among its ``outputs``."""
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):

@@ -110,7 +110,7 @@ class Variable:
         return self.kind.above
 
     @property
-    def of_its_kind(self) -> str:
+    def kind_description(self) -> str:
         """The description of all variables of the kind in this scene."""
         text = self.kind.in_general(self.known)
         return f"{text}{UNLESS_SET}{self.rule.text}" if self.rule else text

@@ -12,7 +12,7 @@ import numpy as np
 
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import nearest
-from chain_impact.scene.reading import SceneError, matching, shown
+from chain_impact.scene.reading import SceneError, names_matching, value_text
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.text_file import likely_time
@@ -175,7 +175,7 @@ def read_measurements(
     chosen = {
         column
         for name in patterns
-        for column in matching(source, name, measured, "no column", lambda _: hint)
+        for column in names_matching(source, name, measured, "no column", lambda _: hint)
     }
     book = _Book(scene, sigma)
     for table in tables:
@@ -316,7 +316,7 @@ class _Book:
             if cell not in known:
                 columns = ", ".join(known) or "none"
                 raise SceneError(
-                    f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {columns}"
+                    f"{table.where(row, name)} = {value_text(cell)} must be a wall of the scene: {columns}"
                 )
             return self._scene.wall_names.index(cell)
         points = sorted({point for point, _ in candidates(self._scene)})
@@ -332,7 +332,7 @@ class _Book:
         is_name = name == POINT and bool(names) and isinstance(cell, str) and cell.isidentifier()
         number = -1.0 if is_name else table.number(row, name)
         if number != int(number) or (number not in points if name == POINT else number < 1):
-            raise SceneError(f"{table.where(row, name)} = {shown(cell)} must be {allowed}")
+            raise SceneError(f"{table.where(row, name)} = {value_text(cell)} must be {allowed}")
         return int(number)
 
     def _add(self, table: Table, row: int, name: str, time_or_impact: float, of_impact: bool) -> None:
@@ -376,7 +376,7 @@ def standard_deviation(name: str, given: float | str, value: float) -> float:
         number = -math.inf
     if number <= 0.0 or math.isinf(number):
         raise SceneError(
-            f"sigma of {name} = {shown(given)} must be a number > 0, or percent of each value: 2%"
+            f"sigma of {name} = {value_text(given)} must be a number > 0, or percent of each value: 2%"
         )
     return number / 100.0 * abs(value) if text.endswith(PERCENT) else number
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.scene.angles import in_radians
 from chain_impact.scene.names import fmu_name, nearest
-from chain_impact.scene.reading import SceneError, UnknownNameError, shown
+from chain_impact.scene.reading import SceneError, UnknownNameError, value_text
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
@@ -148,8 +148,8 @@ def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -
                      for sign, part in zip((-1, 1), parts, strict=True))  # fmt: skip
     except (TypeError, ValueError):
         raise SceneError(
-            f"bounds of {variable.name} = {shown(bounds)} must be LOW:HIGH, LOW: or :HIGH"
+            f"bounds of {variable.name} = {value_text(bounds)} must be LOW:HIGH, LOW: or :HIGH"
         ) from None
     if np.isnan([low, high]).any():
-        raise SceneError(f"bounds of {variable.name} = {shown(bounds)} must be numbers")
+        raise SceneError(f"bounds of {variable.name} = {value_text(bounds)} must be numbers")
     return low, high

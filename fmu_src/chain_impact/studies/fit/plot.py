@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.figures import drawn
+from chain_impact.pictures.figures import draw_figure
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
@@ -72,7 +72,7 @@ def plot_fit(
     """Draw the picture; see ``Fit.plot``."""
     count = min(len(fit.columns), MOST_PANELS)
     width = 1.5 * WIDTH if count == 1 else 2.0 * WIDTH
-    return drawn(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * HEIGHT))
+    return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * HEIGHT))
 
 
 @styled()

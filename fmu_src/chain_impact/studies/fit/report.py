@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.pictures.style import number
-from chain_impact.recording.text import Table, plural
+from chain_impact.recording.text import TextTable, plural
 from chain_impact.scene.unit_text import of_scene, with_unit
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter
@@ -19,13 +19,13 @@ MANY = 8  # the largest number of horizons that the report lists
 EQUAL = 2.0  # a smaller difference between two values of Akaike's criterion has no meaning
 
 
-def report(fit: Estimates) -> Iterator[str | Table]:
+def report(fit: Estimates) -> Iterator[str | TextTable]:
     """Yield the parts of the report: lines and tables."""
     yield heading(fit)
     yield ""
-    yield Table(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
+    yield TextTable(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
     yield ""
-    yield Table(("measured", "values", "σ", "rms residual"), _columns(fit))
+    yield TextTable(("measured", "values", "σ", "rms residual"), _columns(fit))
     yield ""
     yield _quality(fit)
     yield from _correlations(fit)
@@ -33,7 +33,7 @@ def report(fit: Estimates) -> Iterator[str | Table]:
     yield from fit.notes
     if fit.ranking:
         yield ""
-        yield Table(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
+        yield TextTable(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
         yield "The rms residual is in standard deviations σ of the best fit."
         equal = sum(
             law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < fit.aic + EQUAL

@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.figures import drawn, settle
+from chain_impact.pictures.figures import draw_figure, settle
 from chain_impact.pictures.sizes import Size, figure_size
 from chain_impact.pictures.style import (
     give_ticks,
@@ -98,7 +98,7 @@ def plot_sweep(
     check_picture(len(runs.varied), runs.design.samples, len(runs), runs.scene.name)
     results = results_of(runs, panels)
     usual = usual_size(runs, results, figure_size(size)[0] if size else None)
-    return drawn(partial(fill, runs=runs, results=results), path, size, usual)
+    return draw_figure(partial(fill, runs=runs, results=results), path, size, usual)
 
 
 @styled()

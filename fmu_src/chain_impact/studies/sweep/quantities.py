@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.recording.text import few, prefixed
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.reading import SceneError, matching
+from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
@@ -130,7 +130,7 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
         SceneError: when there are too many.
     """
     source = prepared.scene.name
-    matches = (matching(source, panel, available, "no column", lambda _: None) for panel in panels)
+    matches = (names_matching(source, panel, available, "no column", lambda _: None) for panel in panels)
     chosen = list(dict.fromkeys(name for names in matches for name in names))
     if len(chosen) > MOST_PANELS:
         raise SceneError(f"{source}: {len(chosen)} panels ({few(chosen, 3)}) must be <= {MOST_PANELS}")

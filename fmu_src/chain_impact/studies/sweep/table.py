@@ -16,7 +16,7 @@ import numpy as np
 
 from chain_impact.extras import require
 from chain_impact.kernel.status import STATUS_NAME
-from chain_impact.recording.text import Table, as_html, plural
+from chain_impact.recording.text import TextTable, as_html, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.job import STATUS
 from chain_impact.studies.sweep.runs import Runs
@@ -75,7 +75,7 @@ class Sweep(Runs):
             zip(*(map(_cell_text, column[:SHOWN_RUNS].tolist()) for column in first.values()), strict=True)
         )
         more = [f"… and {plural(len(self) - SHOWN_RUNS, 'more run')}"] if len(self) > SHOWN_RUNS else []
-        return as_html([repr(self), Table(self.names, rows), *more])
+        return as_html([repr(self), TextTable(self.names, rows), *more])
 
     def to_dataframe(self) -> Any:
         """Return all columns as a pandas ``DataFrame``.
