@@ -21,6 +21,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import varied_by
 from tests.helpers.kernel.plain import Plain, record_of
 from tests.helpers.scenes.derivative_scenes import table
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
@@ -240,7 +241,7 @@ def test_nor_is_one_behind_it(links, path, value):
         [{"length": 0.1, "mass": 1.0}] * links, box={"y_min": 0.0}, initial={"angles": [1.0] * links}
     )
     prepared = PreparedScene(scene)
-    instance = DifferentiatedInstance(prepared, prepared.varied_by(["contact.stiffness"]))
+    instance = DifferentiatedInstance(prepared, varied_by(prepared, ["contact.stiffness"]))
     assert instance.is_sound(instance.words)
     record = instance._tangents[0]
     for step in path[:-1]:

@@ -9,6 +9,7 @@ from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, l
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, DifferentiatedRun
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import varied_by
 from tests.helpers.scenes.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
 from tests.helpers.scenes.problems import ball
 from tests.helpers.scenes.stops import knee
@@ -19,7 +20,7 @@ TIMES = np.array([0.1, 0.2022, 0.3])
 
 
 def names_of(scene, *wanted):
-    return [variable.name for variable in PreparedScene(scene).varied_by(wanted)]
+    return [variable.name for variable in varied_by(PreparedScene(scene), wanted)]
 
 
 # --- names ------------------------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from chain_impact.simulation.simulate import simulate
 from chain_impact.variables import listing
 from chain_impact.variables.listing import all_outputs
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import varied_by
 from chain_impact.variables.variable import Variable
 
 BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
@@ -114,7 +115,7 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
     """Each has its own values, and a slope of one for each parameter in its own direction."""
     prepared = PreparedScene(BOX)
     names = [f"link[{i}].mass" for i in range(1, 5)] + ["contact.stiffness", "link[2].length"]
-    varied = prepared.varied_by(names)
+    varied = varied_by(prepared, names)
     plain, memory = prepared.new_instance([])[0], prepared.new_instance(varied)[0]
     count = -(-len(names) // DIRECTIONS)
     assert (plain["tangents"], memory["tangents"]) == (0, count)

@@ -1,5 +1,7 @@
 """A prepared scene: its derived quantities, the size of a new instance, and where it has the values."""
 
+# Tests: variables/selection.py
+
 import pickle
 from collections import Counter
 from functools import partial
@@ -19,6 +21,7 @@ from chain_impact.variables import prepared as prepared_module
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import value_at
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import columns_named, varied_by
 
 BUFFER = 64 * 1024  # bytes, the upper limit for an instance of four links in a box
 
@@ -170,7 +173,7 @@ def test_walls_that_no_point_can_touch_need_no_room():
 
 def test_a_name_that_is_no_text_is_refused_and_selections_of_outputs_are_kept():
     prepared = PreparedScene(load_scene("rod_drop"))
-    for refuse in (prepared.indices_named, prepared.varied_by, prepared.columns_named):
+    for refuse in (prepared.indices_named, partial(varied_by, prepared), partial(columns_named, prepared)):
         with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is no "):
             refuse([["point[1].x"]])
     kept = prepared.indices_named(["energy.*", "point[1].x"])

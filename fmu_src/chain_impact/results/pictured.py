@@ -16,7 +16,7 @@ from chain_impact.recording.passing import passing
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.reading import UnknownNameError
+from chain_impact.scene.reading import UnknownNameError, names_matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
 
@@ -114,7 +114,10 @@ class Pictured(Recording):
             return ax
         if around is not None:
             raise ValueError(f"around = {around!r}: only curves are drawn around an impact")
-        self._all("kinetic")  # raises an error if the energy was left out
+        # this raises an error if the energy was left out
+        names_matching(
+            self.name, "energy.kinetic", self.columns, "no output of this result", self.output_hint
+        )
         given = [name for name, value in (("kind", kind), ("panels", panels)) if value]
         if len(given) > 1:
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
@@ -224,7 +227,8 @@ class Pictured(Recording):
 
     @property
     def _derivatives(self) -> Sensitivities:
-        raise NotImplementedError
-
-    def _all(self, field: str) -> np.ndarray:
-        raise NotImplementedError
+        """The derivatives of the run; an error if there are none."""
+        if self.sensitivities is None:
+            hint = "simulate(scene, sensitivities=[…]) makes them"
+            raise UnknownNameError(self.name, "sensitivity", (), "not in this result", hint)
+        return self.sensitivities

@@ -21,6 +21,7 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, names_matching
 from chain_impact.variables.hints import series_hint
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import missing_output_hint
 
 if TYPE_CHECKING:
     import pandas
@@ -128,7 +129,7 @@ class Result(Pictured):
 
     def output_hint(self, name: str) -> str | None:
         """Return a hint for a name that is no output; None if none is known."""
-        return self.prepared.output_hint(name)
+        return missing_output_hint(self.prepared, name)
 
     @property
     def model(self) -> PreparedScene:
@@ -282,13 +283,6 @@ class Result(Pictured):
         The tuple is empty if all derivatives can be trusted.
         """
         return self.sensitivities.limits if self.sensitivities else ()
-
-    @property
-    def _derivatives(self) -> Sensitivities:
-        if self.sensitivities is None:
-            hint = "simulate(scene, sensitivities=[…]) makes them"
-            raise UnknownNameError(self.scene.name, "sensitivity", (), "not in this result", hint)
-        return self.sensitivities
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the outputs as a table of pandas, with the time as index and a column for each name.

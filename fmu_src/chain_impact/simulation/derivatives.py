@@ -31,6 +31,7 @@ from chain_impact.simulation.reasons import LEFT_OPEN, REASONS, REASONS_AT_STOPS
 from chain_impact.variables.indices import WORD, first_word, word_index
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import columns_named, varied_by
 from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
@@ -250,9 +251,9 @@ class DifferentiatedRun:
         """
         self._prepared = PreparedScene(scene_of(scene))
         self._inputs, self._interpolation = dict(inputs or {}), interpolation
-        varied = self._prepared.varied_by(parameters)
+        varied = varied_by(self._prepared, parameters)
         self._paths = [variable.set_path for variable in varied]
-        columns = self._prepared.columns_named(outputs)
+        columns = columns_named(self._prepared, outputs)
         self._words = self._prepared.output_words[[columns[name] for name in outputs]]
         self._instance = DifferentiatedInstance(self._prepared, varied)
 

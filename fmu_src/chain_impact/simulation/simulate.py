@@ -32,6 +32,7 @@ from chain_impact.simulation.instance import (
 )
 from chain_impact.variables.indices import WORD
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import varied_by
 
 MOST_BYTES = 2_000_000_000
 """[byte] the largest size of the outputs of a simulation; a larger result is refused before the run."""
@@ -120,7 +121,7 @@ def simulate(
     stop = scene.simulation.stop_time
     step = stop if output_step == math.inf else scene.simulation.step_size
     prepared = PreparedScene(scene)
-    varied = prepared.varied if sensitivities is None else prepared.varied_by(sensitivities)
+    varied = prepared.varied if sensitivities is None else varied_by(prepared, sensitivities)
     indices = prepared.output_indices if output is None else prepared.indices_named(output)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)

@@ -6,7 +6,7 @@ record (kernel/record/). It makes new instances, whose records hold the paramete
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, lru_cache, wraps
 from typing import Any, TypeVar
 
@@ -14,15 +14,10 @@ import numpy as np
 
 from chain_impact.compilation.compilers import GENERAL
 from chain_impact.kernel.record.counts import Counts
-from chain_impact.scene.contents import named_point_hint
-from chain_impact.scene.limits import keys
-from chain_impact.scene.names import DataPath, input_asked, parameter_hint
-from chain_impact.scene.reading import find_names, names_matching
-from chain_impact.scene.scene import Scene, fixed_hint
+from chain_impact.scene.names import DataPath
+from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_by
-from chain_impact.scene.tables import Outputs
 from chain_impact.variables.filling import common_of, new_record, with_tangents
-from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
 from chain_impact.variables.indices import (
     WORD,
     OutputIndices,
@@ -33,13 +28,12 @@ from chain_impact.variables.indices import (
     word_index,
 )
 from chain_impact.variables.listing import (
-    absent_hint,
-    all_outputs,
     derivatives,
     inputs,
     outputs_of,
     parameters,
 )
+from chain_impact.variables.selection import outputs_named, varied_by
 from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import Variable, variable_row
 
@@ -128,10 +122,10 @@ class PreparedScene:
     @_common
     def outputs(self) -> list[Variable]:
         """The outputs of the FMU, without derivatives."""
-        return list(self._own_outputs.values())
+        return list(self.own_outputs.values())
 
     @_common
-    def _own_outputs(self) -> dict[str, Variable]:
+    def own_outputs(self) -> dict[str, Variable]:
         """The outputs of the FMU by name, without derivatives."""
         return outputs_of(self.structure)
 
@@ -158,7 +152,7 @@ class PreparedScene:
             UnknownNameError: when the scene names a variable that has no derivatives.
         """
         names = self.scene.outputs.sensitivities
-        return self.varied_by(names) if names else []
+        return varied_by(self, names) if names else []
 
     @cached_property
     def variables(self) -> list[Variable]:
@@ -217,40 +211,6 @@ class PreparedScene:
         first = first_word(self.layout, "output")
         return np.arange(first, first + self.row.itemsize // WORD)
 
-    def varied_by(self, names: str | Iterable[str]) -> list[Variable]:
-        """Return the parameters and inputs with some names, each once; ``*`` in a name stands for any text.
-
-        Raises:
-            UnknownNameError: when no variable with derivatives has such a name.
-        """
-
-        def hint(name: str) -> str | None:
-            if name in self.columns:
-                return "it is an output: derivatives of it are with respect to parameters and inputs"
-            if name in self.parameter_paths:
-                return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
-            if input_asked(name):
-                return f"the scene does not have this input: it needs {input_asked(name)}"
-            hint = parameter_hint(name, len(self.scene.chain.links), self.scene.signals)
-            return absent_hint(name) or hint or fixed_hint(self.scene, name)
-
-        wanted = (names,) if isinstance(names, str) else tuple(names)
-        if not wanted:
-            return []
-        variables, what = self.differentiable, "no parameter with derivatives"
-        return [variables[name] for name in self._named(wanted, variables, what, hint)]
-
-    def outputs_named(self, wanted: str | Iterable[str]) -> list[Variable]:
-        """Return the outputs with some names or patterns, each once, in the order of ``wanted``.
-
-        Raises:
-            UnknownNameError: when no output has a name, or matches a pattern.
-        """
-        if not wanted:
-            return []
-        there = self._own_outputs
-        return [there[name] for name in self._named(wanted, there, "no output", self.output_hint)]
-
     @_common
     def output_indices(self) -> OutputIndices:
         """The indices of the outputs in the record."""
@@ -264,11 +224,11 @@ class PreparedScene:
         """
         by_names, kept = self._indices_by_names, self._indices_by_text
         if not isinstance(wanted, str):
-            return by_names(*(variable.name for variable in self.outputs_named(wanted)))
+            return by_names(*(variable.name for variable in outputs_named(self, wanted)))
         if wanted not in kept:
             if len(kept) >= KEPT_SELECTIONS:
                 kept.clear()
-            kept[wanted] = by_names(*(variable.name for variable in self.outputs_named(wanted)))
+            kept[wanted] = by_names(*(variable.name for variable in outputs_named(self, wanted)))
         return kept[wanted]
 
     @_common
@@ -279,41 +239,8 @@ class PreparedScene:
     @_common
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
         """A function from names of outputs to their indices, which it keeps for the last selections."""
-        outputs, every = self._own_outputs, self.output_indices
+        outputs, every = self.own_outputs, self.output_indices
         return lru_cache(KEPT_SELECTIONS)(lambda *names: indices_of([outputs[name] for name in names], every))
-
-    def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
-        """Return the entries of ``columns`` for some names or patterns.
-
-        Raises:
-            UnknownNameError: when no column has a name, or matches a pattern.
-        """
-        columns = self._named(wanted, self.columns, "no output", series_hint(self.output_hint))
-        return {name: self.columns[name] for name in columns}
-
-    def output_hint(self, name: str) -> str | None:
-        """Return a hint for a name that is no output: how to get such an output; None if none is known."""
-        inputs = [variable.name for variable in self.inputs]
-        if hint := output_hint(name, inputs, self.parameter_paths, "a signal in the scene or --inputs FILE"):
-            return hint
-        if asked := input_asked(name):
-            return f"the scene does not have this input: it needs {asked}"
-        if find_names(name, self._own_outputs):
-            return None
-        named = named_point_hint(self.scene, name, self._own_outputs)
-        return named or parts_hint(name, self._own_outputs) or self._hint_on_more(name)
-
-    def _hint_on_more(self, name: str) -> str | None:
-        """Return a hint for a name of an output that the scene does not ask for; None for another name."""
-        for key in keys(Outputs):
-            if getattr(self.scene.outputs, key.name) is False:
-                asked = f"outputs.{key.name} = true"
-                more = all_outputs(self.scene.with_values({f"outputs.{key.name}": True}))
-                if find_names(name, more):
-                    return f"it needs {asked}"
-                if parts := parts_hint(name, more):
-                    return f"with {asked} {parts}"
-        return None
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
         """Return the time series of ``Result.outputs``: name of the FMU's output → values, shape (T,)."""
@@ -336,21 +263,6 @@ class PreparedScene:
         varied = self.varied if varied is None else varied
         memory = new_record(self.scene, self.structure, self._shared)
         return with_tangents(memory, [variable.set_path for variable in varied]) if varied else memory
-
-    def _named(
-        self,
-        wanted: str | Iterable[str],
-        available: Mapping[str, Any],
-        what: str,
-        hint: Hint = lambda _: None,
-    ) -> dict[str, None]:
-        """Return the keys of ``available`` that equal a wanted name or match a wanted pattern, each once."""
-        names = (wanted,) if isinstance(wanted, str) else wanted
-        return {
-            match: None
-            for name in names
-            for match in names_matching(self.scene.name, name, available, what, hint)
-        }
 
 
 def kernel_size(scene: Scene) -> int:

@@ -12,6 +12,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import input_course
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import varied_by
 from tests.helpers.scenes.derivative_scenes import Case
 
 
@@ -141,7 +142,7 @@ def started(case: Case) -> DifferentiatedInstance:
     """Return an instance at the start of a case, with derivatives of all outputs."""
     prepared = PreparedScene(case.scene)
     course = input_course(prepared, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
-    instance = DifferentiatedInstance(prepared, prepared.varied_by(case.parameters), course=course)
+    instance = DifferentiatedInstance(prepared, varied_by(prepared, case.parameters), course=course)
     course.set(instance.record, 0)
     return instance
 

@@ -86,4 +86,4 @@ def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
 def test_every_parameter_with_derivatives_is_in_a_declared_part():
     for name in model_names():
         prepared = PreparedScene(load_scene(name))
-        assert {variable.record_path[0] for variable in prepared.varied_by(["*"])} <= set(SETTABLE)
+        assert {variable.record_path[0] for variable in prepared.differentiable.values()} <= set(SETTABLE)

@@ -24,6 +24,7 @@ from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.indices import PEAKS, STOP_PEAKS, word_index
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.prepared import PreparedScene, prepared_scene
+from chain_impact.variables.selection import missing_output_hint
 from chain_impact.variables.variable import Variable
 
 JOINT_FORCE = "joint_force"
@@ -101,7 +102,7 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
     for name in outputs:
         if not (isinstance(name, str) and name in available):
             raise UnknownNameError(
-                prepared.scene.name, name, available, "no output", prepared.output_hint(str(name))
+                prepared.scene.name, name, available, "no output", missing_output_hint(prepared, str(name))
             )
     if STATUS not in available:
         name = prepared.scene.name

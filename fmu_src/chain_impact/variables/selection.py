@@ -1,0 +1,124 @@
+"""The variables of a prepared scene that a user names, and hints in errors on names that do not exist."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Protocol
+
+from chain_impact.scene.contents import named_point_hint
+from chain_impact.scene.limits import keys
+from chain_impact.scene.names import DataPath, input_asked, parameter_hint
+from chain_impact.scene.reading import find_names, names_matching
+from chain_impact.scene.scene import Scene, fixed_hint
+from chain_impact.scene.tables import Outputs
+from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
+from chain_impact.variables.listing import absent_hint, all_outputs
+from chain_impact.variables.variable import Variable
+
+
+class Available(Protocol):
+    """What can be named: the parts of ``PreparedScene`` with these names."""
+
+    scene: Scene
+
+    @property
+    def inputs(self) -> list[Variable]: ...  # noqa: D102
+
+    @property
+    def own_outputs(self) -> dict[str, Variable]: ...  # noqa: D102
+
+    @property
+    def parameter_paths(self) -> dict[str, DataPath]: ...  # noqa: D102
+
+    @property
+    def differentiable(self) -> dict[str, Variable]: ...  # noqa: D102
+
+    @property
+    def columns(self) -> dict[str, int]: ...  # noqa: D102
+
+
+def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]:
+    """Return the parameters and inputs with some names, each once; ``*`` in a name stands for any text.
+
+    Raises:
+        UnknownNameError: when no variable with derivatives has such a name.
+    """
+    scene = prepared.scene
+
+    def hint(name: str) -> str | None:
+        if name in prepared.columns:
+            return "it is an output: derivatives of it are with respect to parameters and inputs"
+        if name in prepared.parameter_paths:
+            return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
+        if input_asked(name):
+            return f"the scene does not have this input: it needs {input_asked(name)}"
+        hint = parameter_hint(name, len(scene.chain.links), scene.signals)
+        return absent_hint(name) or hint or fixed_hint(scene, name)
+
+    wanted = (names,) if isinstance(names, str) else tuple(names)
+    if not wanted:
+        return []
+    variables = prepared.differentiable
+    found = _named(scene.name, wanted, variables, "no parameter with derivatives", hint)
+    return [variables[name] for name in found]
+
+
+def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Variable]:
+    """Return the outputs with some names or patterns, each once, in the order of ``wanted``.
+
+    Raises:
+        UnknownNameError: when no output has a name, or matches a pattern.
+    """
+    if not wanted:
+        return []
+    outputs, hint = prepared.own_outputs, _hint_on_outputs(prepared)
+    return [outputs[name] for name in _named(prepared.scene.name, wanted, outputs, "no output", hint)]
+
+
+def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str, int]:
+    """Return the entries of ``PreparedScene.columns`` for some names or patterns.
+
+    Raises:
+        UnknownNameError: when no column has a name, or matches a pattern.
+    """
+    columns, hint = prepared.columns, series_hint(_hint_on_outputs(prepared))
+    names = _named(prepared.scene.name, wanted, columns, "no output", hint)
+    return {name: columns[name] for name in names}
+
+
+def missing_output_hint(prepared: Available, name: str) -> str | None:
+    """Return a hint for a name that is no output: how to get such an output; None if none is known."""
+    inputs, outputs = [variable.name for variable in prepared.inputs], prepared.own_outputs
+    if hint := output_hint(name, inputs, prepared.parameter_paths, "a signal in the scene or --inputs FILE"):
+        return hint
+    if asked := input_asked(name):
+        return f"the scene does not have this input: it needs {asked}"
+    if find_names(name, outputs):
+        return None
+    scene = prepared.scene
+    return named_point_hint(scene, name, outputs) or parts_hint(name, outputs) or _hint_on_more(scene, name)
+
+
+def _hint_on_outputs(prepared: Available) -> Hint:
+    return lambda name: missing_output_hint(prepared, name)
+
+
+def _hint_on_more(scene: Scene, name: str) -> str | None:
+    """Return a hint for a name of an output that the scene does not ask for; None for another name."""
+    for key in keys(Outputs):
+        if getattr(scene.outputs, key.name) is False:
+            asked = f"outputs.{key.name} = true"
+            more = all_outputs(scene.with_values({f"outputs.{key.name}": True}))
+            if find_names(name, more):
+                return f"it needs {asked}"
+            if parts := parts_hint(name, more):
+                return f"with {asked} {parts}"
+    return None
+
+
+def _named(
+    source: str, wanted: str | Iterable[str], available: Mapping[str, Any], what: str, hint: Hint
+) -> dict[str, None]:
+    """Return the keys of ``available`` that equal a wanted name or match a wanted pattern, each once."""
+    names = (wanted,) if isinstance(wanted, str) else wanted
+    return {match: None for name in names for match in names_matching(source, name, available, what, hint)}
