@@ -28,7 +28,7 @@ class OnInstance:
     def __init__(self, scene: Scene, stop: float) -> None:
         self.instance, self.stop = Instance(scene), stop
         # the record is copied as bytes, because a copy of a record copies its fields one by one
-        self.block = self.instance._block.view(np.uint8)
+        self.block = self.instance._memory.view(np.uint8)
         self.fresh = self.block.copy()
         self.kernel, self.address = self.instance._kernel, self.instance._address
 
