@@ -15,6 +15,7 @@ from pathlib import Path
 
 import fmpy
 
+import chain_impact
 from chain_impact import BuildError, build_fmu, explore, fit, load_scene, simulate
 from chain_impact.compilation import folders, ready
 from chain_impact.scene.scene import scene_from_dict, with_values
@@ -71,7 +72,7 @@ except BuildError as error:
 how = f"{sys.executable} -m pip install '{Path.cwd()}[compiler]'"
 assert how in said, f"without a compiler a law of your own said {said}, and not {how}"
 
-packages = Path(find_spec("chain_impact").origin).parents[1]
+packages = Path(chain_impact.__file__).parents[1]
 of_the_environment = ("pip", "setuptools", "pkg_resources", "_distutils_hack")
 files = [
     file.lstat()

@@ -44,8 +44,8 @@ def install_tool(tool: str, source: Path, place: Path) -> Path:
     """Install the command alone, from a wheel or a clone; return the folder of the command."""
     places = ("UV_TOOL_DIR", "UV_TOOL_BIN_DIR", "PIPX_HOME", "PIPX_BIN_DIR")
     settings = {name: str(place / name) for name in places}
-    command = [UV, "tool", "install", "--quiet"] if tool == "uv" else [PIPX, "install", "--quiet"]
-    run(*command, "--python", pythons()[0], source, env=os.environ | settings)
+    program = [UV, "tool"] if tool == "uv" else [PIPX]
+    run(*program, "install", "--quiet", "--python", pythons()[0], source, env=os.environ | settings)
     return place / ("UV_TOOL_BIN_DIR" if tool == "uv" else "PIPX_BIN_DIR")
 
 
@@ -56,7 +56,7 @@ def use(programs: Path, folder: Path) -> None:
     environment = {**os.environ, "CHAIN_IMPACT_CACHE": str(unused), "MPLBACKEND": "Agg"}
     if (programs / "python").exists():
         run(programs / "python", "-c", CHECK, cwd=folder, env=environment)
-    command = [programs / "chain-impact", "build", "--simulate"]
+    command: list[str | Path] = [programs / "chain-impact", "build", "--simulate"]
     run(*command, cwd=folder, env=environment, stdout=subprocess.DEVNULL)
     made = {file.name for file in (folder / "build").iterdir()}
     assert made >= {"FourLinkBox.fmu", "FourLinkBox.csv", "FourLinkBox.png"}, made

@@ -20,6 +20,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ LINE, PLACE = 64, 16  # bytes: NumPy puts large arrays 16 bytes after the start 
 class Run:
     """A kernel on an instance of a scene."""
 
-    def __init__(self, side: dict) -> None:
+    def __init__(self, side: dict[str, Any]) -> None:
         self.fresh = np.frombuffer(side["instance"], np.uint8)
         room = np.empty(len(self.fresh) + LINE, np.uint8)
         first = (PLACE - room.ctypes.data) % LINE
@@ -79,16 +80,16 @@ def git(*arguments: str) -> str:
     return done.stdout.strip()
 
 
-def sides(root: Path) -> dict[str, dict]:
+def sides(root: Path) -> dict[str, dict[str, Any]]:
     """Return the kernels and instances of a tree's package; a kernel that is not cached is compiled."""
     environment = {**os.environ, "PYTHONPATH": str(root / "fmu_src")}
     command = [sys.executable, str(Path(__file__).with_name("against_side.py"))]
     done = subprocess.run(command, cwd=root, env=environment, stdout=subprocess.PIPE, check=True)
-    made: dict[str, dict] = pickle.loads(done.stdout)
+    made: dict[str, dict[str, Any]] = pickle.loads(done.stdout)
     return made
 
 
-def compare(scene: str, new: dict, old: dict) -> None:
+def compare(scene: str, new: dict[str, Any], old: dict[str, Any]) -> None:
     """Time both kernels on a scene, and print a row."""
     runs = {"new": Run(new), "old": Run(old)}
     equal = runs["new"].expected == runs["old"].expected

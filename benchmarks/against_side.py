@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import pickle
 import sys
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_va
 try:
     from chain_impact.variables.prepared import PreparedScene
 except ImportError:  # an older commit
-    from chain_impact.variables.model import Model as PreparedScene
+    from chain_impact.variables.model import Model as PreparedScene  # type: ignore
 
 
 def chain(height: float) -> Scene:
@@ -65,7 +66,8 @@ def main() -> None:
     sides = {}
     for name, (scene, stop) in scenes().items():
         block = PreparedScene(scene).new_instance()
-        places = [block.dtype.fields[record] for record in ("output", "statistics")]
+        fields: Any = block.dtype.fields
+        places = [fields[record][:2] for record in ("output", "statistics")]
         sides[name] = {
             "stop": stop,
             "library": str(kernel_library(len(scene.chain.links))),

@@ -16,6 +16,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import fmpy
 
@@ -67,12 +68,12 @@ def steps(folder: Path) -> dict[str, Callable[[], object]]:
     command = [sys.executable, "-m", "pythonfmu", "build", "-f", "empty.py"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True)
     built = {kind: build_fmu("four_link_box", folder / kind, target=kind) for kind in ("pythonfmu", "native")}
-    run = {}
+    run: dict[str, Callable[[], object]] = {}
     for name, fmu in {"empty": folder / "Empty.fmu", **built}.items():
         place, description = fmpy.extract(str(fmu)), fmpy.read_model_description(str(fmu))
         instance = fmpy.instantiate_fmu(place, description, "CoSimulation")
 
-        def call(place=place, description=description, instance=instance) -> object:
+        def call(place: str = place, description: Any = description, instance: Any = instance) -> object:
             instance.reset()
             read = next(v.name for v in description.modelVariables if v.causality == "output")
             options = {"model_description": description, "fmu_instance": instance, "output_interval": ROW}

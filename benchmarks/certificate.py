@@ -57,7 +57,7 @@ class Linear:
             seeded[j] = arb_series([value, 1 / float(unit[j])], 2)
             rows = step.residual(seeded, rates, step.active)[0]
             columns.append([-row[1] * float(u) for row, u in zip(rows, unit, strict=True)])
-        self.jacobian = self.inertia.solve(Matrix.of(list(zip(*columns, strict=True))))
+        self.jacobian = self.inertia.solve(Matrix.of([list(row) for row in zip(*columns, strict=True)]))
 
 
 class Part:
@@ -81,15 +81,16 @@ class Part:
             found.append((rows, [step.phi(c, z, gaps[c]) for c in asked]))
         self.values = [series[0] for series in z]
         (thin, courses), (wide, wide_courses) = found
-        rows = zip(thin, wide, step.unit, strict=True)
-        self.defects = Matrix.of([[float(u) * entry for entry in _joined(a, b)] for a, b, u in rows])
+        joined = zip(thin, wide, step.unit, strict=True)
+        self.defects = Matrix.of([[float(u) * entry for entry in _joined(a, b)] for a, b, u in joined])
         self.courses = [tuple(map(_joined, a, b)) for a, b in zip(courses, wide_courses, strict=True)]
 
     def range_of(self, terms: Row, low: float, high: float) -> arb:
         """Return a ball that holds a function for all x in [low, high]."""
         x, centre = arb(low).union(arb(high)) - self.middle, arb(0.5 * (low + high)) - self.middle
         polynomial = arb_poly(terms[:-1])
-        return polynomial(centre) + polynomial.derivative()(x) * (x - centre) + terms[-1] * x**ORDER
+        value: arb = polynomial(centre) + polynomial.derivative()(x) * (x - centre) + terms[-1] * x**ORDER
+        return value
 
 
 def _joined(thin: Any, wide: Any) -> Row:

@@ -16,14 +16,16 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from certificate import NO_EVENT, UNDECIDED, Step, certify
+from certificate import NO_EVENT, UNDECIDED, certify
 from flint import arb, arb_series, ctx
 from scipy.integrate import solve_ivp
+from step_equations import Step
 
 from chain_impact import load_scene
 from chain_impact.kernel.forces.contact_law import HARMLESS, USER_LAW
 from chain_impact.kernel.status import OK
-from chain_impact.scene.scene import Scene, model_names
+from chain_impact.scene.models import model_names
+from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.helpers.campaigns.random_scenes import (
     DRIVEN,
@@ -102,12 +104,13 @@ def least(step: Step, candidates: list[int]) -> list[float]:
     start = [float(one[0].mid()) for one in step.course(arb(0), 0)[0]]
     try:
         found = solve_ivp(rate, (0.0, step.kept), start, "DOP853", rtol=1e-11, atol=1e-12, dense_output=True)
-        return np.min([phi(found.sol(x)) for x in np.linspace(0.0, step.kept, 200)], axis=0).tolist()
+        values = [phi(found.sol(x)) for x in np.linspace(0.0, step.kept, 200)]
+        return [float(low) for low in np.min(values, axis=0)]
     except (StopIteration, ValueError):
         return [np.nan] * len(candidates)
 
 
-def look(d: Any, count: Counter) -> None:
+def look(d: Any, count: Counter[str]) -> None:
     """Count the verdicts, proofs and faults for the last step of a record."""
     count["steps"] += 1
     if reason := missing(d):
@@ -128,7 +131,7 @@ def look(d: Any, count: Counter) -> None:
         count["proven"] += 1
 
 
-def look_at_run(scene: Scene, most: int, count: Counter, shift: float = 0.5) -> None:
+def look_at_run(scene: Scene, most: int, count: Counter[str], shift: float = 0.5) -> None:
     """Count the proofs for some steps of a run, evenly spaced and shifted by a share of their distance."""
     try:
         total = sum(1 for _ in steps(scene))
@@ -158,13 +161,13 @@ def main() -> None:
             scene = load_scene(name).with_values({"solver.tolerance": tolerance})
             choices = (ALL, STEPS) if len(scene.chain.links) <= SHORT else (STEPS, STEPS_OF_LONG)
             most = choices[tolerance != AIM]
-            count: Counter = Counter()
+            count: Counter[str] = Counter()
             since = time.process_time()
             look_at_run(scene, 5 if quick else most, count)
             seconds = common.rounded(time.process_time() - since, 3)
             rows.append({"of": name, "tolerance": tolerance, "seconds": seconds, **count})
             print(rows[-1], flush=True)
-    found = {tolerance: Counter() for tolerance in TOLERANCES}
+    found: dict[float, Counter[str]] = {tolerance: Counter() for tolerance in TOLERANCES}
     for number in range(20 if quick else SCENES):
         tolerance, scene = random_scene(number)
         look_at_run(scene, 1, found[tolerance], 0.618 * number % 1.0)

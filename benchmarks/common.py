@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 # set these variables before the import of numpy and numba; therefore this module is imported first
 PORTABLE_CPU = "x86-64-v2"  # the target of the shipped kernel, see compilation/compilers.py
@@ -29,17 +29,19 @@ RESULTS = Path(__file__).parent / "results"
 IMAGES = ROOT / "docs" / "images"
 DPI = 140  # resolution of the charts
 PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "ziglang", "fmpy", "pythonfmu")
-Timings = dict[str, list[float]]
+Name = TypeVar("Name")
+"""The name of a contender: a text, or several values."""
+Timings = dict[Name, list[float]]
 """CPU seconds per call of each contender, one number for each round."""
 
 
 def interleave(
-    contenders: Mapping[str, Callable[[], object]],
+    contenders: Mapping[Name, Callable[[], object]],
     rounds: int = 7,
     span: float = 0.05,
     patience: float = 3.0,
     fast: int = 1,
-) -> Timings:
+) -> Timings[Name]:
     """Time several contenders in turn, round after round, so that a busy moment of the machine hits all.
 
     Args:
@@ -56,7 +58,7 @@ def interleave(
         if repeats[name] > 1:
             once = _seconds(call, max(1, repeats[name] // 10))
             repeats[name] = max(1, round(span / once))
-    timings: Timings = {name: [] for name in contenders}
+    timings: Timings[Name] = {name: [] for name in contenders}
     for turn in range(fast * rounds):
         for name, call in contenders.items():
             often = turn < rounds or repeats[name] >= 10
@@ -95,7 +97,7 @@ def spread(values: list[float]) -> dict[str, float]:
     return {"median": median(values), "least": rounded(min(values)), "largest": rounded(max(values))}
 
 
-def ratio(timings: Timings, name: str, base: str) -> dict[str, float]:
+def ratio(timings: Timings[Name], name: Name, base: Name) -> dict[str, float]:
     """Return median, least and largest ratio of a contender's time to that of ``base`` in the same round."""
     return spread([a / b for a, b in zip(timings[name], timings[base], strict=False)])
 

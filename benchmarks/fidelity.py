@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from looks import BLUE, OURS, headline, number
+from looks import OURS
 from matplotlib import colormaps
 from matplotlib.ticker import LogLocator
 from peers.ours import Kernel
@@ -23,9 +23,10 @@ from problems import PROBLEMS, STEEL
 from race import judge
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.style import BLUE, headline, number
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.compare import law_values
+from chain_impact.studies.law_change import law_values
 
 PROBLEM = PROBLEMS["steel"]
 STIFFNESSES = (1e5, 1e6, 1e7, 1e8, 1e9, 1e10, STEEL, 1e12)
@@ -45,7 +46,7 @@ def scene_with(changes: Mapping[Any, Any], tolerance: float) -> Scene:
     return with_values(PROBLEM.scene(tolerance), changes)
 
 
-def choices() -> list[tuple[dict, Scene]]:
+def choices() -> list[tuple[dict[str, Any], Scene]]:
     """Return the compared choices, each with a description and a scene."""
     found = []
     for stiffness in STIFFNESSES:
@@ -85,7 +86,7 @@ def first_impact(scene: Scene, truth: np.void) -> dict[str, float | None]:
     }
 
 
-def measure(rounds: int) -> list[dict]:
+def measure(rounds: int) -> list[dict[str, Any]]:
     """Return errors and costs of all choices at both times."""
     expected = common.load("reference")["results"][PROBLEM.name]
     truth = simulate(scene_with({}, 1e-12), stop_time=0.6).impacts[0]
@@ -104,19 +105,19 @@ def measure(rounds: int) -> list[dict]:
             if row["stop"] == stop and "number" in row:
                 row["seconds"] = common.median(timings[str(row.pop("number"))])
         for row in (row for row in rows if row["stop"] == stop and "tip" in row):
-            about = (
+            words = (
                 f"{stop} K = {row['stiffness']:.2e} {row['tolerance']:.0e} {row.get('what', row['law']):22}"
             )
             seen = "" if row["right"] else ", other impacts"
             cost = f"{row['rhs']:5} rhs {1e6 * row['seconds']:5.0f} µs"
-            print(f"{about} {cost}  tip {row['tip']:.1e} mm{seen}", flush=True)
+            print(f"{words} {cost}  tip {row['tip']:.1e} mm{seen}", flush=True)
     return rows
 
 
 SIZE = (11.0, 4.6)  # inches, of the chart
 
 
-def draw(page: Any, record: dict) -> None:
+def draw(page: Any, record: dict[str, Any]) -> None:
     """Draw error against CPU time, at both times."""
     panels = page.subplots(1, 2)
     for stop, axes in zip(PROBLEM.times, panels, strict=True):
@@ -145,7 +146,7 @@ def draw(page: Any, record: dict) -> None:
     page.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
 
 
-def draw_stiffness(axes: Any, rows: list[dict]) -> None:
+def draw_stiffness(axes: Any, rows: list[dict[str, Any]]) -> None:
     """Draw a line over the tolerances for each stiffness, with names at the lines of steel."""
     shades = colormaps["viridis"](np.linspace(0.0, 0.9, len(STIFFNESSES)))
     for stiffness, shade in zip(STIFFNESSES, shades, strict=True):
@@ -157,7 +158,7 @@ def draw_stiffness(axes: Any, rows: list[dict]) -> None:
             name_point(axes, f"1e{math.log10(row['tolerance']):.0f}", row, OURS)
 
 
-def draw_laws(axes: Any, rows: list[dict]) -> None:
+def draw_laws(axes: Any, rows: list[dict[str, Any]]) -> None:
     """Draw the other laws, with the name of the nearest one."""
     laws = [row for row in rows if row["choice"] == "law" and row["law"] != RIGID]
     label = f"other laws, K of steel, tolerance 1e{math.log10(TIGHT):.0f}"
@@ -168,7 +169,7 @@ def draw_laws(axes: Any, rows: list[dict]) -> None:
         axes.loglog(1e3 * row["seconds"], row["tip"], "*", color=BLUE, markersize=11, label=RIGID)
 
 
-def name_point(axes: Any, text: str, row: dict, colour: str) -> None:
+def name_point(axes: Any, text: str, row: dict[str, Any], colour: str) -> None:
     """Write a name beside the point of a row."""
     place = 1e3 * row["seconds"], row["tip"]
     axes.annotate(text, place, xytext=(6, 1), textcoords="offset points", color=colour, fontsize=7)

@@ -22,11 +22,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from looks import BLUE, GREEN, INK, OURS, PURPLE, SKY, headline, strong
+from looks import OURS, strong
 from peers.ours import Kernel
 from race import ROUNDS, Entries, race, seconds_at
 
 from chain_impact import simulate
+from chain_impact.pictures.style import BLUE, GREEN, INK, PURPLE, SKY, headline
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from tests.helpers.scenes.friction import SLOPE, sled, thrown

@@ -371,7 +371,7 @@ def built(links: int) -> Path:
     )
 
 
-def link(lowered_file: Path, links: int | None, library: Path) -> None:
+def link(lowered_file: Path, links: compilers.Sizes, library: Path) -> None:
     """Build a library as for the kernel, without the C interface of FMUs."""
     functions = library.with_name("functions.o")
     compilers.compile_part(lowered_file.read_text(), functions, HOST, compilers.KERNEL, links)

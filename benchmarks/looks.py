@@ -4,22 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.pictures.style import (  # noqa: F401 - for the charts
-    BLACK,
-    BLUE,
-    GREEN,
-    INK,
-    ORANGE,
-    PURPLE,
-    SKY,
-    STYLE,
-    VERMILLION,
-    headline,
-    number,
-)
+from chain_impact.pictures import style
+from chain_impact.pictures.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
 
 OURS = VERMILLION
-STYLE = STYLE | {"axes.grid": True}
+STYLE = style.STYLE | {"axes.grid": True}
 LOOKS = {
     "chain-impact": (OURS, "o", "-"),
     "chain-impact, FMU": (OURS, "s", "--"),

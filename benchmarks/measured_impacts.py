@@ -55,7 +55,8 @@ class Trials:
 
     def at_contact(self, velocity: np.ndarray) -> np.ndarray:
         """Return velocity of the contact point (n, 2): along the wall and away from it [m/s]."""
-        return velocity[:, :2] + velocity[:, 2:] * self.arm[:, ::-1] * [-1.0, 1.0]
+        at_contact: np.ndarray = velocity[:, :2] + velocity[:, 2:] * self.arm[:, ::-1] * [-1.0, 1.0]
+        return at_contact
 
 
 def read(folder: Path) -> Trials:
@@ -160,7 +161,8 @@ def fitted_compliant(trials: Trials, ratio: float | None) -> list[float]:
 
 def errors(trials: Trials, after: np.ndarray) -> np.ndarray:
     """Return errors of predicted velocities (n,) [m/s]: of v_x, v_y and ω times the radius of gyration."""
-    return np.linalg.norm((after - trials.after) * [1.0, 1.0, GYRATION], axis=1)
+    sizes: np.ndarray = np.linalg.norm((after - trials.after) * [1.0, 1.0, GYRATION], axis=1)
+    return sizes
 
 
 def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str, Any]:

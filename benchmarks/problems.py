@@ -30,7 +30,9 @@ class Problem:
         """Return where the tip is [m] in a state: x₀, y₀, angles, and their rates."""
         lengths = np.array([link.length for link in self.base.chain.links])
         angles = state[2 : 2 + len(lengths)].astype(float)
-        return np.array([lengths @ np.cos(angles), lengths @ np.sin(angles)]) + state[:2].astype(float)
+        from_base = np.array([lengths @ np.cos(angles), lengths @ np.sin(angles)])
+        position: np.ndarray = from_base + state[:2].astype(float)
+        return position
 
 
 def chain(links: int) -> Scene:

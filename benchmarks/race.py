@@ -17,7 +17,7 @@ Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]
 """Name and setting (tolerance, or step [s]) → a run and its result; an entry with ``failed`` is not timed."""
 
 
-def judge(found: Outcome, problem: Problem, expected: dict, stop: float) -> dict[str, Any]:
+def judge(found: Outcome, problem: Problem, expected: dict[str, Any], stop: float) -> dict[str, Any]:
     """Return errors of the tip [mm] and of the onsets [µs]; none of onsets where other impacts were found.
 
     A run that failed has ``failed`` in place of the errors.
@@ -74,4 +74,4 @@ def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> fl
     line = sorted((math.log(x), math.log(y)) for x, y in front)
     if not line or error <= 0.0 or math.log(error) < line[0][0]:
         return None
-    return math.exp(np.interp(math.log(error), *zip(*line, strict=True)))
+    return math.exp(np.interp(math.log(error), [x for x, _ in line], [y for _, y in line]))

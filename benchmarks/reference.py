@@ -14,6 +14,7 @@ import common  # isort: skip
 
 import sys
 import time
+from typing import Any
 
 import numpy as np
 from problems import PROBLEMS, Problem
@@ -54,7 +55,7 @@ class Bouncing:
         self.rows, self.tolerance = rows, tolerance
         self.book = Textbook(scene, REAL, cholesky_solve)
         self.contact = scene.contact
-        law = CONTACT_LAWS[scene.contact.model]
+        law: Any = CONTACT_LAWS[scene.contact.model]
         self.factor = REAL(law.damping_factor(scene.contact.restitution))
         self.pairs = candidates(scene)
         self.walls = [REAL(getattr(scene.box, name) or 0.0) for name in ("x_min", "x_max", "y_min", "y_max")]
@@ -62,7 +63,7 @@ class Bouncing:
         start = [*first.position, *first.angles, *first.velocity, *first.angular_velocities]
         self.y, self.t = np.array(start, REAL), REAL(0)
         self.v0: dict[int, REAL] = {}  # active candidate → speed at onset
-        self.impacts: list[dict] = []
+        self.impacts: list[dict[str, Any]] = []
         self.step = REAL(1e-3)
 
     def clearances(self, y: np.ndarray) -> list[tuple[REAL, REAL]]:
@@ -90,7 +91,8 @@ class Bouncing:
 
     def extrapolate(self, y: np.ndarray, h: REAL) -> tuple[np.ndarray, REAL]:
         """Return one step of size h: result and error estimate."""
-        first, table = self.rate(y), []
+        first = self.rate(y)
+        table: list[np.ndarray] = []
         for row in range(self.rows):
             count = 2 * (row + 1)
             sub = h / count
@@ -108,9 +110,9 @@ class Bouncing:
         """Return the clearances and penetrations that fall through zero at events, and their rates."""
         return [(-g, -v) if c in self.v0 else (g, v) for c, (g, v) in enumerate(self.clearances(y))]
 
-    def advance(self, stop: float) -> None:
+    def advance(self, time: float) -> None:
         """Advance to a time [s]."""
-        stop = REAL(str(stop))
+        stop = REAL(str(time))
         while self.t < stop:
             last = self.step >= stop - self.t
             h = stop - self.t if last else self.step
@@ -163,7 +165,7 @@ class Bouncing:
                     self.step = REAL(1e-7)
 
 
-def run(problem: Problem, rows: int, tolerance: float) -> tuple[list, list]:
+def run(problem: Problem, rows: int, tolerance: float) -> tuple[list[Any], list[Any]]:
     """Return states at the times of a problem, and the impacts."""
     scene, states = problem.scene(), []
     motion = Bouncing(scene, rows, tolerance * (LOOSER if len(scene.chain.links) > MANY else 1.0))
@@ -173,7 +175,7 @@ def run(problem: Problem, rows: int, tolerance: float) -> tuple[list, list]:
     return states, motion.impacts
 
 
-def solve(problem: Problem) -> dict:
+def solve(problem: Problem) -> dict[str, Any]:
     """Compute the reference of one problem, and check it by a run of another order and tolerance."""
     begin = time.process_time()
     states, impacts = run(problem, *SETTINGS["reference"])

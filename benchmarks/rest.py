@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 from kernel_model import MARGIN, POSITION_ERROR
-from looks import BLUE, INK, OURS, headline, number, strong
+from looks import OURS, strong
 from peers import MissingError
 from peers.cvode import BUDGET, COUNTS, Cvode, driver
 from peers.ours import OnInstance
 
+from chain_impact.pictures.style import BLUE, INK, headline, number
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.instance import Instance
 
@@ -57,7 +58,7 @@ def energy(run: OnInstance) -> float:
     return float(output["total"] + output["dissipated"])
 
 
-def outcome(run: Any) -> dict:
+def outcome(run: Any) -> dict[str, Any]:
     """Return the results of a run, at the end and at rest."""
     run.block[:] = run.fresh
     start = energy(run)
@@ -86,12 +87,13 @@ def at_rest(rows: np.ndarray) -> float | None:
     return round(float(rhs[quiet].mean()), 1) if quiet and rows[-1]["flag"] == 0 else None
 
 
-def compare(scene: Scene) -> dict:
+def compare(scene: Scene) -> dict[str, Any]:
     """Return results, times and their ratios of our kernel and of CVODE on one scene."""
     fine = Instance(with_values(scene, {("solver", "tolerance"): FINE}))
     assert fine._kernel.advance(fine._address, float(STOP)) == 0
     seconds = np.arange(1.0, STOP + 1.0)
-    runs = {"ours": Ours(scene), **{name: Cvode(scene, seconds, *how) for name, how in CVODES.items()}}
+    runs: dict[str, Ours | Cvode] = {"ours": Ours(scene)}
+    runs |= {name: Cvode(scene, seconds, *how) for name, how in CVODES.items()}
     row: dict[str, Any] = {
         "restitution": scene.contact.restitution,
         "stiffness": scene.contact.stiffness,
@@ -112,7 +114,7 @@ def compare(scene: Scene) -> dict:
 SIZE = (10.5, 5.6)  # inches, of the chart
 
 
-def draw(page, record) -> None:
+def draw(page: Any, record: dict[str, Any]) -> None:
     """Draw the time above and the steps below; one column for each restitution."""
     looks = {
         "ours": (OURS, "o", "-"),
@@ -163,7 +165,7 @@ def main() -> None:
             changes = {("contact", "stiffness"): stiffness, ("contact", "restitution"): restitution}
             results.append(compare(with_values(base, changes)))
             print(results[-1], flush=True)
-    settings = {"stop time": STOP, "tolerance": TOLERANCE, "rounds": ROUNDS, "budget": BUDGET}
+    settings: dict[str, Any] = {"stop time": STOP, "tolerance": TOLERANCE, "rounds": ROUNDS, "budget": BUDGET}
     settings |= {"careful": {"position error": POSITION_ERROR, "margin": MARGIN}}
     common.save("rest", started, settings, results)
     common.picture("rest", draw, SIZE)

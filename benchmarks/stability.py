@@ -17,12 +17,12 @@ from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
-from looks import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, headline
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 from peers.on_kernel import OnKernel
 from peers.scipy import Scipy
 
+from chain_impact.pictures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
 
@@ -102,7 +102,7 @@ def alarm(budget: float) -> Callable[[], None]:
     return tick
 
 
-def run_fixed(scene: Scene, name: str, dt: float) -> dict:
+def run_fixed(scene: Scene, name: str, dt: float) -> dict[str, Any]:
     """Return a cell of a fixed-step method; its steps are counted, and need no budget."""
     peer, limits = OnKernel(scene, STOP), np.array([1e3 * energies()[1], 10.0])
     peer.start()
@@ -121,7 +121,7 @@ def run_fixed(scene: Scene, name: str, dt: float) -> dict:
     }
 
 
-def run_scipy(scene: Scene, method: str) -> dict:
+def run_scipy(scene: Scene, method: str) -> dict[str, Any]:
     """Return a cell of one of solve_ivp's methods."""
     otherwise, note = "completed", ""
     Scipy(drop(1e4, 0.7), 0.2, "DOP853", watch=True).run()  # compiles all functions, with an onset
@@ -147,7 +147,7 @@ def run_scipy(scene: Scene, method: str) -> dict:
     }
 
 
-def run_ours(scene: Scene) -> dict:
+def run_ours(scene: Scene) -> dict[str, Any]:
     """Return a cell of ours, checked at intervals of SAMPLE."""
     try:
         instance = Instance(scene)
@@ -195,7 +195,7 @@ def left(peer: OnKernel) -> float:
     return float(output["kinetic"] + output["potential"]) / energies()[0]
 
 
-def cell(task: tuple[str, float, float]) -> dict:
+def cell(task: tuple[str, float, float]) -> dict[str, Any]:
     """Return the cell for one run: method, stiffness, restitution, outcome and cost."""
     method, stiffness, restitution = task
     begin = time.process_time()
@@ -272,7 +272,7 @@ def draw(page: Any, record: Any) -> None:
     page.legend(handles=keys, loc="outside lower center", ncols=len(keys))
 
 
-def cheapest_of(cells: list[dict]) -> dict[tuple[float, float], float]:
+def cheapest_of(cells: list[dict[str, Any]]) -> dict[tuple[float, float], float]:
     """Return the least CPU time [s] in which a method completes, by stiffness and restitution."""
     found: dict[tuple[float, float], float] = {}
     for row in cells:

@@ -130,7 +130,8 @@ class Step:
         pace = z[-1] / (1 + z[-1] * z[-1]) if self.regularized >= 0 else arb_series([1])
         units = [(angle.cos(), angle.sin()) for angle in theta]
         gaps = {c: self._gap(c, z, units) for c in asked}
-        loads, moments = [(self.links, *map(arb, self.tip))], [zero] * (self.links + 1)
+        moments = [zero] * (self.links + 1)
+        loads: list[tuple[int, Any, Any]] = [(self.links, arb(self.tip[0]), arb(self.tip[1]))]
         for i, (torque, stiffness, rest, damping, target) in enumerate(self.joints):
             turned, turning = theta[i] - (theta[i - 1] if i else 0), omega[i] - (omega[i - 1] if i else 0)
             moments[i] = torque - stiffness * (turned - rest) - damping * (turning - target)
@@ -143,9 +144,9 @@ class Step:
                 loads.append((point, (nx + drag * ny) * force, (ny - drag * nx) * force))
         rows = [rate[j] - pace * z[n + j] for j in range(n)]
         for k in range(self.first):
-            force = sum((load[1 + k] for load in loads), self.mass * self.gravity[k])
+            force = sum(((fx, fy)[k] for _, fx, fy in loads), self.mass * self.gravity[k])
             rows.append(self.mass * rate[n + k] - pace * force)
-        loads += [(-1, *map(arb, self.gravity))]
+        loads.append((-1, arb(self.gravity[0]), arb(self.gravity[1])))
         for i, (cos, sin) in enumerate(units):
             push = moments[i] - moments[i + 1]
             for point, fx, fy in loads:

@@ -12,6 +12,7 @@ import common  # isort: skip
 import os
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -45,9 +46,10 @@ def main() -> None:
     """Measure."""
     rounds, started = common.rounds(__doc__, ROUNDS), common.environment()
     vary = {NAME: f"{FIRST}:{LAST}:{RUNS}"}
-    rows = [sweep(SCENE, vary, threads=count).rows.tobytes() for count in THREADS]
+    found = [sweep(SCENE, vary, threads=count).rows for count in THREADS]
+    rows = [part.tobytes() for part in found if isinstance(part, np.ndarray)]
     calls: dict[str, tuple[Callable[[], object], int]] = {
-        str(count): (lambda count=count: sweep(SCENE, vary, threads=count), RUNS) for count in THREADS
+        str(count): (partial(sweep, SCENE, vary, threads=count), RUNS) for count in THREADS
     }
     calls[LOOP] = loop, CALLS
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in calls}

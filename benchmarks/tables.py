@@ -58,7 +58,7 @@ def digits(value: float | None) -> str:
     return f"{value:.3g}" if value < 1e3 else f"{float(f'{value:.3g}'):.0f}"
 
 
-def find(rows: list[dict], **key: object) -> dict[str, Any]:
+def find(rows: list[dict[str, Any]], **key: object) -> dict[str, Any]:
     """Return the first row that has these values, or an empty one."""
     return next((row for row in rows if all(row.get(k) == v for k, v in key.items())), {})
 
@@ -155,7 +155,8 @@ def slope() -> str:
 
 def choices() -> str:
     """Return a table of the errors and the times of some choices of a model."""
-    record, rows = common.load("fidelity"), {}
+    record = common.load("fidelity")
+    rows: dict[str, dict[float, dict[str, Any]]] = {}
     early, late = record["settings"]["stop [s]"]
     for row in record["results"]:
         shown = row["choice"] == "law" and row["law"] in LAWS
@@ -170,7 +171,7 @@ def choices() -> str:
         parts = ("" if part is None else f"{part:.4g}" for part in at[late]["first impact"].values())
         error = f"{at[early]['tip']:.2g}" if at[early]["right"] else "other impacts"
         lines.append((name, *parts, error, f"{1e6 * at[late]['seconds']:.0f}"))
-    head = ("law", "K", "tolerance", "rebound", "peak force", "depth")
+    head = ["law", "K", "tolerance", "rebound", "peak force", "depth"]
     head += (f"error of the tip at {early} s [mm]", f"time of {late} s [µs]")
     return run("fidelity") + table(head, lines)
 

@@ -21,12 +21,13 @@ from pathlib import Path
 from typing import Any
 
 import peers
-from looks import INK, LOOKS, headline, look, number
+from looks import LOOKS, look
 from matplotlib.lines import Line2D
 from problems import PROBLEMS
 from race import ROUNDS, judge, race, seconds_at
 
 from chain_impact.pictures.labels import Ink, Label, place_labels
+from chain_impact.pictures.style import INK, headline, number
 
 NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -43,7 +44,8 @@ SIZE = (13.0, 7.6)  # inches, of the chart
 def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """Return a problem's rows, all contenders and tolerances timed in turn; and missing family → reason."""
     problem, expected = PROBLEMS[name], common.load("reference")["results"][name]
-    stop, missing, entries = problem.times[-1], {}, {}
+    stop, entries = problem.times[-1], {}
+    missing: dict[str, str] = {}
     for tolerance in TOLERANCES:
         found, missing = peers.contenders(problem, tolerance, stop)
         for who, contender in found.items():
@@ -164,14 +166,15 @@ def draw_start_up(axes: Any, start: dict[str, float]) -> None:
 def main() -> None:
     """Measure and draw."""
     rounds = common.rounds(__doc__, ROUNDS)
-    started, rows, missing = common.environment(peers.PACKAGES), [], {}
+    started, rows = common.environment(peers.PACKAGES), []
+    missing: dict[str, str] = {}
     for name in NAMES:
         found, absent = measured(name, rounds)
         rows += found
         missing |= absent
     for family, reason in missing.items():
         print(f"left out: {family}: {reason}")
-    results = {"rows": rows, "at equal error": at_equal_error(rows)}
+    results: dict[str, Any] = {"rows": rows, "at equal error": at_equal_error(rows)}
     started_up = {name: start_up(name) for name in dict.fromkeys(row["name"] for row in rows)}
     results["start-up [s]"] = {name: seconds for name, seconds in started_up.items() if seconds}
     if rounds == ROUNDS:

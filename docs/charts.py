@@ -56,8 +56,8 @@ def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
         "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
         "simulation": {"stop_time": stop, "step_size": stop},
     }
-    impacts = simulate(scene_from_dict(data, "free impact")).impacts
-    return impacts[0]
+    impact: np.void = simulate(scene_from_dict(data, "free impact")).impacts[0]
+    return impact
 
 
 def curve(law: ContactLaw) -> np.ndarray:

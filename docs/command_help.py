@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from argparse import Action, ArgumentParser
+from argparse import Action, ArgumentParser, _SubParsersAction
 from collections.abc import Iterator
 
 from chain_impact import cli
@@ -58,7 +58,7 @@ def _usage(parser: ArgumentParser) -> str:
 
 def _rows(parser: ArgumentParser, action: Action) -> Iterator[str]:
     """Return the two columns of an argument or option; for COMMAND, the meaning of each command."""
-    if isinstance(action.choices, dict):
+    if isinstance(action, _SubParsersAction):
         for verb in action._get_subactions():
             yield f"  {verb.dest}".ljust(SECOND) + str(verb.help)
         return

@@ -57,7 +57,7 @@ def _value(default: str, allowed: str) -> str:
     """Return the default with its unit, and the range. A default among choices is bold."""
     if default and default in allowed.split(", "):
         return allowed.replace(default, f"**{default}**", 1)
-    limits, unit = re.fullmatch(r"(.*?) ?(\[[^,]*\])?", allowed).groups("")
+    limits, unit = re.findall(r"^(.*?) ?(\[[^,]*\])?$", allowed)[0]
     if "each" in limits:  # the unit of the items
         return ", ".join(filter(None, (default, allowed)))
     return ", ".join(filter(None, (f"{default} {unit}".strip(), limits)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any, get_args, get_origin
+from typing import Any, cast, get_args, get_origin
 
 from chain_impact.scene.angles import DEGREES, degrees_pattern
 from chain_impact.scene.limits import Derived, keys, without_none
@@ -51,7 +51,7 @@ def _table(table: Any) -> dict[str, Any]:
 def _is_needed(entry: Any) -> bool:
     """Return whether a key, or a key inside a table, has no default."""
     if dataclasses.is_dataclass(entry.type):
-        return entry.type in ALTERNATIVES or any(_is_needed(inner) for inner in keys(entry.type))
+        return entry.type in ALTERNATIVES or any(_is_needed(inner) for inner in keys(cast("Any", entry.type)))
     return entry.metadata["default"] is dataclasses.MISSING
 
 

@@ -6,15 +6,16 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import ViewportSize, sync_playwright
 
 from chain_impact import explore, load_scene
 from chain_impact.results.animate import animate
 from chain_impact.studies.animate import record_slowly
 
 IMAGES = Path(__file__).parent / "images"
-SIZE = {"width": 1280, "height": 760}
-WIDER = {"width": 1366, "height": 760}  # size of the page that shows the parameters beside the scene [pixels]
+SIZE: ViewportSize = {"width": 1280, "height": 760}
+# pixels, of the page that shows the parameters beside the scene
+WIDER: ViewportSize = {"width": 1366, "height": 760}
 KEYS = ["Shift+ArrowRight"] * 5  # keys that lead to the largest force of the fifth impact
 CHANGES = "#contact.restitution=0.5"
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -20,6 +21,7 @@ from chain_impact import Result, simulate
 from chain_impact.pictures.changes import calm
 from chain_impact.pictures.over_time import mark_impacts
 from chain_impact.pictures.style import BLACK, DPI, PALETTE, STYLE, headline, number
+from chain_impact.recording.sensitivity import Sensitivities
 
 PICTURE = Path(__file__).parent / "images" / "sensitivity_chart.png"
 SCENE, STOP, TIP = "four_link_box", 1.2, 4  # six impacts
@@ -39,9 +41,15 @@ LEAST = 1e-6  # m, lower limit of the axis
 DARK, WHOLE = 30.0, 100.0  # %, above which numbers are white, and have three digits
 
 
+def slopes_of(result: Result) -> Sensitivities:
+    """Return the derivatives of a run that was made with them."""
+    assert result.sensitivities is not None
+    return result.sensitivities
+
+
 def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
     """Return the largest change among the parameters of a kind, shape (…), from changes (…, P)."""
-    names = list(result.sensitivities.parameters)
+    names = list(slopes_of(result).parameters)
     return {
         kind: np.abs(changes[..., [names.index(name) for name in members]]).max(axis=-1)
         for kind, members in KINDS.items()
@@ -50,7 +58,8 @@ def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
 
 def moved(result: Result) -> dict[str, np.ndarray]:
     """Return the displacement of the tip for each kind, shape (T,) [m]; NaN within impacts."""
-    sizes = np.hypot(*(result.sensitivities.changes(f"point[{TIP}].{axis}") for axis in "xy"))
+    slopes = slopes_of(result)
+    sizes = np.hypot(slopes.changes(f"point[{TIP}].x"), slopes.changes(f"point[{TIP}].y"))
     sizes[~calm(result)] = np.nan
     return by_kind(sizes, result)
 
@@ -58,7 +67,7 @@ def moved(result: Result) -> dict[str, np.ndarray]:
 def message(result: Result) -> str:
     """Return words for the ratio of the parameters' influences at the end."""
     ends = {kind: size[-1] for kind, size in moved(result).items()}
-    most, least = max(ends, key=ends.get), min(ends, key=ends.get)
+    most, least = max(ends, key=ends.__getitem__), min(ends, key=ends.__getitem__)
     ratio = float(f"{ends[most] / ends[least]:.2g}")
     return f"after {len(result.impacts)} impacts, the effect of {most} is {ratio:.0f} times that of {least}"
 
@@ -74,11 +83,16 @@ def draw_motion(axes: Axes, result: Result) -> None:
 
 def draw_forces(axes: Axes, result: Result) -> None:
     """Draw the change of each peak force in percent, as colours and numbers."""
-    shares = by_kind(100.0 * result.sensitivities.relative("peak_force"), result)
+    shares = by_kind(100.0 * slopes_of(result).relative("peak_force"), result)
     table = np.array(list(shares.values()))
     axes.imshow(table, "Blues", aspect="auto", norm=LogNorm(1e-2, 1e3))
     for (row, column), share in np.ndenumerate(table):
-        look = {"ha": "center", "va": "center", "fontsize": 8, "color": "white" if share > DARK else BLACK}
+        look: dict[str, Any] = {
+            "ha": "center",
+            "va": "center",
+            "fontsize": 8,
+            "color": "white" if share > DARK else BLACK,
+        }
         axes.text(column, row, number(share, 2 if share < WHOLE else 3), **look)
     names = [f"{k + 1}\n{hit['onset']:.2f} s" for k, hit in enumerate(result.impacts)]
     axes.set_xticks(range(len(names)), names)

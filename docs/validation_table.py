@@ -11,8 +11,9 @@ import re
 from generate import DOCS  # adds the folder of the tests to Python's path
 from markdown_text import table
 
-from chain_impact.scene.scene import model_names
-from tests.helpers.literature.validation import PROBLEMS, Figure, Problem
+from chain_impact.scene.models import model_names
+from tests.helpers.literature.figures import Figure, Problem
+from tests.helpers.literature.validation import PROBLEMS
 
 TOLERANCE = 1e-8  # the default
 BLOCK = re.compile(r"(?<=<!-- validation -->\n).*?(?=<!-- end -->)", re.DOTALL)
@@ -45,7 +46,8 @@ SHOWN = {
 
 def rows(problem: Problem) -> list[list[str]]:
     """Return the rows of one problem; the first row names the problem and its source."""
-    name, found = problem.model, []
+    name = problem.model
+    found: list[list[str]] = []
     link = f"[{name}](models/{name}.md)" if name in model_names() else f"`{name}`"
     source, *shown = SHOWN[name]
     for figure in problem.figures:

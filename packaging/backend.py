@@ -17,7 +17,9 @@ from hatchling.build import *  # noqa: E402, F403 - the other hooks, of which it
 from kernel_hook import kernels, say, target  # noqa: E402
 
 
-def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
+def get_requires_for_build_wheel(  # type: ignore[no-redef]
+    config_settings: dict[str, Any] | None = None,
+) -> list[str]:
     """Return the requirements of a wheel's build besides [build-system] requires."""
     making = kernels()
     cached = making.all_cached(target(), release=making.ready.for_release())

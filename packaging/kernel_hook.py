@@ -74,7 +74,7 @@ def say(sentence: str) -> None:
     sys.stderr.flush()
 
 
-class KernelHook(BuildHookInterface):
+class KernelHook(BuildHookInterface[Any]):
     """A build hook that hatchling calls for each wheel."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:

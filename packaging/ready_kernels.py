@@ -90,7 +90,7 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             def link(file: Path) -> None:
                 say(f"linking {name}, {names.index(name) + 1} of {len(names)}")
                 if name == browser.MODULE:
-                    browser.link(ready.compiled_for_browsers(lambda: texts[ready.KERNEL]), file)
+                    browser.link(ready.compiled_for_browsers(lambda: texts[compilers.KERNEL]), file)
                     return
                 kind, links = wanted[name]
                 parts = [
@@ -103,7 +103,7 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
 
         def pack(file: Path) -> None:
             # a stronger compression takes ten times as long for half of the size
-            file.write_bytes(lzma.compress(texts[ready.KERNEL].encode(), preset=1))
+            file.write_bytes(lzma.compress(texts[compilers.KERNEL].encode(), preset=1))
 
         cache.get_or_make(ready.MODULE, pack)
         each(library, names)

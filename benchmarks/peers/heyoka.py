@@ -47,7 +47,8 @@ class Taylor(OnKernel):
         count = range(len(self.given["length"]) + 2)
         q = hy.make_vars(*(f"q{i}" for i in count))
         v = hy.make_vars(*(f"v{i}" for i in count))
-        damping = CONTACT_LAWS[self.contact.model].damping_factor(self.contact.restitution)
+        law: Any = CONTACT_LAWS[self.contact.model]
+        damping = law.damping_factor(self.contact.restitution)
         loads: dict[int, list[Any]] = {}
         events = []
         for c, (gap, rate) in enumerate(self.clearances(q, v)):

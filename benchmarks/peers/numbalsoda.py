@@ -48,10 +48,11 @@ class Dop853(OnKernel):
         """
         self.start()
         grid = np.array([] if keep_steps else [self.stop], np.float64)
-        return run_dop853(
+        steps: int = run_dop853(
             self.rate, self.least, self.model.plain_switch, self.address, self.y, self.found, self.stop,
             self.tolerance, grid,
         )  # fmt: skip
+        return steps
 
     def outcome(self) -> Outcome:
         """Run once more, and return the outcome."""

@@ -7,6 +7,7 @@ import shutil
 import tempfile
 from ctypes import c_double, c_uint
 from functools import cache
+from typing import Any
 
 import fmpy.fmi2
 import numpy as np
@@ -52,8 +53,8 @@ class OnInstance:
 class Kernel(OnInstance):
     """The kernel functions ``initialize`` and ``advance`` as a contender."""
 
-    def run(self) -> object:
-        """Run from the parameters to the end; return the status."""
+    def run(self) -> Any:
+        """Run from the parameters to the end; return the status, a whole number."""
         self.block[:] = self.fresh
         self.kernel.initialize(self.address, 0.0)
         return self.kernel.advance(self.address, self.stop)

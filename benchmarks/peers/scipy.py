@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -46,14 +47,16 @@ class Scipy(OnKernel):
         """Return f(t, y)."""
         if self.tick is not None:
             self.tick()
-        return call(self.model.plain_rate, t, y, self.address, len(y))
+        rate: np.ndarray = call(self.model.plain_rate, t, y, self.address, len(y))
+        return rate
 
     def run(self) -> None:
         """Run to ``stop``."""
 
-        def event(t: float, y: np.ndarray) -> float:
-            return call(self.model.plain_least, t, y, self.address, 1)[0]
+        def least(t: float, y: np.ndarray) -> float:
+            return float(call(self.model.plain_least, t, y, self.address, 1)[0])
 
+        event: Any = least
         event.terminal, event.direction = True, -1
         self.start()
         self.time, self.steps, self.missed, self.message = 0.0, 0, False, ""

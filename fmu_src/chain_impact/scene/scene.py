@@ -71,7 +71,7 @@ class Scene(Contents):
         walls = [wall.name for wall in self.walls]
         return {name_of(path, walls): value for path, value in _leaves(self)}
 
-    def with_values(self, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> "Scene":
+    def with_values(self, changes: Mapping[str, Any] | Mapping[tuple[Any, ...], Any]) -> "Scene":
         """Return the scene with some values changed, `{"contact.restitution": 0.5}`.
 
         See the function `with_values`.
@@ -235,7 +235,7 @@ def _holds(table: Any) -> bool:
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
 
-def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> Scene:
+def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[Any, ...], Any]) -> Scene:
     """Return the validated scene with some values changed.
 
     A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is the

@@ -16,7 +16,7 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, decimal_comma, value_text
 from chain_impact.scene.text_file import check_separator, likely_time, text_of
 
-TableSource = str | Path | Mapping[str, Sequence[Any]]
+TableSource = str | Path | Mapping[str, Sequence[Any] | np.ndarray]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
 TIME = "time"
 # a table that lasts longer than the run by this factor cannot be in seconds: with times in milliseconds the

@@ -41,7 +41,7 @@ def fit(
     free: Sequence[str],
     *,
     free_each: Sequence[str] = (),
-    set_each: Mapping[str, Sequence[float]] | None = None,
+    set_each: Mapping[str, Sequence[float] | np.ndarray] | None = None,
     sigma: Mapping[str, float | str] | None = None,
     bounds: Bounds | None = None,
     columns: Sequence[str] | None = None,
@@ -211,7 +211,7 @@ def _runs(
     return runs
 
 
-def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -> list[Scene]:
+def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | np.ndarray]) -> list[Scene]:
     """Return the scene of each data set, with its known values from ``set_each``."""
     for name, values in set_each.items():
         if len(values) != count:
