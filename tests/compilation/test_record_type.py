@@ -1,6 +1,6 @@
 """The instance as a numba type: fields at NumPy's offsets, and results equal to plain Python's."""
 
-# Tests: compilation/affine.py, compilation/entry_points.py, compilation/functions.py
+# Tests: compilation/affine.py, compilation/built_in.py, compilation/entry_points.py, compilation/functions.py
 
 import numpy as np
 import pytest

@@ -11,10 +11,11 @@ from numba.core.imputils import lower_constant
 from numba.extending import models, register_model, typeof_impl
 
 import chain_impact.kernel
+from chain_impact.compilation import built_in
 from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import INSTANCE, TANGENT
-from chain_impact.kernel import functions, hooks
+from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.response import COMPLEX_RULES
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
@@ -43,11 +44,10 @@ EXTERNAL: dict[Any, types.Type] = {
 }
 _RULES: dict[Any, Any] = RULES
 _COMPLEX: dict[Any, Any] = COMPLEX_RULES
-# functions for which dual_numbers.py and record_type.py give numba the code
+# functions for which dual_numbers.py and built_in.py give numba the code
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.sloped, duals.carried, duals.varies),
-    *(duals.block, duals.as_words, duals.copy_values, duals.copy_given),
-    *(functions.clear, functions.copy_row),
+    *built_in.FUNCTIONS,
 }
 
 

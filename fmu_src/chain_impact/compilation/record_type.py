@@ -11,7 +11,7 @@ meant, and whether its reals are ordinary or dual numbers (dual_numbers.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,21 +23,17 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     infer_getattr,
     intrinsic,
-    lower_builtin,
     lower_getattr_generic,
     lower_setattr_generic,
     models,
     register_model,
-    type_callable,
 )
 
 from chain_impact.compilation.affine import SAMPLES, Affine, affine
 from chain_impact.compilation.dual_numbers import DUAL
-from chain_impact.kernel import functions
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
-from chain_impact.kernel.record.fields import REAL, SETTABLE, is_table
+from chain_impact.kernel.record.fields import REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
 # count in an instance, such as ``links`` → name of the function that returns this count
@@ -155,7 +151,7 @@ class _Fields(AttributeTemplate):
         return types.Array(field.kind, len(field.shape), layout) if field.shape else field.kind
 
 
-def _built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
+def built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
     """Return the LLVM value of an affine number: a constant plus factors times counts of the instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
     for factor, name in zip(number.slopes, COUNTERS.values(), strict=True):
@@ -170,10 +166,10 @@ def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
     return cgutils.get_or_insert_function(builder.module, kind, name)
 
 
-def _address(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
+def address_of(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
     """Return the address of a field, as a pointer to numbers."""
     kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
-    return cgutils.pointer_add(builder, instance, _built(field.offset, builder, instance), kind)
+    return cgutils.pointer_add(builder, instance, built(field.offset, builder, instance), kind)
 
 
 @lower_getattr_generic(Record)
@@ -183,14 +179,14 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
         return instance
     if record.path == () and (counter := (COUNTERS | FEATURE_FUNCTIONS).get(name)):
         return builder.call(_counter(builder, counter), [instance])
-    address = _address(context, builder, instance, field)
+    address = address_of(context, builder, instance, field)
     if field.shape:
-        shape = [_built(size, builder, instance) for size in field.shape]
-        return _array(context, builder, field.kind, address, shape, stride=field.stride)
+        shape = [built(size, builder, instance) for size in field.shape]
+        return array_at(context, builder, field.kind, address, shape, stride=field.stride)
     return context.unpack_value(builder, field.kind, address)
 
 
-def _array(
+def array_at(
     context: Any,
     builder: ir.IRBuilder,
     scalar: types.Type,
@@ -226,152 +222,7 @@ def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: A
     instance, value = arguments
     field = record.field(name)
     value = context.cast(builder, value, given, field.kind)
-    context.pack_value(builder, field.kind, value, _address(context, builder, instance, field))
-
-
-@type_callable(duals.block)
-def _type_of_block(_context: Any) -> Any:
-    def typer(instance: types.Type, _number: types.Type) -> types.Type | None:
-        return TANGENT if instance == INSTANCE else None
-
-    return typer
-
-
-@lower_builtin(duals.block, Record, types.Integer)
-def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    instance, number = arguments
-    primal_size, tangent_size = (
-        _built(record.field().size, builder, instance) for record in (INSTANCE, TANGENT)
-    )
-    number = context.cast(builder, number, signature.args[1], types.int64)
-    return cgutils.pointer_add(
-        builder, instance, builder.add(primal_size, builder.mul(tangent_size, number)), instance.type
-    )
-
-
-@type_callable(duals.as_words)
-def _type_of_words(_context: Any) -> Any:
-    def typer(record: types.Type) -> types.Type | None:
-        return types.Array(types.float64, 1, "C") if isinstance(record, Record) else None
-
-    return typer
-
-
-@lower_builtin(duals.as_words, Record)
-def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    (instance,) = arguments
-    whole = signature.args[0].field()
-    size = builder.udiv(_built(whole.size, builder, instance), cgutils.intp_t(WORD))
-    return _array(context, builder, types.float64, _address(context, builder, instance, whole), [size])
-
-
-@type_callable(functions.clear)
-def _type_of_clear(_context: Any) -> Any:
-    def typer(record: types.Type) -> types.Type | None:
-        return types.none if isinstance(record, Record) else None
-
-    return typer
-
-
-@lower_builtin(functions.clear, Record)
-def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    (instance,) = arguments
-    part = signature.args[0].field()
-    address = _address(context, builder, instance, part)
-    cgutils.memset(builder, address, _built(part.size, builder, instance), 0)
-    return context.get_dummy_value()
-
-
-@type_callable(functions.copy_row)
-def _type_of_copy_row(_context: Any) -> Any:
-    def typer(table: types.Type, _source: types.Type, _row: types.Type) -> types.Type | None:
-        return types.none if isinstance(table, Record) else None
-
-    return typer
-
-
-@lower_builtin(functions.copy_row, Record, types.Integer, types.Integer)
-def _copy_row(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    instance, *numbers = arguments
-    table, *kinds = signature.args
-    rows = [context.cast(builder, *pair, types.int64) for pair in zip(numbers, kinds, strict=True)]
-    for name in table.field().fields:
-        column = table.field(name)
-        first, stride = _address(context, builder, instance, column), cgutils.intp_t(column.stride)
-        source, target = (
-            cgutils.pointer_add(builder, first, builder.mul(row, stride), first.type) for row in rows
-        )
-        builder.store(builder.load(source), target)
-    return context.get_dummy_value()
-
-
-@type_callable(duals.copy_values)
-def _type_of_copy_values(_context: Any) -> Any:
-    def typer(source: types.Type, target: types.Type) -> types.Type | None:
-        return types.none if _has_dual(source, target) else None
-
-    return typer
-
-
-@type_callable(duals.copy_given)
-def _type_of_copy_given(_context: Any) -> Any:
-    def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
-        # numba asks first with the type of ``when``, then with its constant value; only the second is
-        # answered
-        return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
-
-    return typer
-
-
-def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Return whether ``target`` is the part of an instance of dual numbers that corresponds to ``source``.
-
-    ``source`` must be a part of an instance of ordinary numbers.
-    """
-    if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
-        return False
-    return (source.what, target.what) == ("instance", "tangent")
-
-
-@lower_builtin(duals.copy_values, Record, Record)
-def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    part = signature.args[0].path
-    _copy_fields(context, builder, arguments, lambda path: path[: len(part)] == part)
-    return context.get_dummy_value()
-
-
-@lower_builtin(duals.copy_given, Record, Record, types.Integer)
-def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    when = signature.args[2].literal_value
-    _copy_fields(context, builder, arguments[:2], lambda path: SETTABLE.get(path[0]) == when)
-    return context.get_dummy_value()
-
-
-def _copy_fields(
-    context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
-) -> None:
-    """Copy the values of the wanted fields of an instance to an instance of dual numbers."""
-    source, target = instances
-    for path, field in TABLES["instance"].items():
-        if path and wanted(path) and not field.fields:
-            word = context.get_data_type(field.kind)
-            count: ir.Value = cgutils.intp_t(1)
-            for size in field.shape:
-                count = builder.mul(count, _built(size, builder, source))
-            source_words, source_step = _words_of(context, builder, source, field, word)
-            target_words, target_step = _words_of(context, builder, target, TABLES["tangent"][path], word)
-            with cgutils.for_range(builder, count) as loop:
-                number = builder.load(builder.gep(source_words, [builder.mul(loop.index, source_step)]))
-                builder.store(number, builder.gep(target_words, [builder.mul(loop.index, target_step)]))
-
-
-def _words_of(
-    context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field, word: ir.Type
-) -> tuple[ir.Value, ir.Value]:
-    """Return the address of a field's first value, and the number of words between successive values."""
-    words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
-    address = builder.bitcast(_address(context, builder, instance, field), word.as_pointer())
-    return address, cgutils.intp_t(words)
+    context.pack_value(builder, field.kind, value, address_of(context, builder, instance, field))
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
@@ -380,7 +231,7 @@ def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
 
     def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
         first, *shape = arguments
-        return _array(context, builder, scalar, first, shape)
+        return array_at(context, builder, scalar, first, shape)
 
     return types.Array(scalar, len(counts), "C")(first, *counts), code
 

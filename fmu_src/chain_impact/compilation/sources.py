@@ -9,7 +9,16 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 MAKERS = (
-    *("affine", "browser", "collecting", "compilers", "dual_numbers", "entry_points", "functions"),
+    *(
+        "affine",
+        "browser",
+        "built_in",
+        "collecting",
+        "compilers",
+        "dual_numbers",
+        "entry_points",
+        "functions",
+    ),
     *("law", "law_file", "law_syntax", "lower", "record_type", "signatures"),
 )
 """The modules of this folder that make code. The other modules find, store and describe kernels."""

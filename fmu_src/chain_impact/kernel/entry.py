@@ -7,15 +7,13 @@ number leads to a fault status, never to an access outside the record.
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_reinit, reinit
+from chain_impact.kernel.chain.inputs import CHANNEL, input_field
 from chain_impact.kernel.chain.signals import (
-    CHANNEL,
     CONSTANT,
     RAMP,
     SIGNAL_DEGREE,
     SINE,
     TABLE,
-    TIP_FORCE,
-    TORQUE,
     TRAPEZOID,
 )
 from chain_impact.kernel.events.contact_log import collect, update_to_output_time
@@ -94,9 +92,9 @@ def signals_within_bounds(d):
     """Return whether the indices of signals are within their bounds."""
     fits, signal = True, d.signal
     for j in range(d.signals):
-        most = d.channels - 1 if signal.input[j] == CHANNEL else d.links - 1
-        most = 1 if signal.input[j] == TIP_FORCE else most
-        fits = fits and within(signal.input[j], TORQUE, CHANNEL) and within(signal.index[j], 0, most)
+        driven = signal.input[j]
+        values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
+        fits = fits and within(driven, 0, CHANNEL) and within(signal.index[j], 0, values - 1)
         fits = fits and within(signal.source[j], 0, d.signals - 1) and within(signal.order[j], 0, 2)
         fits = fits and within(signal.integrals[j], 0, 2)
         fits = fits and within(signal.form[j], CONSTANT, TABLE) and within(signal.degree[j], 0, SIGNAL_DEGREE)

@@ -263,7 +263,7 @@ def slider_is_valid(d):
         slider.mass >= 0.0 and slider.damping >= 0.0 and slider.stiffness >= 0.0 and slider.friction >= 0.0
     )
     total = slider.mass + slider.damping + slider.stiffness + slider.friction + slider.angle
-    total += d.given.slider_target_position + d.initial.slider_velocity
+    total += d.given.slider_target_position[0] + d.initial.slider_velocity
     return positive and slider.force_limit >= 0.0 and slider.min < slider.max and math.isfinite(total)
 
 

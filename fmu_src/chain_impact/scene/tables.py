@@ -11,7 +11,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.scene.limits import quantity
-from chain_impact.scene.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.names import INPUTS_OF, SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import refusal
 from chain_impact.scene.rules import (
     CARRIAGE,
@@ -326,8 +326,7 @@ class Inputs:
     @property
     def any(self) -> bool:
         """Whether the scene asks for inputs, also if signals drive all of them."""
-        asked = (self.joint_torques, self.joint_targets, self.slider_force, self.tip_force, self.base_motion)
-        return any(asked) or bool(self.wall_motion)
+        return any(getattr(self, key) for key in INPUTS_OF)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -95,17 +95,16 @@ class InputCourse:
         powers, given, changed = self.pieces.powers[at], record["given"], False
         piece, motion = given["piece"], record["motion"]
         motion["interpolates"], motion["jumps"] = 1, self.slips[at]
-        for m, (part, name, *indices) in enumerate(self.paths):
-            index = indices[0] if indices else 0  # the path of a slider's input has no index
+        for m, (part, name, index) in enumerate(self.paths):
             if name == PIECE:
                 motion["interpolates"] = 0
                 given_powers = motion[name][: len(powers), index]
                 changed = changed or (given_powers != powers[:, m]).any()
                 given_powers[:] = powers[:, m]
                 continue
-            values, key = (record[part][name], index) if indices else (record[part], name)
-            changed |= values[key] != powers[0, m]
-            values[key] = powers[0, m]
+            values = record[part][name]
+            changed |= values[index] != powers[0, m]
+            values[index] = powers[0, m]
             if part != MOTION:
                 piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)

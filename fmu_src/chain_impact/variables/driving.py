@@ -4,24 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.kernel.chain import signals as kernel
+from chain_impact.kernel.chain.inputs import CHANNEL, NAMES
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_values import write_signal
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import inputs_asked
 from chain_impact.variables.structure import Structure
-
-_DRIVEN = {
-    "joint_torque": kernel.TORQUE,
-    "joint_target_angle": kernel.TARGET,
-    "joint_target_velocity": kernel.TARGET_VELOCITY,
-    "tip_force": kernel.TIP_FORCE,
-    "slider_force": kernel.SLIDER_FORCE,
-    "slider_target_position": kernel.SLIDER_TARGET,
-    "slider_target_velocity": kernel.SLIDER_TARGET_VELOCITY,
-}
-"""Field of the record that holds an input → the number by which the kernel knows the input."""
 
 
 def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
@@ -40,9 +29,9 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
 
 
 def acting(path: DataPath) -> tuple[int, str | int]:
-    """Return the number by which the kernel knows an input, and the index of the input's joint or channel.
+    """Return the number of an input in the kernel, and the index of the joint, component or channel.
 
-    ``path`` is the path of the input in the record. The index is 0 if there is only one such input.
+    ``path`` is the path of the input in the record.
     """
-    part, field, *index = path
-    return kernel.CHANNEL if part == MOTION else _DRIVEN[str(field)], index[0] if index else 0
+    part, field, index = path
+    return CHANNEL if part == MOTION else NAMES.index(str(field)), index

@@ -113,7 +113,7 @@ INPUTS = (
         part="given",
         of="slider",
         prefix="slider",
-        rows=" | | force on the carriage, along the line | slider_force",
+        rows=" | | force on the carriage, along the line | slider_force.0",
         names=INPUTS_OF["slider_force"],
         heading=SLIDER,
         when=("inputs.slider_force",),
@@ -124,8 +124,8 @@ INPUTS = (
         of="slider",
         prefix="slider",
         rows="""
-        | | position that the spring of the slider follows | slider_target_position
-        | | velocity that the damper of the slider follows | slider_target_velocity
+        | | position that the spring of the slider follows | slider_target_position.0
+        | | velocity that the damper of the slider follows | slider_target_velocity.0
         """,
         names=INPUTS_OF["joint_targets"],
         heading=SLIDER,

@@ -16,7 +16,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.record.counts import COUNTS
-from chain_impact.scene.names import AT, DataPath
+from chain_impact.scene.names import AT, INPUTS_OF, DataPath
 from chain_impact.variables.kind import ALWAYS
 
 FACTS = {
@@ -64,8 +64,7 @@ CONDITIONS = {
     "friction": Condition("contact_friction or joint_friction or slider_friction", "a part has dry friction"),
     "has_base_joint": Condition("not free", "a joint connects link 1 with the base"),
     "has_inputs": Condition(
-        "inputs.joint_torques or inputs.joint_targets or inputs.slider_force or inputs.tip_force"
-        " or inputs.base_motion",
+        " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
         "inputs act on the chain without contact",
     ),
     "supply": Condition("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),

@@ -156,7 +156,7 @@ PARAMETERS = (
             path=("chain", "slider", KEY),
             record_path=("slider", KEY),
             rest_position={
-                "record_path": ("given", "slider_target_position"),
+                "record_path": ("given", "slider_target_position", 0),
                 "when": ("rests",),
                 "hint": HAS_TARGET.replace("angle", "position"),
             },

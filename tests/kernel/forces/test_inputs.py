@@ -1,9 +1,12 @@
 """Inputs over time in plain Python: their present values, their times, and the limit of a step."""
 
+# Tests: kernel/chain/inputs.py
+
 import numpy as np
 import pytest
 
 from chain_impact import load_scene
+from chain_impact.kernel.chain.inputs import FIELDS
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.forces import inputs
 from chain_impact.variables.prepared import PreparedScene
@@ -62,33 +65,49 @@ def test_a_state_sees_the_inputs_at_its_time():
     assert d.inputs.joint_torque[0] == 77.0
 
 
+CART = {
+    "chain.base": "slider",
+    "inputs.joint_torques": True,
+    "inputs.joint_targets": True,
+    "inputs.slider_force": True,
+    "inputs.tip_force": True,
+}
+
+
+def cart():
+    """Return a cart with all inputs that act on a chain."""
+    return Plain(PreparedScene(load_scene("pinned_arm").with_values(CART)).new_instance()[0])
+
+
 @pytest.mark.parametrize("order", [0, 1, inputs.DEGREE])
-def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
-    d, rng = driven(order), np.random.default_rng(order)
+def test_all_given_inputs_are_used_as_polynomials(order):
+    d, rng = cart(), np.random.default_rng(order)
     own, given = d.given.piece, d.given
-    own.middle, own.scale, own.until, own.change_rate = 0.4, 2.0, 3.0, 7.0
-    own.joint_torque[:], own.tip_force[:] = (
-        rng.normal(size=(inputs.DEGREE + 1, 2)),
-        rng.normal(size=(inputs.DEGREE + 1, 2)),
-    )
-    given.joint_torque[:], given.tip_force[:] = rng.normal(size=2), rng.normal(size=2)
+    own.order, own.middle, own.scale, own.until, own.change_rate = order, 0.4, 2.0, 3.0, 7.0
+    for name in FIELDS:
+        own[name][:], given[name][:] = rng.normal(size=own[name].shape), rng.normal(size=given[name].shape)
     inputs.apply_inputs(d)
-    np.testing.assert_array_equal(d.inputs.joint_torque, given.joint_torque)
-    np.testing.assert_array_equal(d.inputs.tip_force, given.tip_force)
+    for name in FIELDS:
+        np.testing.assert_array_equal(d.inputs[name], given[name])
     assert (d.inputs.piece.until, d.inputs.piece.change_rate) == (3.0, 7.0)
     inputs.set_inputs(d, 1.1)
-    for name in ("joint_torque", "tip_force"):
+    for name in FIELDS:
         powers = np.vstack([given[name], own[name][1 : order + 1]])
         expected = np.polynomial.polynomial.polyval((1.1 - 0.4) * 2.0, powers)
         np.testing.assert_allclose(d.inputs[name], expected, rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("name", "k"), [("joint_torque", 0), ("joint_torque", 1), ("tip_force", 0), ("tip_force", 1)]
-)
-def test_inputs_are_not_in_use_if_one_differs(name, k):
-    d = driven(order=0)
-    assert inputs.inputs_in_use(d)
-    d.given[name][k] += 1.0
-    assert not inputs.inputs_in_use(d)
+@pytest.mark.parametrize("name", [*FIELDS, "joint_damping", "joint_stiffness"])
+def test_inputs_are_not_in_use_if_one_differs(name):
+    d = cart()
+    inputs.apply_inputs(d)
+    for k in range(len(d.given[name])):
+        assert inputs.inputs_in_use(d)
+        used = d.given[name][k]
+        d.given[name][k] += 1.0
+        assert not inputs.inputs_in_use(d)
+        d.given[name][k] = used
+
+
+def test_polynomials_do_not_count_as_inputs_in_use():
     assert not inputs.inputs_in_use(driven())

@@ -127,7 +127,7 @@ def mode_margin(d, y):
             margin = mode_excess(wanted_torque(d, y, i), limit, d.drive.mode[i], stiffness, size)
             least = min(least, margin)
     if d.slides and 0.0 < d.slider.force_limit < math.inf:
-        size = abs(y[0]) + abs(y[1]) + abs(d.inputs.slider_target_position)
+        size = abs(y[0]) + abs(y[1]) + abs(d.inputs.slider_target_position[0])
         limit, stiffness = d.slider.force_limit, d.slider.stiffness
         margin = mode_excess(wanted_force(d, y), limit, d.slider.mode, stiffness, size)
         # a slider's force margin times the longest link, to compare it with moments

@@ -11,7 +11,8 @@ nothing drifts. The state does not contain the motion of the base: the base's co
 state are 0. The points are located with the position and velocity of the channels at the time of the state.
 """
 
-from chain_impact.kernel.chain.signals import CHANNEL, signal_at, signal_bounds, sway_of_signals
+from chain_impact.kernel.chain.inputs import CHANNEL
+from chain_impact.kernel.chain.signals import signal_at, signal_bounds, sway_of_signals
 from chain_impact.kernel.chain.state import time_at
 
 

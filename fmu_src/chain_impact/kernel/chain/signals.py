@@ -16,15 +16,12 @@ position, velocity and acceleration always agree. The integrals of a sine are in
 
 import math
 
+from chain_impact.kernel.chain.inputs import CHANNEL, is_joint_input, is_slider_input
 from chain_impact.kernel.chain.sines import TAU, integral, phase, smooth
 from chain_impact.kernel.mathematics.angles import direction
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
-# values of signal.input: the kind of the driven input; `signal.index` is the index of the joint, of the
-# component of a force, or of the channel that the signal drives
-TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE = 0, 1, 2, 3
-SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY, CHANNEL = 4, 5, 6, 7
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
 # largest degree of the polynomials: a ramp that drives an acceleration is integrated twice
 SIGNAL_DEGREE = RAMP_DEGREE + 2
@@ -146,10 +143,9 @@ def rate_of_drives(d):
 def acts_in_limited_drive(d, j):
     """Return whether signal j is a motor's torque or force, or a target, of a drive with a limit."""
     driven = d.signal.input[j]
-    if driven in (TORQUE, TARGET, TARGET_VELOCITY):
+    if is_joint_input(driven):
         return d.model.joint_torque_limit[d.signal.index[j]] < math.inf
-    slides = driven in (SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY)
-    return slides and d.slider.force_limit < math.inf
+    return is_slider_input(driven) and d.slider.force_limit < math.inf
 
 
 def sway_of_signals(d):

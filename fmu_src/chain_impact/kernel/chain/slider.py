@@ -56,7 +56,7 @@ def slider_resistance(d, time):
 
 def slider_stretch(d, y):
     """Return s − s₀ [m], the distance from the spring's rest or target position s₀."""
-    return slider_position(d, y) - d.inputs.slider_target_position
+    return slider_position(d, y) - d.inputs.slider_target_position[0]
 
 
 def wanted_force(d, y):
@@ -66,8 +66,10 @@ def wanted_force(d, y):
     position s₀.
     """
     inputs = d.inputs
-    rate = rate_along_line(d, y) - inputs.slider_target_velocity
-    return wanted_drive(inputs.slider_force, d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y))
+    rate = rate_along_line(d, y) - inputs.slider_target_velocity[0]
+    return wanted_drive(
+        inputs.slider_force[0], d.slider.damping, rate, d.slider.stiffness, slider_stretch(d, y)
+    )
 
 
 def slider_force(d, y):
@@ -83,7 +85,7 @@ def slider_power(d, y):
     rate = rate_along_line(d, y)
     if is_slider_drive(d):
         return 0.0, slider_force(d, y) * rate
-    return d.slider.damping * rate * rate, d.inputs.slider_force * rate
+    return d.slider.damping * rate * rate, d.inputs.slider_force[0] * rate
 
 
 def slider_spring_energy(d, y):

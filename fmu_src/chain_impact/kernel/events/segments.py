@@ -5,8 +5,9 @@ begins with the next segment. The duration of a step in the fictitious time of a
 beforehand, so such a step is truncated at the end of the segment.
 """
 
+from chain_impact.kernel.chain.inputs import CHANNEL
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.signals import CHANNEL, next_segment, segment_end, set_segment, signal_at
+from chain_impact.kernel.chain.signals import next_segment, segment_end, set_segment, signal_at
 from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import renew_modes
 from chain_impact.kernel.events.marks import drop_events

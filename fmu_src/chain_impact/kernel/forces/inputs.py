@@ -18,19 +18,9 @@ given value, and the position is the integral of the speed.
 
 import math
 
+from chain_impact.kernel.chain.inputs import CHANNEL, input_field, is_target, is_used
 from chain_impact.kernel.chain.motion import move
-from chain_impact.kernel.chain.signals import (
-    CHANNEL,
-    SLIDER_FORCE,
-    SLIDER_TARGET,
-    SLIDER_TARGET_VELOCITY,
-    TARGET,
-    TARGET_VELOCITY,
-    TIP_FORCE,
-    TORQUE,
-    drives,
-    signal_at,
-)
+from chain_impact.kernel.chain.signals import drives, signal_at
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
@@ -62,40 +52,20 @@ def apply_inputs(d):
     used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
     used.middle, used.scale = piece.middle, piece.scale
     for i in range(d.links):
-        d.inputs.joint_damping[i], d.inputs.joint_stiffness[i] = (
-            given.joint_damping[i],
-            given.joint_stiffness[i],
-        )
-        d.inputs.joint_torque[i] = used.joint_torque[0, i] = given.joint_torque[i]
-        d.inputs.joint_target_angle[i] = used.joint_target_angle[0, i] = given.joint_target_angle[i]
-        d.inputs.joint_target_velocity[i] = used.joint_target_velocity[0, i] = given.joint_target_velocity[i]
-        for m in range(1, used.order + 1):
-            used.joint_torque[m, i] = piece.joint_torque[m, i]
-            used.joint_target_angle[m, i] = piece.joint_target_angle[m, i]
-            used.joint_target_velocity[m, i] = piece.joint_target_velocity[m, i]
-    for j in range(2):
-        d.inputs.tip_force[j] = used.tip_force[0, j] = given.tip_force[j]
-        for m in range(1, used.order + 1):
-            used.tip_force[m, j] = piece.tip_force[m, j]
-    if d.slides:
-        apply_slider_inputs(d)
+        d.inputs.joint_damping[i] = given.joint_damping[i]
+        d.inputs.joint_stiffness[i] = given.joint_stiffness[i]
+    for k in range(CHANNEL):
+        values, powers = input_field(d.inputs, k), input_field(used, k)
+        given_values, given_powers = input_field(given, k), input_field(piece, k)
+        for j in range(len(values)):
+            values[j] = powers[0, j] = given_values[j]
+            for m in range(1, used.order + 1):
+                powers[m, j] = given_powers[m, j]
     for j in range(d.channels):
         for m in range(used.order + 1):
             d.moved.piece[m, j] = d.motion.piece[m, j]
     if d.signals > 0:
         set_driven(d, d.step.end)
-
-
-def apply_slider_inputs(d):
-    """Use the given inputs of the slider from now on."""
-    given, piece, used, inputs = d.given, d.given.piece, d.inputs.piece, d.inputs
-    inputs.slider_force = used.slider_force[0, 0] = given.slider_force
-    inputs.slider_target_position = used.slider_target_position[0, 0] = given.slider_target_position
-    inputs.slider_target_velocity = used.slider_target_velocity[0, 0] = given.slider_target_velocity
-    for m in range(1, used.order + 1):
-        used.slider_force[m, 0] = piece.slider_force[m, 0]
-        used.slider_target_position[m, 0] = piece.slider_target_position[m, 0]
-        used.slider_target_velocity[m, 0] = piece.slider_target_velocity[m, 0]
 
 
 def withdraw_request(d):
@@ -113,20 +83,16 @@ def inputs_in_use(d):
             return False
     for i in range(d.links):
         if (
-            given.joint_torque[i] != used.joint_torque[0, i]
-            or given.joint_target_angle[i] != used.joint_target_angle[0, i]
-            or given.joint_target_velocity[i] != used.joint_target_velocity[0, i]
-            or given.joint_damping[i] != inputs.joint_damping[i]
+            given.joint_damping[i] != inputs.joint_damping[i]
             or given.joint_stiffness[i] != inputs.joint_stiffness[i]
         ):
             return False
-    if d.slides and (
-        given.slider_force != used.slider_force[0, 0]
-        or given.slider_target_position != used.slider_target_position[0, 0]
-        or given.slider_target_velocity != used.slider_target_velocity[0, 0]
-    ):
-        return False
-    return given.tip_force[0] == used.tip_force[0, 0] and given.tip_force[1] == used.tip_force[0, 1]
+    for k in range(CHANNEL):
+        given_values, powers = input_field(given, k), input_field(used, k)
+        for j in range(len(given_values)):
+            if given_values[j] != powers[0, j]:
+                return False
+    return True
 
 
 def ensure_inputs(d, y):
@@ -141,19 +107,11 @@ def set_inputs(d, time):
     """Set the inputs to their values at a ``time`` [s]."""
     piece = d.inputs.piece
     x = (time - piece.middle) * piece.scale
-    for i in range(d.links):
-        d.inputs.joint_torque[i] = polynomial(piece.joint_torque, piece.order, i, x)
-        if d.model.has_servos:
-            d.inputs.joint_target_angle[i] = polynomial(piece.joint_target_angle, piece.order, i, x)
-            d.inputs.joint_target_velocity[i] = polynomial(piece.joint_target_velocity, piece.order, i, x)
-    for j in range(2):
-        d.inputs.tip_force[j] = polynomial(piece.tip_force, piece.order, j, x)
-    if d.slides:
-        inputs, order = d.inputs, piece.order
-        inputs.slider_force = polynomial(piece.slider_force, order, 0, x)
-        if d.model.has_servos:
-            inputs.slider_target_position = polynomial(piece.slider_target_position, order, 0, x)
-            inputs.slider_target_velocity = polynomial(piece.slider_target_velocity, order, 0, x)
+    for k in range(CHANNEL):
+        if is_used(d, k):
+            values, powers = input_field(d.inputs, k), input_field(piece, k)
+            for j in range(len(values)):
+                values[j] = polynomial(powers, piece.order, j, x)
     if d.signals > 0:
         set_driven(d, time)
     if d.channels > 0:
@@ -162,26 +120,14 @@ def set_inputs(d, time):
 
 def set_driven(d, time):
     """Set the inputs that signals drive, except prescribed motions, to their values at a ``time`` [s]."""
-    inputs = d.inputs
     for j in range(d.signals):
-        driven, i = d.signal.input[j], d.signal.index[j]
-        if driven == CHANNEL:
+        k, i = d.signal.input[j], d.signal.index[j]
+        if k == CHANNEL:
             continue
         u, rate, _ = signal_at(d, j, time)
-        if driven == TORQUE:
-            inputs.joint_torque[i] = u
-        elif driven == TARGET:
-            inputs.joint_target_angle[i], inputs.joint_target_velocity[i] = u, rate
-        elif driven == TARGET_VELOCITY:
-            inputs.joint_target_velocity[i] = u
-        elif driven == TIP_FORCE:
-            inputs.tip_force[i] = u
-        elif driven == SLIDER_FORCE:
-            inputs.slider_force = u
-        elif driven == SLIDER_TARGET:
-            inputs.slider_target_position, inputs.slider_target_velocity = u, rate
-        elif driven == SLIDER_TARGET_VELOCITY:
-            inputs.slider_target_velocity = u
+        input_field(d.inputs, k)[i] = u
+        if is_target(k):
+            input_field(d.inputs, k + 1)[i] = rate
 
 
 def polynomial(powers, order, i, x):

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from chain_impact.kernel.chain.inputs import EACH_JOINT, FIELDS
 from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.record.fields import (
     AT_ANY_TIME,
@@ -159,6 +160,11 @@ def solver_dtype() -> np.dtype:
     )
 
 
+def input_fields(links: int, *rows: int) -> list[tuple[object, ...]]:
+    """Return a field for each input: an array of its values, or a table with ``rows`` of them."""
+    return [(name, REAL, (*rows, links if size == EACH_JOINT else size)) for name, size in FIELDS.items()]
+
+
 def piece_dtype(links: int) -> np.dtype:
     """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
@@ -168,13 +174,7 @@ def piece_dtype(links: int) -> np.dtype:
         ("scale", REAL),  # 1/s, rate of change of the argument x
         ("until", REAL),  # s, the end of the piece
         ("change_rate", REAL),  # 1/s, how fast the inputs change: for a sine its angular frequency
-        ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of polynomials
-        ("joint_target_angle", REAL, (DEGREE + 1, links)),  # rad, coefficients of polynomials
-        ("joint_target_velocity", REAL, (DEGREE + 1, links)),  # rad/s, coefficients of polynomials
-        ("tip_force", REAL, (DEGREE + 1, 2)),  # N, coefficients of polynomials
-        ("slider_force", REAL, (DEGREE + 1, 1)),  # N, coefficients of polynomials
-        ("slider_target_position", REAL, (DEGREE + 1, 1)),  # m, coefficients of polynomials
-        ("slider_target_velocity", REAL, (DEGREE + 1, 1)),  # m/s, coefficients of polynomials
+        *input_fields(links, DEGREE + 1),  # coefficients of polynomials
     )
 
 
@@ -200,13 +200,7 @@ def given_dtype(links: int) -> np.dtype:
         ("stop_restitution", REAL),  # restitution of stops; DERIVED: the restitution of the walls
         ("joint_damping", REAL, (links,)),  # N·m·s/rad, as in `inputs`
         ("joint_stiffness", REAL, (links,)),
-        ("joint_torque", REAL, (links,)),
-        ("joint_target_angle", REAL, (links,)),
-        ("joint_target_velocity", REAL, (links,)),
-        ("tip_force", REAL, (2,)),
-        ("slider_force", REAL),
-        ("slider_target_position", REAL),
-        ("slider_target_velocity", REAL),
+        *input_fields(links),
         ("piece", piece_dtype(links)),
     )
 
@@ -217,15 +211,7 @@ def inputs_dtype(links: int) -> np.dtype:
     return record(
         ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
         ("joint_stiffness", REAL, (links,)),  # N·m/rad at the proximal joint
-        ("joint_torque", REAL, (links,)),  # N·m
-        # rad, angle at which the spring has no moment: a given value or an input
-        ("joint_target_angle", REAL, (links,)),
-        ("joint_target_velocity", REAL, (links,)),  # rad/s, velocity at which the damper has no moment
-        ("tip_force", REAL, (2,)),  # N
-        ("slider_force", REAL),  # N
-        # m, position at which the spring has no force: a given value or an input
-        ("slider_target_position", REAL),
-        ("slider_target_velocity", REAL),  # m/s, velocity at which the damper has no force
+        *input_fields(links),
         ("piece", piece_dtype(links)),
     )
 

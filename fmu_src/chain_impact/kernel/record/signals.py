@@ -18,8 +18,8 @@ def signal_dtype(signals: int) -> np.dtype:
         ("form", INTEGER, (signals,)),  # one of FORMS: constant, sine, ramp, steps, table
         ("shape", INTEGER, (signals,)),  # kind of a ramp: SMOOTH, LINEAR or TRAPEZOID
         ("source", INTEGER, (signals,)),
-        ("input", INTEGER, (signals,)),  # kind of the driven input: TORQUE, TARGET, …
-        ("index", INTEGER, (signals,)),  # index of the driven input's joint, component or channel
+        ("input", INTEGER, (signals,)),  # number of the driven input, see kernel/chain/inputs.py
+        ("index", INTEGER, (signals,)),  # index of the driven value in the input's array, or of the channel
         # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2)
         ("order", INTEGER, (signals,)),
         ("first", INTEGER, (signals,)),  # index of the first knot

@@ -5,7 +5,7 @@ numbers in place of reals. The kernel's functions work on both instances. The co
 numbers of compilation/dual_numbers.py.
 
 The tangent instances follow the primal instance in memory; together they have all requested directions. The
-compiled versions of these functions are in compilation/record_type.py.
+compiled versions of these functions are in compilation/built_in.py.
 """
 
 import numpy as np

@@ -1,0 +1,210 @@
+"""Code for functions of the kernel that act on whole parts of an instance, in place of their Python code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import lower_builtin, type_callable
+
+from chain_impact.compilation.record_type import (
+    INSTANCE,
+    TABLES,
+    TANGENT,
+    WORD,
+    Field,
+    Path,
+    Record,
+    address_of,
+    array_at,
+    built,
+)
+from chain_impact.kernel import functions
+from chain_impact.kernel.chain import inputs
+from chain_impact.kernel.record.fields import SETTABLE
+from chain_impact.kernel.tangent import duals
+
+FUNCTIONS: set[Any] = {
+    *(duals.block, duals.as_words, duals.copy_values, duals.copy_given),
+    *(functions.clear, functions.copy_row, inputs.input_field),
+}
+"""The functions for which this module gives numba the code."""
+
+
+@type_callable(inputs.input_field)
+def _type_of_input(_context: Any) -> Any:
+    def typer(part: types.Type, _number: types.Type) -> types.Type | None:
+        if not isinstance(part, Record):
+            return None
+        first, *_ = _inputs(part)
+        return types.Array(first.kind, len(first.shape), "C")
+
+    return typer
+
+
+def _inputs(part: Record) -> list[Field]:
+    return [part.field(name) for name in inputs.FIELDS]
+
+
+@lower_builtin(inputs.input_field, Record, types.Integer)
+def _input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    instance, given = arguments
+    part, kind = signature.args
+    number = context.cast(builder, given, kind, types.intp)
+    first, *others = _inputs(part)
+    address = address_of(context, builder, instance, first)
+    shape = [built(size, builder, instance) for size in first.shape]
+    for k, field in enumerate(others, 1):
+        is_meant = builder.icmp_signed("==", number, cgutils.intp_t(k))
+        address = builder.select(is_meant, address_of(context, builder, instance, field), address)
+        sizes = [built(size, builder, instance) for size in field.shape]
+        shape = [builder.select(is_meant, *pair) for pair in zip(sizes, shape, strict=True)]
+    return array_at(context, builder, first.kind, address, shape)
+
+
+@type_callable(duals.block)
+def _type_of_block(_context: Any) -> Any:
+    def typer(instance: types.Type, _number: types.Type) -> types.Type | None:
+        return TANGENT if instance == INSTANCE else None
+
+    return typer
+
+
+@lower_builtin(duals.block, Record, types.Integer)
+def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    instance, number = arguments
+    primal_size, tangent_size = (
+        built(record.field().size, builder, instance) for record in (INSTANCE, TANGENT)
+    )
+    number = context.cast(builder, number, signature.args[1], types.int64)
+    return cgutils.pointer_add(
+        builder, instance, builder.add(primal_size, builder.mul(tangent_size, number)), instance.type
+    )
+
+
+@type_callable(duals.as_words)
+def _type_of_words(_context: Any) -> Any:
+    def typer(record: types.Type) -> types.Type | None:
+        return types.Array(types.float64, 1, "C") if isinstance(record, Record) else None
+
+    return typer
+
+
+@lower_builtin(duals.as_words, Record)
+def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    (instance,) = arguments
+    whole = signature.args[0].field()
+    size = builder.udiv(built(whole.size, builder, instance), cgutils.intp_t(WORD))
+    return array_at(context, builder, types.float64, address_of(context, builder, instance, whole), [size])
+
+
+@type_callable(functions.clear)
+def _type_of_clear(_context: Any) -> Any:
+    def typer(record: types.Type) -> types.Type | None:
+        return types.none if isinstance(record, Record) else None
+
+    return typer
+
+
+@lower_builtin(functions.clear, Record)
+def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    (instance,) = arguments
+    part = signature.args[0].field()
+    address = address_of(context, builder, instance, part)
+    cgutils.memset(builder, address, built(part.size, builder, instance), 0)
+    return context.get_dummy_value()
+
+
+@type_callable(functions.copy_row)
+def _type_of_copy_row(_context: Any) -> Any:
+    def typer(table: types.Type, _source: types.Type, _row: types.Type) -> types.Type | None:
+        return types.none if isinstance(table, Record) else None
+
+    return typer
+
+
+@lower_builtin(functions.copy_row, Record, types.Integer, types.Integer)
+def _copy_row(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    instance, *numbers = arguments
+    table, *kinds = signature.args
+    rows = [context.cast(builder, *pair, types.int64) for pair in zip(numbers, kinds, strict=True)]
+    for name in table.field().fields:
+        column = table.field(name)
+        first, stride = address_of(context, builder, instance, column), cgutils.intp_t(column.stride)
+        source, target = (
+            cgutils.pointer_add(builder, first, builder.mul(row, stride), first.type) for row in rows
+        )
+        builder.store(builder.load(source), target)
+    return context.get_dummy_value()
+
+
+@type_callable(duals.copy_values)
+def _type_of_copy_values(_context: Any) -> Any:
+    def typer(source: types.Type, target: types.Type) -> types.Type | None:
+        return types.none if _has_dual(source, target) else None
+
+    return typer
+
+
+@type_callable(duals.copy_given)
+def _type_of_copy_given(_context: Any) -> Any:
+    def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
+        # numba asks first with the type of ``when``, then with its constant value; only the second is
+        # answered
+        return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
+
+    return typer
+
+
+def _has_dual(source: types.Type, target: types.Type) -> bool:
+    """Return whether ``target`` is the part of an instance of dual numbers that corresponds to ``source``.
+
+    ``source`` must be a part of an instance of ordinary numbers.
+    """
+    if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
+        return False
+    return (source.what, target.what) == ("instance", "tangent")
+
+
+@lower_builtin(duals.copy_values, Record, Record)
+def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    part = signature.args[0].path
+    _copy_fields(context, builder, arguments, lambda path: path[: len(part)] == part)
+    return context.get_dummy_value()
+
+
+@lower_builtin(duals.copy_given, Record, Record, types.Integer)
+def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    when = signature.args[2].literal_value
+    _copy_fields(context, builder, arguments[:2], lambda path: SETTABLE.get(path[0]) == when)
+    return context.get_dummy_value()
+
+
+def _copy_fields(
+    context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
+) -> None:
+    """Copy the values of the wanted fields of an instance to an instance of dual numbers."""
+    source, target = instances
+    for path, field in TABLES["instance"].items():
+        if path and wanted(path) and not field.fields:
+            word = context.get_data_type(field.kind)
+            count: ir.Value = cgutils.intp_t(1)
+            for size in field.shape:
+                count = builder.mul(count, built(size, builder, source))
+            source_words, source_step = _words_of(context, builder, source, field, word)
+            target_words, target_step = _words_of(context, builder, target, TABLES["tangent"][path], word)
+            with cgutils.for_range(builder, count) as loop:
+                number = builder.load(builder.gep(source_words, [builder.mul(loop.index, source_step)]))
+                builder.store(number, builder.gep(target_words, [builder.mul(loop.index, target_step)]))
+
+
+def _words_of(
+    context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field, word: ir.Type
+) -> tuple[ir.Value, ir.Value]:
+    """Return the address of a field's first value, and the number of words between successive values."""
+    words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
+    address = builder.bitcast(address_of(context, builder, instance, field), word.as_pointer())
+    return address, cgutils.intp_t(words)
