@@ -65,8 +65,8 @@ def bits(text):
     return np.frombuffer(base64.b64decode(text), np.int64)
 
 
-def impacts_of(changes):
-    return f"{len(simulate(load_scene('four_link_box').with_values(changes)).impacts)} impacts"
+def impacts_of(changes, model="four_link_box"):
+    return f"{len(simulate(load_scene(model).with_values(changes)).impacts)} impact"
 
 
 def enter(page, name, text):

@@ -85,3 +85,25 @@ def test_pins_have_colours_of_their_own(show, scheme):
     for one, other in itertools.combinations(range(len(colours)), 2):
         if one < 5:
             assert abs(colours[one] - colours[other]).sum() > 0.3, (names[one], names[other])
+
+
+OUTSIDE = """() => {
+  const { width, height } = document.getElementById("scene").getBoundingClientRect();
+  return [...document.querySelectorAll("polyline.compared, polyline.link")]
+    .flatMap((line) => [...line.points])
+    .filter(({ x, y }) => x < 0 || y < 0 || x > width || y > height).length; }"""
+"""Number of points of the present and of the compared motions outside of the drawing."""
+
+
+def test_the_view_holds_the_motions_that_are_compared(show):
+    page = show("thrown_brick")
+    page.evaluate("chainImpact.show({'initial.vy': 12})")  # much higher than the motion that follows
+    until_told(page, impacts_of({"initial.vy": 12}, "thrown_brick"))
+    page.get_by_role("button", name="Pin").click()
+    for height in (0.3, 0.25):
+        page.evaluate(LATER)
+        page.evaluate(f"chainImpact.show({{'initial.vy': 0, 'initial.y': {height}}})")
+        until_told(page, impacts_of({"initial.vy": 0, "initial.y": height}, "thrown_brick"))
+        page.locator("#scrub").fill("1.2")  # s, near the top of the flight
+        page.wait_for_function("document.getElementById('time').textContent === '1.20000 s'")
+        assert page.evaluate(OUTSIDE) == 0

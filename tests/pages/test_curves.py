@@ -127,3 +127,18 @@ def test_the_kernel_gives_chosen_outputs_only_with_the_peaks_of_all_impacts(work
     peaks = [floor["peak_force"][floor["point"] == point].max(initial=0.0) for point in range(5)]
     assert found["most"] == pytest.approx(peaks, rel=2e-3)
     assert found["rows"] > found["frames"]
+
+
+def test_all_outputs_of_a_group_are_chosen_at_once(show):
+    page = show()
+    page.get_by_role("button", name="Chart…").click()
+    page.get_by_role("searchbox", name="Search the outputs").fill("y")
+    every = page.get_by_role("button", name="All of point[*].y", exact=True)
+    every.click()
+    until(page, f"{SHOWN}.join() === '{','.join(f'point[{k}].y' for k in range(5))}'")
+    page.get_by_role("checkbox", name="point[2].y").uncheck()
+    page.get_by_role("searchbox", name="Search the outputs").fill("2")
+    every.click()
+    until(page, f"{SHOWN}.length === 5")
+    every.click()  # all that are shown are chosen
+    until(page, f"{SHOWN}.join() === '{','.join(f'point[{k}].y' for k in (0, 1, 3, 4))}'")

@@ -217,3 +217,17 @@ def test_ruler_and_scale_bar_are_apart_on_a_phone(show_recording):
     page = show_recording(viewport=PHONE)
     press(page, "Shift+ArrowRight")
     assert page.evaluate(ON_OTHERS) == []
+
+
+def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):
+    page = show_recording(record_slowly("cart_pole"), viewport=PHONE)
+    texts = 0
+    for _ in range(4):
+        press(page, "Shift+ArrowRight")
+        rail, *_ = page.locator("polyline.pin").all()
+        bar = rail.bounding_box()
+        for text in page.locator(".force-text").all():
+            box = text.bounding_box()
+            assert box["y"] > bar["y"] + bar["height"] or box["y"] + box["height"] < bar["y"] + 1
+            texts += 1
+    assert texts

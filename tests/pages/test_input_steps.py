@@ -18,9 +18,9 @@ RUN = """async ({ module, file, kit, inputSteps, times, name }) => {
   const wanted = kernel.scene.columns.filter((column) => column.name === name);
   const options = { inputSteps: stepsForKernel(kernel, inputSteps) };
   return Array.from(runThrough(kernel.run({}, Float64Array.from(times), wanted, options)).columns[0]); }"""
-SLIDER = "joint[1].torque"
+SLIDER, ITS_WORDS = "joint[1].torque", "Torque of joint 1"
 SHOWN = "Number(document.getElementById('scrub').value)"
-HELD = f"chart => document.querySelector('#inputs-over-time dt')?.textContent === '{SLIDER}'"
+HELD = f"chart => document.querySelector('#inputs-over-time dt')?.title === '{SLIDER}'"
 
 
 def test_an_input_that_is_held_acts_as_when_a_chain_is_set_in_time(worker):
@@ -45,7 +45,7 @@ def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show
     page.get_by_label("Speed").select_option("¼ ×")
     page.get_by_role("button", name="Play").click()
     until(page, f"{SHOWN} > 0.1")
-    slider = page.get_by_role("slider", name=SLIDER)
+    slider = page.get_by_role("slider", name=ITS_WORDS)
     for key in ("PageUp", "PageUp", "ArrowLeft"):
         slider.press(key)
         until(page, f"{SHOWN} > {page.evaluate(SHOWN) + 1e-3}")  # each change at its own time
@@ -169,7 +169,7 @@ def test_fields_keep_a_typed_text_and_a_refusal_while_inputs_are_held(show):
 def test_a_slider_that_is_dragged_back_to_its_value_follows_the_motion_again(show):
     page = show("pinned_arm", hash_=f"#{SLIDER}@=0.02:3")
     playing(page)
-    slider = page.get_by_role("slider", name=SLIDER)
+    slider = page.get_by_role("slider", name=ITS_WORDS)
     box = slider.bounding_box()
     at = box["x"] + 0.8 * box["width"], box["y"] + box["height"] / 2
     page.mouse.click(*at)  # its value is here the value of this pixel
@@ -180,7 +180,7 @@ def test_a_slider_that_is_dragged_back_to_its_value_follows_the_motion_again(sho
     page.get_by_role("button", name="Pause").click()
     assert slider.evaluate("slider => slider.value / slider.max") > 0.7
     page.locator("#scrub").fill("0.01")
-    until(page, f"document.querySelector('input[aria-label=\"{SLIDER}\"][type=range]').value === '200'")
+    until(page, f"document.querySelector('input[aria-label=\"{ITS_WORDS}\"][type=range]').value === '200'")
 
 
 def test_a_map_says_that_inputs_keep_their_start_values_and_a_run_of_it_opens_so(show):

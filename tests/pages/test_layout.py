@@ -15,7 +15,7 @@ SCENES = {
 }
 DIALOGS = ("edit", "map", "curves", "export", "help")
 CLASHES = """() => {
-  const roomOf = (one) => one.closest("dialog, footer, #stage, #pins, #status");
+  const roomOf = (one) => one.closest("dialog form, dialog, footer, #stage, #pins, #status");
   const open = document.querySelector("dialog[open]");
   const isThere = (one) => one.checkVisibility({ visibilityProperty: true, opacityProperty: true }) &&
     !one.closest("svg, .hidden") && (!open || open.contains(one));

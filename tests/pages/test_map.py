@@ -168,3 +168,18 @@ def test_a_map_goes_by_the_keyboard(show):
     assert float(page.evaluate("chainImpact.parameters['contact.restitution']")) == pytest.approx(
         told, rel=1e-4
     )
+
+
+def test_an_axis_of_a_stiffness_goes_by_decades(show):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-x-name").select_option("contact.stiffness")
+    page.locator("#map-text").get_by_text("A preview of 9 × 9 runs. Press Simulate for 41 × 41.").wait_for()
+    low, high = (float(page.locator(f"#map-x-{end}").input_value()) for end in ("from", "to"))
+    present = float(page.evaluate("chainImpact.parameters['contact.stiffness']"))
+    assert (low, high) == pytest.approx((present / 10, present * 10))
+    page.locator("#map-canvas").press("ArrowRight")  # the run in the middle
+    told = re.search(r"contact\.stiffness = ([\d.e]+)", page.text_content("#map-text"))[1]
+    assert float(told) == pytest.approx(present, rel=1e-4)
+    numbers = page.locator("#map-scales text").all_text_contents()
+    assert {f"{power:.0e}".replace("+0", "") for power in (low, present, high)} <= set(numbers)

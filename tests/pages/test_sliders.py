@@ -129,7 +129,7 @@ def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
 
 def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
     page = show("bouncing_table", {"simulation.stop_time": 1.0})
-    assert page.locator("#inputs-over-time dt").all_inner_texts() == ["wall.y_min.displacement"]
+    assert page.locator("#inputs-over-time dt").all_inner_texts() == ["Displacement of y_min"]
     assert page.evaluate(PIXELS, ["inputs-over-time", "input-1"]) > 200
     scene = load_scene("bouncing_table").with_values({"simulation.stop_time": 1.0})
     changed = {"signal.table.amplitude": 0.004, "signal.table.phase": 1.0}
@@ -153,7 +153,7 @@ def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
 
 def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):
     page = show("pinned_arm", {"inputs.joint_targets": True, "link[2].joint_stiffness": 20.0})
-    for name, key in (("joint[1].torque", "Home"), ("joint[2].target_angle", "End")):
+    for name, key in (("Torque of joint 1", "Home"), ("Target angle of joint 2", "End")):
         page.get_by_role("slider", name=name).press(key)
     values = page.evaluate("chainImpact.parameters")
     inputs = {name: float(values[name]) for name in ("joint[1].torque", "joint[2].target_angle")}
@@ -180,6 +180,6 @@ def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):
 
 def test_the_targets_of_a_slider_have_sliders(show):
     page = show("cart_pole", {"inputs.joint_targets": True})
-    for name in ("slider.target_position", "slider.target_velocity"):
-        page.get_by_role("slider", name=name).press("End")
-        assert float(page.evaluate("chainImpact.parameters")[name]) > 0.0
+    for quantity in ("position", "velocity"):
+        page.get_by_role("slider", name=f"Target {quantity} of the slider").press("End")
+        assert float(page.evaluate("chainImpact.parameters")[f"slider.target_{quantity}"]) > 0.0

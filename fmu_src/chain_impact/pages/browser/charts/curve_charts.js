@@ -61,8 +61,8 @@ export class CurveCharts {
   #compared = [];
 
   /** `curvesOf` returns the curves of a recording, if it has any; `zoomButton` is a button for the view of one impact. */
-  constructor(element, seek, { curvesOf, label, zoomButton }) {
-    Object.assign(this, { element, seek, curvesOf, label, zoomButton, charts: new Map() });
+  constructor(element, seek, { curvesOf, label, zoomButton, wordsOf = (name) => name }) {
+    Object.assign(this, { element, seek, curvesOf, label, zoomButton, wordsOf, charts: new Map() });
     zoomButton?.addEventListener("click", () => {
       zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
       this.draw(this.frame, this.contact);
@@ -84,7 +84,7 @@ export class CurveCharts {
     this.charts.forEach((chart, unit) => {
       const curvesInUnit = curves.filter((curve) => curve.unit === unit);
       chart.show(recording, curvesInUnit.map((curve, k) => ({
-        ...curve, stroke: `input-${(k % INPUT_COLOURS) + 1}`, dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
+        ...curve, words: this.wordsOf(curve.name), stroke: `input-${(k % INPUT_COLOURS) + 1}`, dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
       })));
     });
   }

@@ -27,7 +27,7 @@ export class TimeChart extends Chart {
   }
 
   /**
-   * Make the plot of curves. A curve has a name, a colour of the style sheet, and optionally dashes and `isStepped`.
+   * Make the plot of curves. A curve has a name, a colour of the style sheet, and optionally words for its name, dashes and `isStepped`.
    */
   makeCurves(curves, data) {
     this.names = curves.map(({ name }) => name);
@@ -61,7 +61,7 @@ export class TimeChart extends Chart {
       data,
     );
     this.entries.replaceChildren();
-    this.values = curves.map(({ name, stroke, dash }) => [name, entryOf(this.entries, name, stroke, dash)]);
+    this.values = curves.map(({ name, words = name, stroke, dash }) => [name, entryOf(this.entries, { name, words, stroke, dash })]);
     const go = (event) => {
       const { left } = this.plot.over.getBoundingClientRect();
       this.seek(this.plot.posToVal(event.clientX - left, "x"));
@@ -123,10 +123,10 @@ export class EnergyChart extends TimeChart {
   }
 }
 
-/** Add an entry to a list: a name with a line in its colour; return the element for its present value. */
-function entryOf(list, name, stroke, dash) {
+/** Add an entry to a list: words for a name, with a line in their colour; return the element for the present value. */
+function entryOf(list, { name, words, stroke, dash }) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
-  term.textContent = name;
+  Object.assign(term, { textContent: words, title: name });
   term.style.setProperty("--line-style", dash ? (dash[0] > dash[1] ? "dashed" : "dotted") : "solid");
   term.style.setProperty("--colour", `var(--${stroke})`);
   entry.append(term, value);

@@ -32,7 +32,7 @@ export class ArrowScale {
     return this.#lengthOnScale(force) >= LEAST_ARROW;
   }
 
-  /** Return the powers of ten on the ruler whose numbers fit: `at`, the distance [pixels] from its foot, and `text`. */
+  /** Return the powers of ten on the ruler: `at`, the distance [pixels] from its foot, and `text`, "" if it does not fit. */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));
     let free = Infinity;
@@ -41,7 +41,7 @@ export class ArrowScale {
       if (at < MARKS_FROM) return [];
       const text = forceText(force, 0);
       const half = (LETTER * text.length) / 2;
-      if (at + half > free) return [];
+      if (at + half > free) return [{ at, text: "" }];
       free = at - half - NUMBERS_APART;
       return [{ at, text }];
     });

@@ -144,7 +144,8 @@ export class ChainDrawing {
     this.walls = this.ground.group();
     this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
-    this.recording.rail?.lines.forEach((line) => this.ground.polyline(belowStrip(this.#toScreen(line))).addClass("pin"));
+    this.rail = (this.recording.rail?.lines ?? []).map((line) => belowStrip(this.#toScreen(line)));
+    this.rail.forEach((line) => this.ground.polyline(line).addClass("pin"));
     const hasForces = this.recording.forces.length || this.recording.drawn.loads.length;
     const rulerEnd = hasForces ? drawRuler(this.ground, this.arrowScale, width) : 0;
     drawScaleBar(this.ground, this.camera.scale, width, rulerEnd);
@@ -188,7 +189,8 @@ export class ChainDrawing {
     this.#drawRanges(frame);
     this.#drawTrace(frame, chain.at(-1));
     this.labelSpace = new LabelSpace(...this.size, STRIP);
-    [chain, ...this.edges, ...this.pin.map(([, mark]) => mark.array())].forEach((line) => this.labelSpace.reserveLine(line));
+    const marks = [...this.pin.map(([, mark]) => mark), ...this.ranges.flat()].map((mark) => mark.array());
+    [chain, ...this.edges, ...this.rail, ...marks].forEach((line) => this.labelSpace.reserveLine(line));
     bodies.forEach((corners) => this.labelSpace.reserveLine([...corners, corners[0]]));
     this.dots.forEach(([point]) => this.labelSpace.reserveAround(all[point]));
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];

@@ -3,6 +3,7 @@
 // approximate width of a letter and height of a line, relative to the size of the letters
 const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
 const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
+const BESIDE_TEXT = 4; // [pixels] distance between two texts side by side, at which they do not read as one
 const HALF = 8; // [pixels] half the side of the square that stands for a mark, with the outline of a text beside it
 
 /** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
@@ -58,14 +59,18 @@ export class LabelSpace {
       if (box[0] < left || box[1] < top || box[2] > right || box[3] > bottom) return false;
       if (this.#taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) return false;
       if (this.#lines.some((line) => isCrossed(box, line))) return false;
-      this.#taken.push(box);
+      this.#take(box);
       return true;
     });
   }
 
   /** Mark the place of a text as used, whatever it covers. */
   reserveText(text, size, { at, anchor }) {
-    this.#taken.push(boxOf(text, at, size, anchor));
+    this.#take(boxOf(text, at, size, anchor));
+  }
+
+  #take([left, top, right, bottom]) {
+    this.#taken.push([left - BESIDE_TEXT, top, right + BESIDE_TEXT, bottom]);
   }
 }
 

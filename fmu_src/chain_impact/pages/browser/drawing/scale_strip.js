@@ -35,7 +35,7 @@ export function drawRuler(group, { longest, marks }, width) {
   group.line([[left, y], [left + longest, y]]).addClass("bar ruler");
   marks.forEach(({ at, text }) => {
     group.line([[left + at, y - 4], [left + at, y + 4]]).addClass("bar");
-    group.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
+    if (text) group.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
   });
   group.polygon([[left + longest + 7, y], [left + longest, y - 4], [left + longest, y + 4]]).addClass("ruler-head");
   const end = left + longest + 12;

@@ -5,6 +5,7 @@ import { durationText, forceText, unitsOf } from "../base/format.js";
 
 const GESTURE = 800; // [ms] changes that follow each other faster count as one change
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
+const LETTERS = "ABCDE"; // each colour's letter, because two colours may look alike on some screens and to some eyes
 const LISTED = 40; // largest number of impacts that are listed side by side
 
 export class ComparedMotions {
@@ -23,6 +24,11 @@ export class ComparedMotions {
     const now = performance.now();
     if (!goesOn && now - this.#last > GESTURE) this.before = this.player.recording ?? null;
     this.#last = now;
+  }
+
+  /** The recordings that are drawn behind the next motion. */
+  get behind() {
+    return [this.before, ...this.pinned.map(({ recording }) => recording)].filter(Boolean);
   }
 
   /** Pin the shown motion, unless it is pinned already; its text describes the changes in it. */
@@ -47,9 +53,8 @@ export class ComparedMotions {
   draw() {
     const { drawing, clock, recording: shown } = this.player;
     drawing.behind.clear();
-    const pinned = this.pinned.map((motion) => ({ ...motion, kind: `pin-${motion.colour}` }));
-    const others = [{ recording: this.before, kind: "before" }, ...pinned];
-    for (const { recording, kind } of others) {
+    const pinned = this.pinned.map(({ recording, colour }) => ({ recording, kind: `pin-${colour}`, letter: LETTERS[colour - 1] }));
+    for (const { recording, kind, letter } of [{ recording: this.before, kind: "before" }, ...pinned]) {
       if (!recording || recording === shown) continue;
       const frame = recording.frameAt(clock.time);
       const positions = Array.from({ length: recording.links + 1 }, (_, point) =>
@@ -58,7 +63,9 @@ export class ComparedMotions {
         drawing.behind.polygon(corners.map((corner) => drawing.camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });
       drawing.behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
-      drawing.behind.circle(8).center(...positions.at(-1)).addClass(`compared-tip ${kind}`);
+      const [x, y] = positions.at(-1);
+      drawing.behind.circle(letter ? 15 : 8).center(x, y).addClass(`compared-tip ${kind}`);
+      if (letter) drawing.behind.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
     }
   }
 
@@ -84,17 +91,18 @@ export class ComparedMotions {
   #title(motion) {
     const { text, colour, recording } = motion;
     const count = `${recording.impacts.length} impact${recording.impacts.length === 1 ? "" : "s"}`;
-    const cell = make("th", { scope: "row", title: text });
-    cell.append(make("span", { className: `dot ${colour ? `pin-${colour}` : "present"}` }));
-    cell.append(make("span", { className: "pin-text", textContent: text }));
+    const title = make("span", { className: "pin-title" });
+    const kind = colour ? `pin-${colour}` : "present";
+    title.append(make("span", { className: `dot ${kind}`, textContent: colour ? LETTERS[colour - 1] : "" }));
+    title.append(make("span", { className: "pin-text", textContent: text }));
     if (colour) {
-      cell.prepend(make("span", { className: `dashes pin-${colour}`, title: "In the charts" }));
+      title.prepend(make("span", { className: `dashes ${kind}`, title: "In the charts" }));
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
       button.addEventListener("click", () => this.unpin(motion));
-      cell.append(button);
+      title.append(button);
     }
-    cell.append(make("small", { textContent: count }));
-    return cell;
+    title.append(make("small", { textContent: count }));
+    return make("th", { scope: "row", title: text }, title);
   }
 }
 

@@ -36,6 +36,15 @@ function namesIn(text, columns) {
   return names;
 }
 
+/**
+ * Return the group of an output, a name with `*` that its members match: of outputs with a number those that differ in it, such
+ * as point[*].y, else those with the same beginning, such as energy.*.
+ */
+function groupOf(name) {
+  const group = name.replaceAll(/\[\d+\]/g, "[*]");
+  return group === name ? name.replace(/\..*/, ".*") : group;
+}
+
 export class CurveChoice {
   names = [];
 
@@ -71,10 +80,31 @@ export class CurveChoice {
       const words = [make("span", { textContent: breakable(name) }), make("small", { textContent: unitText(unit) })];
       return { name, box, row: make("label", {}, box, ...words) };
     });
-    this.list.replaceChildren(...this.rows.map(({ row }) => row));
+    const groups = [...new Set(this.rows.map(({ name }) => groupOf(name)))];
+    this.groups = groups.map((group) => this.#group(group, this.rows.filter(({ name }) => groupOf(name) === group)));
+    this.list.replaceChildren(...this.groups.map(({ part }) => part));
     this.#refresh();
     this.#filter();
     this.dialog.showModal();
+  }
+
+  /**
+   * Return a group of outputs: a list that opens, with a button that chooses all shown members, or none of them if all are
+   * chosen.
+   */
+  #group(group, members) {
+    const rows = make("div", { className: "curve-members" }, ...members.map(({ row }) => row));
+    if (members.length === 1) return { part: rows, members };
+    const list = make("details", {}, make("summary", { textContent: breakable(group) }), rows);
+    const all = make("button", { type: "button", textContent: "All" });
+    all.setAttribute("aria-label", `All of ${group}`);
+    all.addEventListener("click", () => {
+      const shown = members.filter(({ row }) => !row.hidden).map(({ name }) => name);
+      const others = this.names.filter((name) => !shown.includes(name));
+      list.open = true;
+      this.#choose([...others, ...(shown.every((name) => this.names.includes(name)) ? [] : shown)].join());
+    });
+    return { part: make("div", { className: "curve-group" }, list, all), list, members };
   }
 
   /** Choose the names in a text, without a call of `changed`; an error says which name is not possible. */
@@ -106,5 +136,10 @@ export class CurveChoice {
     this.rows.forEach(({ name, row }) => {
       row.hidden = !words.every((word) => name.toLowerCase().includes(word));
     });
+    this.groups.forEach(({ part, list, members }) => {
+      part.hidden = members.every(({ row }) => row.hidden);
+      if (list) list.open = words.length > 0 || members.some(({ box }) => box.checked);
+    });
+    find("curves-none").hidden = this.rows.some(({ row }) => !row.hidden);
   }
 }

@@ -49,17 +49,20 @@ const choice = new CurveChoice(changes, () => {
 });
 
 /**
- * Return the parts of the next motion with the view of the present motion, so that the picture does not move, if the next
- * view lies inside it and is not much smaller, or if a handle is dragged; else return the parts unchanged.
+ * Return the parts of the next motion with a view that holds this motion and the motions behind it; `ownView` is the view of the
+ * motion alone. So that the picture does not move, the present view stays if the next one lies inside it and is not much
+ * smaller, or if a handle is dragged.
  */
 function withSteadyView(next) {
+  const ownView = next.view;
+  const views = [ownView, ...comparedMotions.behind.map((recording) => recording.ownView)];
+  const view = [Math.min, Math.max].map((outer, end) => [0, 1].map((axis) => outer(...views.map((one) => one[end][axis]))));
   const before = player.recording;
-  if (!before) return next;
-  const size = ({ view: [low, high] }) => Math.max(high[0] - low[0], high[1] - low[1]);
-  const isWithin = [0, 1].every((axis) =>
-    next.view[0][axis] >= before.view[0][axis] && next.view[1][axis] <= before.view[1][axis]);
+  const size = ([low, high]) => Math.max(high[0] - low[0], high[1] - low[1]);
+  const isWithin = before && [0, 1].every((axis) => view[0][axis] >= before.view[0][axis] && view[1][axis] <= before.view[1][axis]);
   const isKept = handles.dragged !== null; // a handle that is dragged stays below the pointer
-  return isKept || (isWithin && size(next) > KEPT * size(before)) ? { ...next, view: before.view, anchor: before.anchor } : next;
+  return isKept || (isWithin && size(view) > KEPT * size(before.view))
+    ? { ...next, ownView, view: before.view, anchor: before.anchor } : { ...next, ownView, view };
 }
 
 /** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether there is a motion. */

@@ -4,10 +4,11 @@ import { make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
 const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
-const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak force"];
-const JOINT_FORCE = "joint force"; // a further column if forces in joints are known
+const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
+const JOINT_FORCE = "in joint"; // a further column if forces in joints are known
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
+  peak: "Largest force of the contact",
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 
@@ -17,7 +18,7 @@ function peakText({ peak, atStop }) {
 }
 
 function approachText(impact) {
-  return `${impact.speed.toFixed(2)} ${unitsOf(impact).speed}`;
+  return `${impact.speed.toFixed(2)}\u202f${unitsOf(impact).speed}`;
 }
 
 /**
@@ -98,6 +99,6 @@ export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
   const { number, onset, wall, peak } = contact;
   const next = onset > time ? " is next" : "";
-  const force = peak === null ? "" : `, peak ${peakText(contact)}`;
+  const force = peak === null ? "" : `, ${peakText(contact)}`;
   return `Impact ${number} of ${impacts.length}${next}: ${contact.what} at ${wall}, ${approachText(contact)}${force}`;
 }

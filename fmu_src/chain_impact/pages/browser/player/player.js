@@ -6,6 +6,7 @@ import { CurveCharts } from "../charts/curve_charts.js";
 import { ForceChart } from "../charts/force_chart.js";
 import { EnergyChart } from "../charts/time_chart.js";
 import { ChainDrawing } from "../drawing/chain_drawing.js";
+import { inputText } from "../scene/words.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { ImpactList, impactText } from "./impact_list.js";
@@ -26,7 +27,7 @@ export class Player {
         new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
       [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
         new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time),
-          { curvesOf: ({ inputs }) => inputs, label: "Driven inputs" })],
+          { curvesOf: ({ inputs }) => inputs, label: "Driven inputs", wordsOf: inputText })],
       [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
         new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time),
           { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact") })],

@@ -3,20 +3,26 @@
 import { find } from "../../base/dom.js";
 import { numberText, readable, unitText } from "../../base/format.js";
 import { pictureOf, save } from "../export.js";
-import { mainParametersOf } from "../parameters/sliders.js";
+import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { MapDrawing } from "./map_drawing.js";
-import { shownIn, titleOf } from "./map_scales.js";
+import { axisScale, quantityOf, scaled, shownIn, titleOf } from "./map_scales.js";
 
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"]; // the map opens with the first that the scene has
 const WORKERS = 8; // largest number of workers
 
+/** Return whether a parameter has a logarithmic axis, as its slider is logarithmic. */
+function isLogarithmic(name) {
+  return MAIN_PARAMETERS.some((entry) => entry.name === name && entry.logarithmic);
+}
+
 /**
  * Return the first and the last value of an axis: around the present value, within the allowed values; for a parameter from 0
  * to 1, always 0.05 and 0.95.
  */
-function rangeOf({ low, high }, value) {
+function rangeOf({ name, low, high }, value) {
+  if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
   if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
   const reach = value === 0 ? 1 : Math.abs(value) / 2;
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
@@ -85,7 +91,7 @@ export class GridMap {
     const tip = `point[${scene.links}]`;
     const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
     const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
-    return [...first, ...largestOf(scene), ...last].map((output) => ({ ...output, label: titleOf(output.name, unitText(output.unit)) }));
+    return [...first, ...largestOf(scene), ...last].map((output) => ({ ...output, label: titleOf(quantityOf(output.name), unitText(output.unit)) }));
   }
 
   /** Fill the lists with the parameters and outputs of the scene; the map of another scene is removed. */
@@ -165,7 +171,8 @@ export class GridMap {
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
     const axes = this.inputs.map(([name, from, to]) => {
       const [first, last] = [from, to].map((field) => this.#limit(name.value, field.value));
-      return Array.from({ length: points }, (_, k) => Number((first + ((last - first) * k) / (points - 1)).toPrecision(12)));
+      const { valueAt } = axisScale(first, last, isLogarithmic(name.value));
+      return Array.from({ length: points }, (_, k) => Number(valueAt(k / (points - 1)).toPrecision(12)));
     });
     const output = this.#outputs.find(({ name }) => name === this.output.value);
     return { names, axes, values: { ...this.changes.values }, output };
@@ -245,7 +252,7 @@ export class GridMap {
 
   #drawScales() {
     const { names } = this.shown;
-    const units = names.map((name) => shownIn(this.changes.parameters.get(name)));
+    const units = names.map((name) => ({ ...shownIn(this.changes.parameters.get(name)), isLogarithmic: isLogarithmic(name) }));
     const present = this.#isOfPresent() ? names.map((name) => this.changes.valueOf(name)) : null;
     this.drawing.drawScales(this.shown, units, { present, chosen: this.#chosen });
   }
@@ -305,8 +312,9 @@ export class GridMap {
     const value = this.shown.results[index];
     const parameters = Object.entries(this.#valuesAt(index)).map(([name, given]) => this.#valueText(name, given));
     const { faults, output } = this.shown;
-    const result = value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${numberText(Number(value.toPrecision(6)))}`;
-    this.#say(`${parameters.join(", ")}: ${result}`);
+    const { factor, text } = scaled(output.unit, Math.abs(value));
+    const number = [numberText(Number((factor * value).toPrecision(6))), text].filter(Boolean).join("\u202f");
+    this.#say(`${parameters.join(", ")}: ${value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${number}`}`);
   }
 
   /** Return a value of a parameter with its unit; for an angle, also in degrees. */

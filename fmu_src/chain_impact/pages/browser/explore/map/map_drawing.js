@@ -2,7 +2,7 @@
 
 import { numberText } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-import { colourAt, quantityOf, scaled, titleOf, VIRIDIS } from "./map_scales.js";
+import { axisScale, colourAt, decadesBetween, quantityOf, scaled, titleOf, VIRIDIS } from "./map_scales.js";
 
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 // [pixels] margins around the canvas, equal to those in the style sheet
@@ -38,7 +38,7 @@ export class MapDrawing {
    * Draw the axes, the scale of the colours, and marks.
    *
    * @param map names and values of both axes, number of points along an axis, the output and its ends.
-   * @param units the units of both axes, from `shownIn`.
+   * @param units the units of both axes, from `shownIn`, and whether the axes are logarithmic.
    * @param present the present values of both parameters if the map is about the present scene.
    * @param chosen the index of the run that the keyboard has chosen, if any.
    */
@@ -49,14 +49,13 @@ export class MapDrawing {
     scales.clear().size(clientWidth, clientHeight).viewbox(0, 0, clientWidth, clientHeight);
     const bottom = EDGE.top + height;
     const at = (k, value) => {
-      const [first, last] = [axes[k][0], axes[k].at(-1)];
-      const share = ((points - 1) * (value - first) / (last - first || 1) + 0.5) / points;
+      const share = ((points - 1) * axisScale(axes[k][0], axes[k].at(-1), units[k].isLogarithmic).shareOf(value) + 0.5) / points;
       return k ? bottom - share * height : EDGE.left + share * width;
     };
     names.forEach((name, k) => {
-      const { factor, text } = units[k];
+      const { factor, text, isLogarithmic } = units[k];
       const [low, high] = [axes[k][0] * factor, axes[k].at(-1) * factor].sort((a, b) => a - b);
-      ticksBetween(low, high).forEach((tick) => {
+      (isLogarithmic ? decadesBetween : ticksBetween)(low, high).forEach((tick) => {
         const pixel = at(k, tick / factor);
         scales.line(k ? [[EDGE.left - 5, pixel], [EDGE.left, pixel]] : [[pixel, bottom], [pixel, bottom + 5]]).addClass("map-tick");
         if (k) this.#write(numberText(tick), EDGE.left - 8, pixel + 4, "end");

@@ -41,6 +41,26 @@ export function quantityOf(name) {
   return QUANTITIES[name] ?? name;
 }
 
+/**
+ * Return the functions between a value on an axis and its share of the axis, from `first` to `last`: by powers of ten if
+ * logarithmic.
+ */
+export function axisScale(first, last, isLogarithmic) {
+  const [to, from] = isLogarithmic ? [Math.log, Math.exp] : [Number, Number];
+  const [low, width] = [to(first), to(last) - to(first)];
+  return { shareOf: (value) => (to(value) - low) / (width || 1), valueAt: (share) => from(low + share * width) };
+}
+
+/** Return the ticks of a logarithmic axis: powers of ten, with 2 and 5 times them if these are few. */
+export function decadesBetween(low, high) {
+  const first = Math.floor(Math.log10(low));
+  const powers = Array.from({ length: Math.ceil(Math.log10(high)) - first + 1 }, (_, k) => first + k);
+  const within = (factors) => powers.flatMap((power) => factors.map((factor) => Number(`${factor}e${power}`)))
+    .filter((tick) => tick >= low * (1 - 1e-9) && tick <= high * (1 + 1e-9));
+  const whole = within([1]);
+  return whole.length > 2 ? whole : within([1, 2, 5]);
+}
+
 /** Return a unit in which values up to a largest value are easy to read, and the factor to this unit. */
 export function scaled(unit, most) {
   if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };

@@ -1,8 +1,9 @@
 // The sliders of the main parameters, of inputs and of signals.
 
 import { make } from "../../base/dom.js";
-import { breakable, numberText } from "../../base/format.js";
+import { numberText } from "../../base/format.js";
 import { valueText } from "../../scene/angles.js";
+import { inputText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
@@ -47,8 +48,7 @@ function rounded(value) {
 /** Return the label of a main parameter, with functions that return and show its unit. */
 function labelOf(changes, { name, label: words }) {
   const text = () => presentUnit(changes, name);
-  const textContent = words.includes(" ") ? words : breakable(words);
-  const label = make("label", { className: "main-parameter-label", textContent, title: name });
+  const label = make("label", { className: "main-parameter-label", textContent: words, title: name });
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
   const showUnit = () => {
@@ -135,7 +135,7 @@ function inputSliders({ scene, starts }) {
   const ends = { "N.m": weight * length, N: weight, rad: Math.PI, "rad/s": 10, m: length, "m/s": Math.sqrt(2 * 10 * length) };
   return scene.inputs.map((name) => {
     const end = Number(ends[scene.parameters.find((parameter) => parameter.name === name).unit].toPrecision(3));
-    return { name, label: name, ends: [-end, end], isInput: true };
+    return { name, label: inputText(name), ends: [-end, end], isInput: true };
   });
 }
 
@@ -154,14 +154,14 @@ function endsOfSignal(key, value, beside, stop) {
  */
 function signalSliders({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name }) => {
-    const [, signal, key] = /^signal\.(\w+)\.(\w+)/.exec(name) ?? [];
-    return signal ? [{ name, signal, key, value: starts[name] }] : [];
+    const [, signal, all, key] = /^signal\.([^.]+)\.((\w+).*)$/.exec(name) ?? [];
+    return signal ? [{ name, signal, label: signalText(signal, all), key, value: starts[name] }] : [];
   });
   const alike = (key) =>
     (["frequency", "frequency_rate"].includes(key) ? ["frequency"] : ["value", "mean", "amplitude", "initial", "final"]);
-  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, key, value }) => {
+  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map(({ name, signal, label, key, value }) => {
     const beside = parts.filter((other) => other.signal === signal && alike(key).includes(other.key)).map((other) => other.value);
-    return { name, label: name.slice("signal.".length), ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
+    return { name, label, ends: endsOfSignal(key, value, beside, starts["simulation.stop_time"]) };
   });
 }
 
