@@ -133,7 +133,7 @@ def test_a_joint_with_stops_has_an_arc_and_impacts_in_angles(show_recording):
     assert page.locator("polyline.range-mark").count() == 2
     assert page.locator(".stop-dot").count() == 0, "in flight"
     rows = page.locator("tbody tr").all_inner_texts()
-    assert all(text in rows[0] for text in ("joint_min", "rad/s", "N·m"))
+    assert all(text in rows[0] for text in ("min", "rad/s", "N·m"))
     wall = next(row for row in rows if "x_max" in row)
     assert "m/s" in wall
     assert "N·m" not in wall
@@ -231,3 +231,11 @@ def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):
             assert box["y"] > bar["y"] + bar["height"] or box["y"] + box["height"] < bar["y"] + 1
             texts += 1
     assert texts
+
+
+def test_a_motion_without_forces_at_walls_has_no_ruler(show_recording):
+    page = show_recording(record_slowly("kneed_leg"))
+    press(page, "Shift+ArrowRight")
+    assert page.locator(".stop-dot").count() == 1, "a moment has no arrow"
+    assert page.locator(".ruler, .ruler-text").count() == 0
+    assert page.locator(".bar-text").count() == 1

@@ -19,7 +19,7 @@ export class ArrowScale {
 
   /** Return the length [pixels] of a force [N] on the scale. */
   #lengthOnScale(force) {
-    return this.longest * Math.cbrt(force / this.peak);
+    return this.peak > 0 ? this.longest * Math.cbrt(force / this.peak) : 0;
   }
 
   /** Return the length [pixels] of the arrow of a force [N], which is LEAST_ARROW or more. */

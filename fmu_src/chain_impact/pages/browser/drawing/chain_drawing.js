@@ -146,8 +146,7 @@ export class ChainDrawing {
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.rail = (this.recording.rail?.lines ?? []).map((line) => belowStrip(this.#toScreen(line)));
     this.rail.forEach((line) => this.ground.polyline(line).addClass("pin"));
-    const hasForces = this.recording.forces.length || this.recording.drawn.loads.length;
-    const rulerEnd = hasForces ? drawRuler(this.ground, this.arrowScale, width) : 0;
+    const rulerEnd = this.recording.peakForce > 0 ? drawRuler(this.ground, this.arrowScale, width) : 0;
     drawScaleBar(this.ground, this.camera.scale, width, rulerEnd);
     if (this.recording.drawn.loads.length) drawKey(this.ground, width);
     this.discs.forEach(([, ownRadius, disc]) => disc.radius(ownRadius * this.camera.scale));

@@ -2,7 +2,7 @@
 // clock shows the start.
 
 import { freeRegionWithin } from "../recording/half_planes.js";
-import { discOf, wallsAt } from "../scene/geometry.js";
+import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
 
 const ARROW_TIME = 0.1; // [s] the length of an arrow of velocity is the distance covered in this time
 const LONGEST = 0.2; // the largest length of an arrow, relative to the view's size; for longer arrows the time is shorter
@@ -58,15 +58,15 @@ export class Handles {
   get #start() {
     // a signal that drives the base determines its position
     const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
-    const positions = [isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")]];
+    const base = isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")];
+    const numbers = Array.from({ length: this.changes.scene.links }, (_, k) => k + 1);
+    const positions = pointsOf(base, numbers.map((link) => [this.#value(`link[${link}].length`), this.#value(`initial.angle[${link}]`)]));
     const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
-    for (let link = 1; link <= this.changes.scene.links; link += 1) {
-      const names = [`link[${link}].length`, `initial.angle[${link}]`, `initial.angular_velocity[${link}]`];
-      const [length, angle, rate] = names.map((name) => this.#value(name));
-      const [x, y] = [length * Math.cos(angle), length * Math.sin(angle)];
-      positions.push([positions.at(-1)[0] + x, positions.at(-1)[1] + y]);
+    numbers.forEach((link) => {
+      const rate = this.#value(`initial.angular_velocity[${link}]`);
+      const [x, y] = vectorTo(positions[link - 1], positions[link]);
       velocity.push([velocity.at(-1)[0] - rate * y, velocity.at(-1)[1] + rate * x]);
-    }
+    });
     return { positions, velocity };
   }
 

@@ -63,7 +63,7 @@ export class ImpactList {
     const texts = [
       impact.onset.toFixed(5),
       impact.what.replace(/^point /, ""),
-      impact.wall.replace(/^slider_/, ""),
+      impact.wall.replace(/^(joint|slider)_/, ""),
       approachText(impact),
       reboundText(impact),
       peakText(impact),

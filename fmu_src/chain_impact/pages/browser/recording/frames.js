@@ -98,7 +98,7 @@ export function framesOf(rows, { times, frameRate }) {
     energies: Object.fromEntries(energies), forces, drawn, stuckJoints, contacts,
     walls, stops, radius, touching, pointNames, bodies, rail,
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
-    peakForce: Math.max(largest(peaks), 1e-300),
+    peakForce: largest(peaks),
     ...viewOf(x, y, pointCount, walls, radius, rows.pinned, rail?.carriage),
   };
 }

@@ -1,6 +1,6 @@
 // The changes of a scene file that the dialog of the page makes: links, points, walls and stops.
 
-import { STOPS } from "./geometry.js";
+import { pointsOf, STOPS } from "./geometry.js";
 import { movablePoints, stopsOf } from "./scene_file.js";
 
 const { CORNERS } = SHARED.file; // number of corners of a box, which a scene file leaves out
@@ -88,11 +88,8 @@ export function removeLink(file, k) {
 /** Add a horizontal wall below the chain at its start. */
 export function addWall(file) {
   const { chain: { links }, initial, walls } = file;
-  let [height, least] = [initial.position[1], initial.position[1]];
-  links.forEach(({ length }, k) => {
-    height += length * Math.sin(initial.angles[k]);
-    least = Math.min(least, height);
-  });
+  const points = pointsOf(initial.position, links.map(({ length }, k) => [length, initial.angles[k]]));
+  const least = Math.min(...points.map(([, y]) => y));
   const names = new Set(walls.map(({ name }) => name));
   let number = 1;
   while (names.has(`wall${number}`)) number += 1;

@@ -30,16 +30,29 @@ export function pointText(names, point) {
   return names.has(point) ? `point ${point} (${names.get(point)})` : `point ${point}`;
 }
 
+/** Return the inward normal of a wall: of the box by its name, of another wall by its angle [rad]. */
+export function normalOf(name, angle) {
+  return NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
+}
+
+/** Return the positions [m] of the base and of the end of each link, from the lengths [m] and angles [rad] of the links. */
+export function pointsOf(base, links) {
+  return links.reduce((points, [length, angle]) => {
+    const [x, y] = points.at(-1);
+    return [...points, [x + length * Math.cos(angle), y + length * Math.sin(angle)]];
+  }, [base]);
+}
+
 /** Return the free sides of the walls for the present parameters: name → normal and offset. */
 export function wallsAt(scene, valueOf) {
   const sides = Object.entries(scene.walls).map(([name, wall]) => {
     if (valueOf(`box.${name}`) !== undefined) {
-      const [nx, ny] = NORMALS[name];
+      const [nx, ny] = normalOf(name);
       return [name, { normal: [nx, ny], offset: (nx + ny) * valueOf(`box.${name}`) }];
     }
     const angle = valueOf(`wall.${name}.angle`);
     if (angle === undefined) return [name, wall];
-    const [nx, ny] = [-Math.sin(angle), Math.cos(angle)];
+    const [nx, ny] = normalOf(name, angle);
     return [name, { normal: [nx, ny], offset: nx * valueOf(`wall.${name}.x`) + ny * valueOf(`wall.${name}.y`) }];
   });
   return Object.fromEntries(sides);

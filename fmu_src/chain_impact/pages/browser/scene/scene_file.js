@@ -3,7 +3,7 @@
 
 import { unitText } from "../base/format.js";
 import { inRadians, orDegrees } from "./angles.js";
-import { BOX_WALLS, NORMALS, SLIDER_STOPS, STOPS } from "./geometry.js";
+import { BOX_WALLS, normalOf, SLIDER_STOPS, STOPS } from "./geometry.js";
 import { refuse, refuseWall, shown } from "./refusals.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 
@@ -151,8 +151,7 @@ export function pairsOf(file) {
   const sites = sitesOf(file);
   const slides = (point) => slider && (point === 0 || (point > links.length && isAtBase(sites[point - links.length - 1])));
   const isParallel = (name) => {
-    const angle = walls.find((wall) => wall.name === name)?.angle;
-    const [nx, ny] = NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
+    const [nx, ny] = normalOf(name, walls.find((wall) => wall.name === name)?.angle);
     return Math.abs(nx * Math.cos(slider.angle) + ny * Math.sin(slider.angle)) < SHARED.kernel.PARALLEL;
   };
   return touchingPoints(file).flatMap((point) =>
