@@ -67,14 +67,17 @@ def main(scratch: Path) -> None:
     """Build the wheel and try it."""
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", scratch / "dist", ".")
     (wheel,) = (scratch / "dist").glob("chain_impact-*.whl")
+    # Each environment is deleted after its use, because .ci/run has other work meanwhile.
     for tool, python in [("pip", pythons()[0]), *(("uv", python) for python in pythons())]:
-        name = f"{Path(python).name}-{tool}"
-        install(tool, python, wheel, scratch / name)
-        use(scratch / name / "bin", scratch / f"{name}-folder")
+        place = scratch / f"{Path(python).name}-{tool}"
+        install(tool, python, wheel, place)
+        use(place / "bin", scratch / f"{place.name}-folder")
+        shutil.rmtree(place)
         print(f"{wheel.name}: works with {Path(python).name}, installed by {tool}")
-    for tool, source in [("uv", wheel), ("uv", Path.cwd()), ("pipx", wheel)]:
-        name = f"{tool}-tool-{source.name}"
-        use(install_tool(tool, source, scratch / name), scratch / f"{name}-folder")
+    for tool, source in [("uv", Path.cwd()), ("pipx", wheel)]:
+        place = scratch / f"{tool}-tool-{source.name}"
+        use(install_tool(tool, source, place), scratch / f"{place.name}-folder")
+        shutil.rmtree(place)
         print(f"{source.name}: works as a tool, installed by {tool}")
 
 

@@ -4,7 +4,8 @@ It calls every public function once, and the command line, in a temporary folder
 the repository. If an optional package is missing, the error of a function must name it. The kernels of all
 kinds must give the same bits. ``--write FILE`` keeps the results, and ``--compare FILE`` says by how much
 those of another machine differ. With ``--traps``, which needs Linux on x86-64, an invalid operation, a
-division by zero or an overflow ends the process, as in a host that unmasks these exceptions.
+division by zero or an overflow ends the process, as in a host that unmasks these exceptions. The command line
+then runs in this process, because another process starts without traps.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import argparse
 import ctypes
 import faulthandler
+import io
 import math
 import os
 import subprocess
@@ -20,7 +22,7 @@ import tempfile
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import redirect_stdout, suppress
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -30,6 +32,7 @@ import numpy as np
 
 import chain_impact as ci
 from chain_impact import system
+from chain_impact.cli import main as main_of_command_line
 from chain_impact.compilation import compilers, ready
 from chain_impact.fmu.build import TARGET
 from chain_impact.simulation import instance
@@ -68,7 +71,15 @@ def check(function: Callable[[], str | None]) -> Callable[[], str | None]:
 
 
 def run(*arguments: str, expected: int = 0) -> str:
-    """Run the command line in a separate process; return its output."""
+    """Run the command line in a separate process, or in this one if it has traps; return the output."""
+    if "--traps" in sys.argv:
+        with redirect_stdout(io.StringIO()) as printed:
+            try:
+                code: object = main_of_command_line([*arguments])
+            except SystemExit as stop:  # argparse's
+                code = stop.code or 0
+        assert code == expected, f"{arguments}: {code}\n{printed.getvalue()}"
+        return printed.getvalue()
     command = [sys.executable, "-m", "chain_impact.cli", *arguments]
     done = subprocess.run(
         command, capture_output=True, text=True, encoding="utf-8", errors="replace", check=False
@@ -322,7 +333,7 @@ def trap() -> None:
             import_module(package)
     faulthandler.enable()  # prints where a crashed process was
     assert ctypes.CDLL("libm.so.6").feenableexcept(TRAPPED) == 0
-    print("with traps; but for the command line, whose processes start with registers of their own")
+    print("with traps")
 
 
 def main() -> int:

@@ -8,7 +8,7 @@ from chain_impact.pages.explore import TOML
 from chain_impact.pages.recorded import program, text_of
 from chain_impact.results.animate import animate
 from chain_impact.studies.animate import record_slowly
-from tests.pages.in_pages import DESK, bits, packed_module, page_contents
+from tests.pages.in_pages import DESK, TEXTS, bits, packed_module, page_contents
 from tests.pages.javascript import Script
 from tests.tiers import CHROMIUM
 
@@ -17,17 +17,12 @@ RUN = """async ({ module, file, kit, values, stop, step }) => {
   const kernel = await Kernel.load(await compiled(module), scene);
   const times = rowTimes(stop, step);
   const run = runThrough(kernel.run(values, times, scene.columns));
-  const text = (arrays) => arrays.map((array) => {
-    const bytes = new Uint8Array(array.buffer);
-    let signs = "";
-    for (let k = 0; k < bytes.length; k += 4096) signs += String.fromCharCode(...bytes.subarray(k, k + 4096));
-    return btoa(signs);
-  });
+  const text = TEXTS;
   const impacts = run.impacts.map((impact) =>
     Object.fromEntries(Object.entries(impact).map(([name, value]) => [name, String(value)])));
   return { ...run, impacts, time: text([run.time]), columns: text(run.columns), names: scene.columns,
     reasons: scene.reasons };
-}"""
+}""".replace("TEXTS", TEXTS)
 
 
 SCENE = ("scene/changes.js", "scene/changed_file.js", "scene/model.js")
@@ -55,8 +50,12 @@ USUAL = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
 """The options of a page that can be changed later."""
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser():
+    """Return a Chromium; a process keeps it while tests of the pages follow one another.
+
+    Other tests could not run their own loops of events beside that of playwright.
+    """
     from playwright.sync_api import sync_playwright  # the quick tier does not need playwright
 
     with sync_playwright() as playwright:
@@ -75,7 +74,7 @@ def address(tmp_path_factory):
     return path.as_uri()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def idle(browser):
     """Return the pages that tests have left empty, each after the options that a page keeps.
 
@@ -155,7 +154,7 @@ def script():
     return modules
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def worker(browser):
     """Return a page with the worker's program without a worker; ``compiled`` makes a module of a text."""
     page = browser.new_page()
@@ -165,7 +164,7 @@ def worker(browser):
     page.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def kernel(worker):
     """Run a scene in a browser: its columns by name, its impacts, and the other results of the kernel."""
 
@@ -183,12 +182,12 @@ def kernel(worker):
     return run
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def recording():
     return record_slowly(load_scene("four_link_box"))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def recorded_address(recording, tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "box.html"
     animate(recording, path)

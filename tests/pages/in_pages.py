@@ -34,6 +34,13 @@ ROWS = """async ([chart, colour]) => {
 """The rows of the pixels of a chart with a colour of the style sheet."""
 PIXELS = f"async (asked) => (await ({ROWS})(asked)).length"
 """Number of pixels of a chart with a colour of the style sheet."""
+TEXTS = """(arrays) => arrays.map((array) => {
+    const bytes = new Uint8Array(array.buffer);
+    let signs = "";
+    for (let k = 0; k < bytes.length; k += 4096) signs += String.fromCharCode(...bytes.subarray(k, k + 4096));
+    return btoa(signs);
+  })"""
+"""The numbers of typed arrays as texts, which ``bits`` reads: single numbers would take far longer."""
 SUBTITLE = "document.getElementById('subtitle').textContent"
 TIME_TEXT = "document.getElementById('time').textContent"
 LIGHT_CHAIN, DARK_CHAIN = "#2b4a9f", "#9db4ff"
