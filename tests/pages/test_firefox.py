@@ -121,12 +121,13 @@ def test_a_joint_is_dragged_and_moved_by_keys_and_a_map_is_drawn_in_firefox(fire
     pointer = firefox.driver.actions.sequence("pointer", "mouse", {"pointerType": "mouse"})
     pointer.pointer_move(3, 3, origin=firefox.find("#map-canvas")).perform()
     said = re.search(
-        r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+)\s?rad \(.*\): peak_force = ([\d.]+)",
+        r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+)\s?rad \(.*\): "
+        r"peak_force = ([\d.]+)\s?kN",
         firefox.find("#map-text").text,
     )
     values = {"contact.restitution": float(said[1]), "initial.angle[1]": float(said[2])}
     peaks = simulate(scene.with_values(values)).impacts["peak_force"]
-    assert float(said[3]) == pytest.approx(peaks.max(), rel=1e-3)
+    assert 1e3 * float(said[3]) == pytest.approx(peaks.max(), rel=1e-3)
 
 
 def test_a_link_is_added_in_firefox_and_a_file_opens_where_it_is_dropped(firefox, tmp_path):

@@ -313,7 +313,7 @@ export class GridMap {
     const parameters = Object.entries(this.#valuesAt(index)).map(([name, given]) => this.#valueText(name, given));
     const { faults, output } = this.shown;
     const { factor, text } = scaled(output.unit, Math.abs(value));
-    const number = [numberText(Number((factor * value).toPrecision(6))), text].filter(Boolean).join("\u202f");
+    const number = [numberText(Number((factor * value).toPrecision(5))), text].filter(Boolean).join("\u202f");
     this.#say(`${parameters.join(", ")}: ${value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${number}`}`);
   }
 
