@@ -183,3 +183,9 @@ def test_an_axis_of_a_stiffness_goes_by_decades(show):
     assert float(told) == pytest.approx(present, rel=1e-4)
     numbers = page.locator("#map-scales text").all_text_contents()
     assert {f"{power:.0e}".replace("+0", "") for power in (low, present, high)} <= set(numbers)
+
+
+def test_the_map_of_a_scene_without_walls_shows_an_energy(show):
+    page = show("simple_pendulum", MAP)
+    page.get_by_role("button", name="Map…").click()
+    assert page.locator("#map-output").input_value() == "energy.total"

@@ -124,7 +124,7 @@ def test_a_law_without_friction_offers_to_take_it_away(show):
 def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
     assert show("rod_drop").locator("#inputs").is_hidden()
     told = show("shaken_pendulum").locator("#inputs")
-    assert "These inputs keep their start values here: base.x" in told.inner_text()
+    assert "These inputs keep their start values here: Position of the base, x" in told.inner_text()
 
 
 def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):

@@ -10,6 +10,7 @@ import { Changes } from "../scene/changes.js";
 import { inputStepsIn, inputStepTexts } from "../scene/input_steps.js";
 import { describe } from "../scene/model.js";
 import { asWritten, complete, contentsIn } from "../scene/scene_file.js";
+import { inputText } from "../scene/words.js";
 import { Engine } from "../solver/engine.js";
 import { ComparedMotions } from "./compared_motions.js";
 import { consoleInterface } from "./console.js";
@@ -165,7 +166,7 @@ function showDescription() {
   find("description").hidden = !text;
   const notes = [
     inputs.length && "While the motion plays, the slider of an input acts from that moment on.",
-    still.length && `These inputs keep their start values here: ${still.join(", ")}.`,
+    still.length && `These inputs keep their start values here: ${still.map(inputText).join("; ")}.`,
   ].filter(Boolean);
   find("inputs").hidden = notes.length === 0;
   find("inputs").textContent = notes.join(" ");

@@ -9,7 +9,7 @@ import { axisScale, quantityOf, scaled, shownIn, titleOf } from "./map_scales.js
 
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
-const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"]; // the map opens with the first that the scene has
+const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "energy.total"]; // the map opens with the first that the scene has
 const WORKERS = 8; // largest number of workers
 
 /** Return whether a parameter has a logarithmic axis, as its slider is logarithmic. */
