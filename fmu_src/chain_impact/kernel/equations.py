@@ -236,17 +236,18 @@ def joint_moments(d, y):
 def add_place_moments(d):
     """Add to both links of each joint the moments of stops and dry friction, from the loads at its place."""
     for i in range(d.links):
-        torque = d.model.size * d.work.load.x[joint_place(d, i)]
-        d.work.moment[i] += torque
-        if i > 0:
-            d.work.moment[i - 1] -= torque
+        add_joint_moment(d, i, d.model.size * d.work.load.x[joint_place(d, i)])
 
 
 def add_spring_moments(d, y):
     """Add the moments of springs that belong to no drive: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
     for i in range(d.links):
         # torque of a spring with the stiffness k and the rest angle φ₀: −k (θ_i − θ_{i−1} − φ₀)
-        torque = -elastic_stiffness(d, i) * stretch(d, y, i)
-        d.work.moment[i] += torque
-        if i > 0:
-            d.work.moment[i - 1] -= torque
+        add_joint_moment(d, i, -elastic_stiffness(d, i) * stretch(d, y, i))
+
+
+def add_joint_moment(d, i, torque):
+    """Add a torque [N·m] in the proximal joint of link i: +torque on link i, and −torque on link i − 1."""
+    d.work.moment[i] += torque
+    if i > 0:
+        d.work.moment[i - 1] -= torque

@@ -29,7 +29,7 @@ from chain_impact.kernel.forces.contact import set_joint_square
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, maximum_of
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
-from chain_impact.kernel.rows.geometry import WALLS, at_joint, at_wall, lever, link_of, normal, side, tangent
+from chain_impact.kernel.rows.geometry import WALLS, at_joint, at_wall, link_of, normal, stop_moment, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
 
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
@@ -47,7 +47,7 @@ def start_loads(d, time):
     """
     transmitted = d.transmitted
     locate_points(d, d.step.state_end)
-    transmitted.start_time, transmitted.seen_end = time, math.nan
+    transmitted.start_time, transmitted.searched_end = time, math.nan
     link_momenta(d, transmitted.start_x, transmitted.start_y)
     for i in range(d.links):
         transmitted.peak[i] = 0.0
@@ -139,8 +139,7 @@ def fill_loads(d, y, rate):
         if at_wall(d, c):
             load_wall(d, c)
         elif at_joint(d, c):
-            moment = side(d, c) * lever(d, c) * out.force[c]
-            out.load.moment[d.candidate.point[c] - 1] += moment
+            out.load.moment[d.candidate.point[c] - 1] += stop_moment(d, c, out.force[c])
 
 
 def fill_guide(d):
@@ -188,18 +187,18 @@ def fill_load_peaks(d):
     The whole step is searched only once; if it raises no peak, outputs within it need no further search.
     """
     out, transmitted, rises = d.output.load, d.transmitted, False
-    if transmitted.seen_breaks != d.step.breaks or transmitted.seen_end != d.step.end:
+    if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:
         search_step(d)
         for i in range(d.links):
-            transmitted.seen[i] = transmitted.top[i]
-        transmitted.seen_breaks, transmitted.seen_end = d.step.breaks, d.step.end
+            transmitted.searched_square[i] = transmitted.largest_square[i]
+        transmitted.searched_breaks, transmitted.searched_end = d.step.breaks, d.step.end
     for i in range(d.links):
-        transmitted.top[i] = max(transmitted.peak[i], out.x[i] * out.x[i] + out.y[i] * out.y[i])
-        rises = rises or transmitted.seen[i] > transmitted.top[i]
+        transmitted.largest_square[i] = max(transmitted.peak[i], out.x[i] * out.x[i] + out.y[i] * out.y[i])
+        rises = rises or transmitted.searched_square[i] > transmitted.largest_square[i]
     if rises:
         search_peaks(d, d.step.time)
     for i in range(d.links):
-        out.peak[i] = math.sqrt(transmitted.top[i]) if transmitted.top[i] > 0.0 else 0.0
+        out.peak[i] = math.sqrt(transmitted.largest_square[i]) if transmitted.largest_square[i] > 0.0 else 0.0
 
 
 def update_load_peaks(d):
@@ -211,12 +210,12 @@ def update_load_peaks(d):
     ensure_dense(d, OUTPUTS)
     search_step(d)
     for i in range(d.links):
-        transmitted.peak[i] = max(transmitted.peak[i], transmitted.top[i])
+        transmitted.peak[i] = max(transmitted.peak[i], transmitted.largest_square[i])
     for k in range(touch.active_count):
         c = touch.active_index[k]
         for i in range(first_joint(d), d.links):
-            if transmitted.top[i] > touch.joint_square[c]:
-                set_joint_square(d, c, transmitted.top[i], i + 1)
+            if transmitted.largest_square[i] > touch.joint_square[c]:
+                set_joint_square(d, c, transmitted.largest_square[i], i + 1)
     # this call leaves the forces, and the values that follow from them, at the end of the step
     load_joints_at(d, fraction(d, d.step.end))
     ensure_points(d)
@@ -224,7 +223,7 @@ def update_load_peaks(d):
 
 
 def search_step(d):
-    """Set ``transmitted.top`` to the largest |f|² [N²] in the last step.
+    """Set ``transmitted.largest_square`` to the largest |f|² [N²] in the last step.
 
     If neither the largest force so far nor the largest force during an active contact rises, the search may
     end with a smaller value.
@@ -233,12 +232,12 @@ def search_step(d):
     for k in range(d.touch.active_count):
         least = min(least, d.touch.joint_square[d.touch.active_index[k]])
     for i in range(d.links):
-        transmitted.top[i] = min(transmitted.peak[i], least)
+        transmitted.largest_square[i] = min(transmitted.peak[i], least)
     search_peaks(d, d.step.end)
 
 
 def search_peaks(d, time):
-    """Raise ``transmitted.top`` to the largest |f|² [N²] of the last step up to a ``time`` [s]."""
+    """Raise ``transmitted.largest_square`` to the largest |f|² [N²] of the last step up to a ``time`` [s]."""
     transmitted, first, end = d.transmitted, event_fraction(d), fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
@@ -248,11 +247,11 @@ def search_peaks(d, time):
         for i in range(d.links):
             left, top, right = transmitted.before[i], transmitted.middle[i], transmitted.after[i]
             transmitted.before[i], transmitted.middle[i] = top, right
-            transmitted.top[i] = max(transmitted.top[i], right)
-            if m >= 2 and rises_between(left, top, right, transmitted.top[i]):
+            transmitted.largest_square[i] = max(transmitted.largest_square[i], right)
+            if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
                 largest = largest_square(d, i, middle, reach, end)
-                transmitted.top[i] = max(transmitted.top[i], largest)
+                transmitted.largest_square[i] = max(transmitted.largest_square[i], largest)
 
 
 def rises_between(left, top, right, highest):

@@ -19,7 +19,7 @@ from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever, side
+from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever, stop_moment
 from chain_impact.kernel.status import counted_work, uncount_work
 
 
@@ -197,7 +197,7 @@ def combine_forces(d):
     for c in range(d.candidates):
         arm = lever(d, c)
         if at_joint(d, c):
-            moment = side(d, c) * arm * out.force[c]
+            moment = stop_moment(d, c, out.force[c])
             depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
             out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
             first = first_stop(d, c)
@@ -211,6 +211,6 @@ def combine_impulses(d):
     out = d.output
     for c in range(d.candidates):
         if at_joint(d, c):
-            impulse = side(d, c) * lever(d, c) * out.impulse[c]
+            impulse = stop_moment(d, c, out.impulse[c])
             out.impulse[c] = 0.0
             out.impulse[first_stop(d, c)] += impulse

@@ -270,7 +270,7 @@ def test_only_a_release_before_the_event_that_was_found_counts(touch, expected):
 
 
 def test_what_no_stage_has_shown_is_not_looked_for():
-    d, _ = released(least=-0.5 * sampled.PULL)
+    d, _ = released(least=-0.5 * sampled.PULL_ROUND_OFF)
     evaluations = d.statistics.rhs_evaluations
     assert sampled.find_release(d, -1.0) == -1.0
     assert sampled.find_release(d, 0.4) == 0.4
@@ -281,7 +281,8 @@ def test_what_no_stage_has_shown_is_not_looked_for():
 
 
 @pytest.mark.parametrize(
-    ("times", "size", "refused"), [(1.1, SIZE, True), (0.9, SIZE, False), (1.1, 0.5 * sampled.SHORT, False)]
+    ("times", "size", "refused"),
+    [(1.1, SIZE, True), (0.9, SIZE, False), (1.1, 0.5 * sampled.LEAST_REFUSED_STEP, False)],
 )
 def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
     d, _ = released(size=size)
@@ -303,7 +304,7 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
     mass, size = d.model.mass.sum(), d.model.length.max()
     turning = max(1.0, omega**2 + abs(alpha))
     assert sampled.strongest(d) == pytest.approx(mass * (gravity + 3 * size * turning), rel=1e-12)
-    assert sampled.pull_limit(d) == pytest.approx(sampled.PULL * mass * (gravity + size), rel=1e-12)
+    assert sampled.pull_limit(d) == pytest.approx(sampled.PULL_ROUND_OFF * mass * (gravity + size), rel=1e-12)
 
 
 @pytest.mark.parametrize(

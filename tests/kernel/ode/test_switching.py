@@ -25,7 +25,7 @@ from tests.kernel.chains import chain, struck, touch
 def test_the_size_of_the_next_implicit_step_decides(longer, last):
     """The last step may be a first step after an event, or cut short by an input."""
     step = SimpleNamespace(method=IMPLICIT, explicit_size=2.0, start=1.0, end=1.0 + last)
-    step.next_size = longer * methods.LONGER * step.explicit_size
+    step.next_size = longer * methods.EQUAL_COST_RATIO * step.explicit_size
     assert suggests_switch(SimpleNamespace(step=step)) == (longer < 1.0)
 
 
@@ -142,7 +142,7 @@ def test_stiffness_is_that_of_joints_where_they_are_faster(rng):
 def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
     d, touched = pressed
     d.touch.depth_scale[touched], d.touch.impact_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
-    d.step.end, slow = 2.0, methods.LASTS * 4e-3 / 0.5
+    d.step.end, slow = 2.0, methods.SUSTAINED_AFTER * 4e-3 / 0.5
     # all contacts must last; the first is four times as fast
     for first, second, right in (
         (1.01, 1.01, True),
@@ -160,11 +160,16 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
 def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
     d, touched = pressed
     d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 1e-3, 1.0
-    stiff, rings, rate = STIFF, methods.RINGS, methods.fastest_contact(d)
-    rows = (1.01 * stiff, True), (0.99 * stiff, lasting), (1.01 * rings, lasting), (0.99 * rings, False)
+    stiff, stiff_contact, rate = STIFF, methods.STIFF_CONTACT, methods.fastest_contact(d)
+    rows = (
+        (1.01 * stiff, True),
+        (0.99 * stiff, lasting),
+        (1.01 * stiff_contact, lasting),
+        (0.99 * stiff_contact, False),
+    )
     for number, right in rows:
         d.step.end = number / rate
-        d.touch.onset[touched] = d.step.end - (1.1 if lasting else 0.9) * methods.LASTS * 1e-3
+        d.touch.onset[touched] = d.step.end - (1.1 if lasting else 0.9) * methods.SUSTAINED_AFTER * 1e-3
         assert suggests_switch(d) == right
 
 
@@ -191,7 +196,7 @@ def test_a_phase_begins_with_what_is_explicit_and_without_a_count(rng):
 def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, method, number, depth):
     """With stiff joints the first step is no longer than the previous step."""
     d, tip, rate = jointed(rng, touching=True)
-    h = number * STIFF / (methods.IMPACT * rate)
+    h = number * STIFF / (methods.IMPACT_PART * rate)
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
     d.touch.depth_scale[tip], d.touch.impact_speed[tip] = depth, 1.0
     methods.begin_impact(d, tip)

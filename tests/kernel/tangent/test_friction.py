@@ -193,7 +193,7 @@ def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, 
     monkeypatch.setattr(friction, "tangential_rate", lambda _t, e: rates[e])
     monkeypatch.setattr(friction, "tangential_acceleration", lambda _t, e: dual(4.0 * (e - 1)))
     monkeypatch.setattr(friction, "largest", lambda _t, _what: dual(4.0))
-    for name in ("largest_slope", "largest_turn", "fastest_speed"):
+    for name in ("largest_slope", "largest_displacement", "fastest_speed"):
         monkeypatch.setattr(friction, name, lambda *_: 0.0)
     monkeypatch.setattr(friction, "rest_speed", lambda _t: 1e-12)
     monkeypatch.setattr(friction, "pending_changes", lambda _t: 1)
@@ -215,7 +215,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     t.law.friction, t.law.static_friction = [dual(0.3)] * 3, [dual(0.4)] * 3
     t.element.force, t.element.limit = [dual(9.0, 1.0, 0.0)] * 3, [dual(9.0, 1.0, 0.0)] * 3
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
-    monkeypatch.setattr(friction, "largest_turn", lambda _t, _k: 0.0)
+    monkeypatch.setattr(friction, "largest_displacement", lambda _t, _k: 0.0)
     monkeypatch.setattr(friction, "margin_after", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
     monkeypatch.setattr(friction, "set_end", restored.append)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))

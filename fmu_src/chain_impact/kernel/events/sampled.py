@@ -59,14 +59,16 @@ from chain_impact.kernel.status import count_evaluations
 # for RELATCH takes FEW_SAMPLES: if a short excess of the rate of the penetration is missed, the impact speed
 # stays unchanged.
 SAMPLES, FEW_SAMPLES = 8, 4
-# The turn [rad] of an input is its angular frequency times the length of a step. Up to the turn SWEPT the
-# stages of a step show all events, although they are up to a quarter of the step apart. A step with a larger
-# turn gets DENSITY samples for each radian, but not more than for the turn SAMPLED, which bounds the work.
-SWEPT, DENSITY, SAMPLED = 0.5, 8.0, 1e4
+# The turn [rad] of an input is its angular frequency times the length of a step. Up to TURN_OF_STAGES the
+# stages of a step show all events, although they are up to a quarter of the step apart.
+TURN_OF_STAGES = 0.5
+SAMPLES_PER_RADIAN = 8.0  # number of samples for each radian of a larger turn
+MOST_SAMPLED_TURN = 1e4  # [rad] the largest turn that counts for the number of samples: it bounds the work
 # The largest pull of a rigid wall that counts as round-off, relative to the chain's mass times (gravity + one
 # link length per s²).
-PULL = 1e-11
-SHORT = 1e-9  # [s] the shortest step that is refused because a wall pulls too strongly in a stage
+PULL_ROUND_OFF = 1e-11
+# [s] the shortest step that is refused because a wall pulls too strongly in a stage
+LEAST_REFUSED_STEP = 1e-9
 AT_REST = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
 # The largest excess of static friction that counts as round-off, relative to the limit of friction plus a
 # link's weight plus the force that accelerates a link by one link length per second squared.
@@ -84,8 +86,8 @@ def turn_of_inputs(d):
 
 
 def many_samples(d):
-    """Return the number of samples of a step in which inputs turn by more than SWEPT."""
-    return 1 + int(DENSITY * min(SAMPLED, turn_of_inputs(d)))
+    """Return the number of samples of a step in which inputs turn by more than TURN_OF_STAGES."""
+    return 1 + int(SAMPLES_PER_RADIAN * min(MOST_SAMPLED_TURN, turn_of_inputs(d)))
 
 
 def search_for(
@@ -129,10 +131,10 @@ def search_for(
 
 
 def search_by_inputs(still, swept):
-    """Return a search that is ``swept`` in a step in which inputs turn by more than SWEPT, else ``still``."""
+    """Return a search that is ``swept`` in a step with a turn above TURN_OF_STAGES, else ``still``."""
 
     def find(d, earliest):
-        return swept(d, earliest) if turn_of_inputs(d) > SWEPT else still(d, earliest)
+        return swept(d, earliest) if turn_of_inputs(d) > TURN_OF_STAGES else still(d, earliest)
 
     return find
 
@@ -201,7 +203,7 @@ def may_pull(d, _c):
         least = min(least, d.constraints.least_force[d.touch.active_index[k]])
     if not least < -pull_limit(d):
         return False
-    if least < -strongest(d) and d.step.size > SHORT:
+    if least < -strongest(d) and d.step.size > LEAST_REFUSED_STEP:
         refuse(d, SPOILED)
         return False
     return True
@@ -209,7 +211,12 @@ def may_pull(d, _c):
 
 def pull_limit(d):
     """Return the force [N] with which a held contact may pull because of round-off."""
-    return PULL * d.model.energy_scale / (d.model.size * d.model.size) * (d.model.gravity_size + d.model.size)
+    return (
+        PULL_ROUND_OFF
+        * d.model.energy_scale
+        / (d.model.size * d.model.size)
+        * (d.model.gravity_size + d.model.size)
+    )
 
 
 def strongest(d):
@@ -354,13 +361,13 @@ def drive_margin(d, _c, theta):
 
 
 def may_pass_limit(d, c):
-    """Return whether to search the drives with limits, in a step in which inputs turn by more than SWEPT.
+    """Return whether to search the drives with limits, in a step with a turn above TURN_OF_STAGES.
 
     It is true if a stage shows that a drive leaves its mode, or if fast inputs act in a drive with a limit.
     """
     if d.signals > 0 and d.inputs.piece.order == 0:
         turn = (d.step.end - d.step.start) * rate_of_drives(d)
-        return is_past_limit(d, c) or (d.model.has_drive_limits != 0 and turn > SWEPT)
+        return is_past_limit(d, c) or (d.model.has_drive_limits != 0 and turn > TURN_OF_STAGES)
     return d.model.has_drive_limits != 0
 
 

@@ -152,7 +152,7 @@ def prepare(d, h):
     extended_slopes(d, d.implicit.start)
     set_weights(d)
     h = toward_end(d, h)
-    return h if can_extrapolate(d) else first_size(d, h)
+    return h if can_extrapolate(d) else size_for_fast_motion(d, h)
 
 
 def set_weights(d):
@@ -178,7 +178,7 @@ def toward_end(d, h):
     return h
 
 
-def first_size(d, h):
+def size_for_fast_motion(d, h):
     """Return a size that resolves a fast motion at the start, if this motion exceeds the tolerance; else h.
 
     The operator (1 − h μ A)⁻¹ removes the fast part of the rate. Applied again to this part, the operator

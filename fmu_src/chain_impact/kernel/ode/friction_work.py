@@ -39,15 +39,10 @@ def power_of_correction(d, m):
     The force is the force for which the rate was evaluated. At rest the speeds in the rate may be far larger
     than the corrected speeds, and the work along both must cancel.
     """
-    implicit, change, first, power = d.implicit, d.work.change, velocity_at(d.links), 0.0
+    implicit, change, first = d.implicit, d.work.change, velocity_at(d.links)
     for j in range(coordinate_count(d.links)):
         change[j] = implicit.start[first + j] + implicit.stages[m, first + j] - implicit.rates[m, j]
-    move_points(d, d.work.link, change, d.work.motion)
-    for k in range(d.friction.count):
-        e = d.element.index[k]
-        if d.element.mode[e] != STICKS:
-            power += implicit.friction[m, e] * along(tangent(d, e), d.work.motion)
-    return power
+    return work_of_sliding(d, change, implicit.friction[m])
 
 
 def uncounted_work(d):
@@ -64,7 +59,7 @@ def uncounted_work(d):
     if d.step.method != IMPLICIT:
         return work_along(d, change)
     # the work of sticking elements is counted from their places, so the round-off of places cancels here
-    work = work_of_sliding(d, change) + work_of_holding(d)
+    work = work_of_sliding(d, change, d.element.force) + work_of_holding(d)
     work -= holding_at(d, z, d.trial.size)
     locate_points_now(d, y)
     return work
@@ -79,21 +74,24 @@ def change_by_rates(d, j):
 
 def work_along(d, change):
     """Return the work [J] of dry friction along a change of the coordinates, for the located points."""
-    work = work_of_sliding(d, change)
+    work = work_of_sliding(d, change, d.element.force)
     for k in range(d.friction.stuck_count):
         e = d.element.stuck[k]
         work += d.element.force[e] * along(tangent(d, e), d.work.motion)
     return work
 
 
-def work_of_sliding(d, change):
-    """Return the part of ``work_along`` of the sliding elements, and set the motion of all places."""
+def work_of_sliding(d, change, force):
+    """Return the work [J] of the given forces of the sliding elements along a change of the coordinates.
+
+    This also sets the motion of all places. If the change is a velocity, the result is a power [W].
+    """
     work = 0.0
     move_points(d, d.work.link, change, d.work.motion)
     for k in range(d.friction.count):
         e = d.element.index[k]
         if d.element.mode[e] != STICKS:
-            work += d.element.force[e] * along(tangent(d, e), d.work.motion)
+            work += force[e] * along(tangent(d, e), d.work.motion)
     return work
 
 

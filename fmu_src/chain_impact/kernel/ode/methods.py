@@ -37,21 +37,23 @@ from chain_impact.kernel.ode.control import (
 # The product hρ of the size and the fastest rate of explicit steps above which implicit steps could be
 # cheaper. Impacts are resolved with less than 1, and DOP853 is stable up to about 6.
 STIFF = 2.0
-# RINGS: the hρ of explicit steps in sustained contacts above which implicit steps could be cheaper. LASTS:
-# the duration, in time scales of the contact, after which a contact counts as sustained; an impact takes
+# the hρ of explicit steps in sustained contacts above which implicit steps could be cheaper
+STIFF_CONTACT = 0.1
+# The duration, in time scales of the contact, after which a contact counts as sustained. An impact takes
 # three to ten.
-RINGS, LASTS = 0.1, 20.0
-# LONGER: the ratio of implicit to explicit step size below which explicit steps advance farther for the same
-# work. NOT_STIFF: the hρ of implicit steps below which explicit steps advance farther, if the size of
-# explicit steps is not known.
-LONGER, NOT_STIFF = 2.5, 5.0
+SUSTAINED_AFTER = 20.0
+# the ratio of implicit to explicit step size below which explicit steps advance farther for the same work
+EQUAL_COST_RATIO = 2.5
+# the hρ of implicit steps below which explicit steps advance farther, if the size of explicit steps is not
+# known
+NOT_STIFF = 5.0
 # The largest hρ of explicit steps in contact, and of the first explicit step in flight: two thirds of the
 # stable hρ. A longer step amplifies motions that are too small for the error control.
 STABLE = 4.0
 # An impact is computed with implicit steps only if this part of its first explicit step is too long for stiff
 # joints. Explicit steps of an impact cost much less than implicit steps, so implicit steps are cheaper only
 # if joints are far stiffer than the contact.
-IMPACT = 0.1
+IMPACT_PART = 0.1
 # The number of steps in a row that must favour the other method before the method changes. With fewer steps
 # the method would change in the compression of an impact.
 MIN_SWITCH_STEPS = 3
@@ -92,10 +94,10 @@ def suggests_switch(d):
     step = d.step
     if step.method == IMPLICIT:
         if step.explicit_size > 0.0:
-            return step.next_size < LONGER * step.explicit_size
+            return step.next_size < EQUAL_COST_RATIO * step.explicit_size
         return stiffness_number(d, step.next_size) < NOT_STIFF
     z = stiffness_number(d, step.end - step.start)
-    return z > STIFF or (z > RINGS and contacts_last(d))
+    return z > STIFF or (z > STIFF_CONTACT and contacts_last(d))
 
 
 def keep_stable(d):
@@ -115,7 +117,7 @@ def contacts_last(d):
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         scale = d.touch.depth_scale[c] / d.touch.impact_speed[c]
-        if d.step.end - d.touch.onset[c] < LASTS * scale:
+        if d.step.end - d.touch.onset[c] < SUSTAINED_AFTER * scale:
             return False
     return True
 
@@ -126,7 +128,7 @@ def begin_impact(d, c):
     The proposed size is the result of ``at_onset`` for the explicit method. If the last steps were implicit,
     and joints make the steps of the impact stiff, too, the implicit method is kept.
     """
-    if joints_over(d, IMPACT * d.step.next_size) <= STIFF:
+    if joints_over(d, IMPACT_PART * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
     elif d.step.method != EXPLICIT:
         limit(d, at_onset(d, c, d.step.method))

@@ -18,10 +18,7 @@ LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may reque
 
 @written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
 def candidate_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the candidates: pairs of a point and a wall, stops in joints, stops of the slider.
-
-    variables/filling.py sets the values that are not derived.
-    """
+    """Return the layout of the candidates: pairs of a point and a wall, stops of joints and of the slider."""
     return table(
         candidates,
         # number of the point, 0…N; N+1…N+P for sites; for a stop in a joint the number of the joint, 1…N; 0

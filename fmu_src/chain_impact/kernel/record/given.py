@@ -20,7 +20,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 @settable(AT_START)
 @written_by("initialize.py")
 def model_dtype(links: int) -> np.dtype:
-    """Return the layout of the chain and its box; variables/filling.py sets all values but derived ones."""
+    """Return the layout of the chain and its box."""
     return record(
         ("gravity", REAL, (2,)),  # m/s²
         ("length", REAL, (links,)),  # m
@@ -78,10 +78,7 @@ def model_dtype(links: int) -> np.dtype:
 @settable(AT_START)
 @written_by("forces/contact_law.py")
 def contact_dtype() -> np.dtype:
-    """Return the layout of the contact data that all walls share; the rest of the law is in `given`.
-
-    variables/filling.py sets the values that are not derived.
-    """
+    """Return the layout of the contact data that all walls share; the rest of the law is in `given`."""
     return record(
         ("exponent", REAL),
         ("radius", REAL),  # m
@@ -98,8 +95,7 @@ def contact_dtype() -> np.dtype:
 def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints.
 
-    `given` has the stiffness and the restitution of these stops. variables/filling.py sets the values here
-    that are not derived.
+    `given` has the stiffness and the restitution of these stops.
     """
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: the law of the walls
@@ -115,10 +111,7 @@ def stops_dtype() -> np.dtype:
 @settable(AT_START)
 @written_by("initialize.py", mode="events/saturation.py")
 def slider_dtype() -> np.dtype:
-    """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py.
-
-    variables/filling.py sets the values that are not derived.
-    """
+    """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py."""
     return record(
         ("angle", REAL),  # rad, direction of the line from +x
         ("mass", REAL),  # kg, mass of the carriage
@@ -139,7 +132,7 @@ def slider_dtype() -> np.dtype:
 @settable(AT_START)
 @written_by()
 def initial_dtype(links: int) -> np.dtype:
-    """Return the layout of the initial values, which variables/filling.py sets."""
+    """Return the layout of the initial values."""
     return record(
         ("position", REAL, (2,)),  # m, of the base
         ("velocity", REAL, (2,)),  # m/s, of the base
@@ -152,7 +145,7 @@ def initial_dtype(links: int) -> np.dtype:
 @settable(AT_START)
 @written_by()
 def solver_dtype() -> np.dtype:
-    """Return the layout of the settings of the solver, which variables/filling.py sets."""
+    """Return the layout of the settings of the solver."""
     return record(
         ("method", INTEGER),  # index into SOLVER_METHODS of kernel/ode/control.py, from 1
         ("tolerance", REAL),
@@ -219,10 +212,7 @@ def inputs_dtype(links: int) -> np.dtype:
 @settable(AT_ANY_TIME)
 @written_by("forces/inputs.py")
 def motion_dtype(channels: int) -> np.dtype:
-    """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py.
-
-    variables/filling.py sets the values that the kernel does not write.
-    """
+    """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py."""
     return record(
         # 1: the motion leads through the values at communication points; 0: the scene gives polynomials
         ("interpolates", INTEGER),
@@ -273,10 +263,7 @@ def moved_dtype(channels: int) -> np.dtype:
 @settable(AT_START)
 @written_by("initialize.py")
 def site_dtype(sites: int) -> np.dtype:
-    """Return the layout of the sites, points fixed to links beside the joints, in the order of the links.
-
-    variables/filling.py sets the values that are not derived.
-    """
+    """Return the layout of the sites, points fixed to links beside the joints, in the order of the links."""
     return record(
         ("link", INTEGER, (sites,)),  # index of the link, from 0
         # 1 to 4: the site is a corner of a box, which determines its position; 0: not a corner
@@ -293,10 +280,7 @@ def site_dtype(sites: int) -> np.dtype:
 
 @written_by("chain/motion.py", rest="rows/geometry.py")
 def shift_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the motion of each candidate's wall, in a scene with moving walls.
-
-    variables/filling.py sets the values that are not derived.
-    """
+    """Return the layout of the motion of each candidate's wall, in a scene with moving walls."""
     return table(
         candidates,
         # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move
@@ -315,7 +299,7 @@ def shift_dtype(candidates: int) -> np.dtype:
 def walls_dtype(candidates: int) -> np.dtype:
     """Return the layout of the walls at any angle, at most C, and of the materials of all walls.
 
-    variables/filling.py sets these values; an importer may set those of the materials at any time.
+    An importer may set the values of the materials at any time.
     """
     return record(
         ("x", REAL, (candidates,)),  # m, x of a point on each wall

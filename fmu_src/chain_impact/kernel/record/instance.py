@@ -162,10 +162,11 @@ def transmitted_dtype(loads: int) -> np.dtype:
         ("start_x", REAL, (loads,)),  # N·s, momentum of the outer link at the start
         ("start_y", REAL, (loads,)),
         ("peak", REAL, (loads,)),  # N², the largest square of a force until the start of the last step
-        ("top", REAL, (loads,)),  # N², largest square in the last step, found so far
-        ("seen", REAL, (loads,)),  # N², largest square in the last step for which the outputs were filled
-        ("seen_breaks", INTEGER),  # value of `step.breaks` for which ``seen`` is valid
-        ("seen_end", REAL),  # s, value of `step.end` for which ``seen`` is valid
+        ("largest_square", REAL, (loads,)),  # N², largest square in the last step, found so far
+        # N², largest square in the whole step that was searched last
+        ("searched_square", REAL, (loads,)),
+        ("searched_breaks", INTEGER),  # value of `step.breaks` at this search
+        ("searched_end", REAL),  # s, value of `step.end` at this search
         ("x", REAL, (loads,)),  # N, forces at a sample
         ("y", REAL, (loads,)),
         ("before", REAL, (loads,)),  # N², squares of the forces at three successive samples

@@ -12,7 +12,7 @@ def signal_dtype(signals: int) -> np.dtype:
     """Return the layout of the signals, one row for each driven input, see kernel/chain/signals.py.
 
     If a signal drives several inputs, its given numbers are in the row of the first input; `source` is the
-    index of this row. variables/filling.py sets the values that are not derived.
+    index of this row.
     """
     return record(
         ("form", INTEGER, (signals,)),  # one of FORMS: constant, sine, ramp, steps, table

@@ -122,6 +122,14 @@ def side(d, c):
     return 1.0 if d.candidate.stop[c] > AT_WALL else -1.0
 
 
+def stop_moment(d, c, force):
+    """Return the moment of the force of a joint's stop, or the angular impulse of an impulse.
+
+    It is positive at the lower limit, and negative at the upper limit.
+    """
+    return side(d, c) * lever(d, c) * force
+
+
 def first_stop(d, c):
     """Return the first stop of the joint to which stop c belongs: c, or the candidate before c."""
     candidate = d.candidate

@@ -195,7 +195,7 @@ def gives_way(t, e, time):
     """
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
-        scale = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
+        scale = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_displacement(t, k)
         if abs(slope(margin, k)) > SAME_TIME_SLOPE * scale:
             return False
     return True
@@ -216,7 +216,7 @@ def rests(t, after, time):
     """
     most = value(largest(t, t.work.acceleration))
     for k in range(DIRECTIONS):
-        scale = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
+        scale = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_displacement(t, k)
         if abs(slope(after, k)) > SAME_TIME_SLOPE * (scale + most * abs(slope(time, k))):
             return False
     return True
@@ -230,7 +230,7 @@ def largest_slope(vectors, direction):
     return most
 
 
-def largest_turn(t, direction):
+def largest_displacement(t, direction):
     """Return the largest derivative of a position in a direction, divided by a link length."""
     return largest_slope(t.work.position, direction) / value(t.model.size)
 
