@@ -84,7 +84,10 @@ export class CurveCharts {
     this.charts.forEach((chart, unit) => {
       const curvesInUnit = curves.filter((curve) => curve.unit === unit);
       chart.show(recording, curvesInUnit.map((curve, k) => ({
-        ...curve, words: this.wordsOf(curve.name), stroke: `input-${(k % INPUT_COLOURS) + 1}`, dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
+        ...curve,
+        words: this.wordsOf(curve.name),
+        stroke: `input-${(k % INPUT_COLOURS) + 1}`,
+        dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
       })));
     });
   }

@@ -91,7 +91,8 @@ export class GridMap {
     const tip = `point[${scene.links}]`;
     const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
     const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
-    return [...first, ...largestOf(scene), ...last].map((output) => ({ ...output, label: titleOf(quantityOf(output.name), unitText(output.unit)) }));
+    const labelled = (output) => ({ ...output, label: titleOf(quantityOf(output.name), unitText(output.unit)) });
+    return [...first, ...largestOf(scene), ...last].map(labelled);
   }
 
   /** Fill the lists with the parameters and outputs of the scene; the map of another scene is removed. */
