@@ -39,7 +39,7 @@ def event_update(instance: Instance) -> int:
 
 def move(instance: Instance, memory: Any) -> None:
     """Move the record of an instance into a buffer."""
-    block = instance._block
+    block = instance._memory
     place = np.frombuffer(memory, block.dtype, count=1)
     place[:] = block
     instance._use(place)
