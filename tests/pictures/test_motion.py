@@ -9,7 +9,7 @@ from matplotlib.quiver import Quiver
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
-from chain_impact.pictures.motion import STRONG, by_speed, part_in_view, strongest
+from chain_impact.pictures.motion import STRONG_POSES, by_speed, part_in_view, strongest
 from tests.pictures.pictures import boxes, crowd, drawn, hit, recorded, swing, texts
 
 
@@ -30,9 +30,9 @@ def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model
     *at_impacts, start, end = poses(motion)
     np.testing.assert_array_equal(start, recording.points[0])
     np.testing.assert_array_equal(end, recording.points[-1])
-    assert len(at_impacts) == min(STRONG, len(recording.impacts))
+    assert len(at_impacts) == min(STRONG_POSES, len(recording.impacts))
     hardest = np.sort(
-        recording.impacts[np.argsort(-recording.impacts["impact_speed"])[:STRONG]], order="onset"
+        recording.impacts[np.argsort(-recording.impacts["impact_speed"])[:STRONG_POSES]], order="onset"
     )
     for pose, impact in zip(at_impacts, hardest, strict=True):
         place = pose[impact["point"]]
@@ -43,7 +43,7 @@ def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model
 
 def test_every_impact_has_a_strong_pose_if_there_are_few():
     recording = recorded("pinned_arm")
-    assert len(strongest(recording, STRONG)) == len(recording.impacts) == 1
+    assert len(strongest(recording, STRONG_POSES)) == len(recording.impacts) == 1
 
 
 def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():

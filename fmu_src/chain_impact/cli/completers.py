@@ -92,9 +92,9 @@ def outputs(source: str) -> Offer:
 
 def rankable(source: str) -> Offer:
     """Return the quantities that ``--rank`` accepts."""
-    from chain_impact.results.ranking import EXTREMES, JOINT_FORCE
+    from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
-    return Offer([*EXTREMES, JOINT_FORCE, *outputs(source).names])
+    return Offer([*PEAKS, JOINT_FORCE, *outputs(source).names])
 
 
 def laws(source: str) -> Offer:

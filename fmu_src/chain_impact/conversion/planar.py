@@ -19,7 +19,7 @@ from chain_impact.conversion.differences import (
     line,
     lines,
 )
-from chain_impact.conversion.flat import TINY, Plan, near, plan_of
+from chain_impact.conversion.flat import ZERO_LENGTH, Plan, near, plan_of
 from chain_impact.conversion.joints import Chosen, Moving, NoChainError, above, chosen_joints
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.conversion.walls import Walls
@@ -101,7 +101,7 @@ class _Conversion:
         for i, hinge in enumerate(self.hinges):
             arm = places[i + 1] - places[i]
             length = float(np.linalg.norm(arm))
-            if length < TINY:
+            if length < ZERO_LENGTH:
                 self._refuse_length(i)
             directions.append(math.atan2(arm[1], arm[0]))
             links.append({"length": length, **self._mass(self.parts[i], hinge, arm / length)})
@@ -181,7 +181,7 @@ class _Conversion:
             self.notes.append(line("body", still, "no motion, so no effect of the mass"))
         gravity = self.robot.gravity
         along = float(np.dot(gravity, self.plan.axis))
-        if abs(along) > TINY:
+        if abs(along) > ZERO_LENGTH:
             self.notes.append(
                 f"gravity: its part along the axes, {abs(along):.6g} m/s², is borne by the joints"
             )
@@ -218,8 +218,8 @@ class _Conversion:
             raise UnknownNameError(self.source, chosen, ends, "no frame of the last link", otherwise=names)
         far = {name: float(np.linalg.norm(at)) for name, at in ends.items()}
         name = max(ends, key=far.__getitem__) if chosen is None else chosen
-        if chosen is not None or far[name] > TINY:
-            others = [each for each in far if far[each] > TINY and each != name]
+        if chosen is not None or far[name] > ZERO_LENGTH:
+            others = [each for each in far if far[each] > ZERO_LENGTH and each != name]
             others.sort(key=lambda each: -far[each])
             more = f"; --tip can take {few(others, LINE_NAMES)}" if others and chosen is None else ""
             self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
@@ -268,7 +268,7 @@ class _Conversion:
         ahead = float(np.dot(center, along))
         beside = float(along[0] * center[1] - along[1] * center[0])
         values = {"mass": mass, "center_of_mass": ahead, "inertia": inertia}
-        return values | ({"center_of_mass_offset": beside} if abs(beside) > TINY else {})
+        return values | ({"center_of_mass_offset": beside} if abs(beside) > ZERO_LENGTH else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
         """Write the joints' values into the links.
@@ -359,7 +359,7 @@ class _Conversion:
         if joint.armature:
             amount = f"{joint.armature:.6g} kg"
             text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
-            weighs = abs(float(np.dot(gravity, way))) > TINY
+            weighs = abs(float(np.dot(gravity, way))) > ZERO_LENGTH
             effect = Effect.MOTION if weighs else Effect.NONE
             self._tell("joint", joint.name, text, effect, differs=True)
         keys: dict[str, float | None] = {

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect
-from chain_impact.conversion.flat import TINY, Plan
+from chain_impact.conversion.flat import ZERO_LENGTH, Plan
 from chain_impact.conversion.joints import PARALLEL, Chosen, above
 from chain_impact.conversion.points import OUTLINED, Ball, balls_of, outermost, reach, tables_of
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
@@ -147,7 +147,7 @@ class Walls:
             for shape in filter(self._is_point, self.robot.bodies[b].shapes)
             for ball in balls_of(shape, self.chosen.poses[b], self.plan)
         ]
-        return [ball for ball in balls if not fixed or np.linalg.norm(ball.at - self.places[0]) > TINY]
+        return [ball for ball in balls if not fixed or np.linalg.norm(ball.at - self.places[0]) > ZERO_LENGTH]
 
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
         """Return the tables of the points of each link.
@@ -240,7 +240,7 @@ class Walls:
         if not others:
             return
         beyond = float((reach(others).max(axis=1) - reach(touching).max(axis=1)).max())
-        if beyond > TINY:
+        if beyond > ZERO_LENGTH:
             length = float(np.linalg.norm(ends[1] - ends[0]))
             name, what = self.chosen.hinges[i].joint.name, "points" if balls else "two ends"
             text = (

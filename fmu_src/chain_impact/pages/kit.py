@@ -32,7 +32,7 @@ from chain_impact.scene.rules import FROM_JOINTS
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_alone, family
 from chain_impact.variables.driving import acting
-from chain_impact.variables.indices import PEAKS, STOP_PEAKS, WORD, layout_of, word_index
+from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
@@ -229,7 +229,7 @@ def _layout() -> dict[str, Any]:
             "capacity": [*_affine(lambda record: record["contact_log"]["point"].shape[0]), 0],
             "fields": {name: word_terms(("contact_log", name, 0)) for name in LOG_DTYPE.names or ()},
         },
-        "peaks": {name: word_terms(path) for name, path in (PEAKS | STOP_PEAKS).items()},
+        "peaks": {name: word_terms(peak.path) for name, peak in PEAKS.items()},
         "changes": word_terms(("changes", "count")),
         "inputsChanged": word_terms(("given", "changed")),
         "active": word_terms(("touch", "active_count")),

@@ -33,7 +33,7 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
 from chain_impact.scene.unit_text import in_brackets
 
-NOTHING = 1e-12  # a change of an output that is not larger than this, relative to its range, is round-off
+ROUND_OFF = 1e-12  # a change of an output that is not larger than this, relative to its range, is round-off
 STEEP = 30.0  # the axis is logarithmic if the largest change is more than this number times the median change
 Looks = list[dict[str, Any]]
 
@@ -107,9 +107,9 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     """
     names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
-    coloured = {k for k in order[: len(PALETTE)] if relative[:, k].max() > NOTHING}
+    coloured = {k for k in order[: len(PALETTE)] if relative[:, k].max() > ROUND_OFF}
     others = sorted(set(order) - coloured)
-    largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > NOTHING), "")
+    largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > ROUND_OFF), "")
     rest = f"{len(others)} others" + (f", most {largest}" if largest else "")
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
@@ -134,7 +134,7 @@ def draw_changes(
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
     axes.set_ylabel(f"change of {output}{in_brackets(sensitivities.units[output])}")
-    fit_scale(axes, changes[calm(recording)], NOTHING * np.ptp(recording.columns[output]))
+    fit_scale(axes, changes[calm(recording)], ROUND_OFF * np.ptp(recording.columns[output]))
 
 
 def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, looks: Looks) -> None:
@@ -148,7 +148,7 @@ def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, 
     mixed = stopped.any() and not stopped.all()
     unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
     axes.set_ylabel(f"change of impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
-    fit_scale(axes, changes, NOTHING * recording.impacts["impact_speed"].max(initial=0.0))
+    fit_scale(axes, changes, ROUND_OFF * recording.impacts["impact_speed"].max(initial=0.0))
     if not len(sensitivities.impacts):
         axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=GREY)
 

@@ -29,18 +29,18 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.view import size_of
-from chain_impact.scene.bodies import TICK
+from chain_impact.scene.bodies import STOP_MARK
 
-STRONG = 6  # strong poses show the fastest impacts, at most this number of them
-FAINT = 80  # the number of faint poses, in evenly spaced rows
+STRONG_POSES = 6  # strong poses show the fastest impacts, at most this number of them
+FAINT_POSES = 80  # the number of faint poses, in evenly spaced rows
 PATH = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
-MARKED = 12  # the largest number of points that get marks
-FEW = 6  # the largest number of points with clear paths; with more points the paths are fainter
+MOST_MARKED = 12  # the largest number of points that get marks
+MOST_CLEAR_PATHS = 6  # the largest number of points with clear paths; with more points the paths are fainter
 # RIM: [points] how much wider the start is than the end that would cover it: if each point is at the end
-# nearer to its start than COVERS, relative to the size of the motion
-RIM, COVERS = 3.0, 0.02
-RING = 6.5  # [points] the size of the mark of an impact
-SQUARE = 4.0  # [points] the size of the mark where a contact or a joint sticks
+# nearer to its start than COVERED_SHARE, relative to the size of the motion
+RIM, COVERED_SHARE = 3.0, 0.02
+IMPACT_MARK = 6.5  # [points] the size of the mark of an impact
+STICKING_MARK = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at a wall share a ring, relative to the larger side of the view
 NEAR_PLACE = 0.03
 # the length of the arrow of the largest force in a joint, relative to the smaller side of the view
@@ -48,9 +48,9 @@ LONGEST_LOAD = 0.3
 # SHORTEST_LOAD: the least length of this arrow when an arrow would leave the view, relative to LONGEST_LOAD;
 # a force that points out of the view from its edge has such an arrow, which crosses the edge
 SHORTEST_LOAD = 0.4
-# LISTED: a ring lists at most this number of impacts, or of ranges such as "1–81"; FASTEST: a ring with more
-# lists this number of impacts, the fastest ones, and says how many others there are
-LISTED, FASTEST = 3, 2
+# MOST_LISTED: a ring lists at most this number of impacts, or of ranges such as "1–81"; FASTEST: a ring with
+# more lists this number of impacts, the fastest ones, and says how many others there are
+MOST_LISTED, FASTEST = 3, 2
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
@@ -63,8 +63,8 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) ->
     shade = colour_of_time(recording)
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
-    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
-    strong = sorted(strongest(recording, STRONG)["onset"])
+    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED else ""}
+    strong = sorted(strongest(recording, STRONG_POSES)["onset"])
     draw_moving(axes, recording, view, shade, strong)
     draw_rail(axes, recording)
     for time in strong:
@@ -93,7 +93,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) ->
 def is_covered(recording: Recording) -> bool:
     """Return whether the chain at the end would cover the chain at the start."""
     ways = recording.points[-1] - recording.points[0]
-    return bool(np.hypot(*ways.T).max() < COVERS * size_of(recording))
+    return bool(np.hypot(*ways.T).max() < COVERED_SHARE * size_of(recording))
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -133,7 +133,7 @@ def by_speed(recording: Recording) -> np.ndarray:
 
 def draw_faint(axes: Axes, recording: Recording) -> None:
     """Draw the chain in evenly spaced rows of the recording."""
-    rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT).round().astype(int))
+    rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
     axes.add_collection(LineCollection(list(recording.points[rows]), colors=INK, linewidths=0.6, alpha=0.13))
 
 
@@ -141,7 +141,7 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     """Draw the paths of the points; the path of the tip has the colours of time."""
     *others, tip = recording.points.transpose(1, 0, 2)
     others += [*recording.sites.transpose(1, 0, 2)]
-    alpha = 0.45 * min(1.0, FEW / (len(others) + 1))
+    alpha = 0.45 * min(1.0, MOST_CLEAR_PATHS / (len(others) + 1))
     axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha))
     if len(tip) == 1:
         return
@@ -156,7 +156,7 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
     """Draw a ring at each place where a point hit a wall, or where a joint or slider hit a stop."""
     ring_style: dict[str, Any] = {
         "marker": "o",
-        "markersize": RING,
+        "markersize": IMPACT_MARK,
         "markerfacecolor": "none",
         "linestyle": "",
     }
@@ -176,7 +176,12 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
             position = position - wall.clearance(*position) * np.array(wall.normal)
         positions.append(position)
     if positions:
-        mark_style: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": INK}
+        mark_style: dict[str, Any] = {
+            "marker": "s",
+            "markersize": STICKING_MARK,
+            "linestyle": "",
+            "color": INK,
+        }
         axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks")
 
 
@@ -233,7 +238,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
         numbers = [hit + 1 for hit in hits]
         position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
         labels.append(
-            Label(numbers_text(numbers, LISTED, FASTEST), position, outward, numbers_text(numbers, 1, 1))
+            Label(numbers_text(numbers, MOST_LISTED, FASTEST), position, outward, numbers_text(numbers, 1, 1))
         )
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
@@ -266,7 +271,7 @@ def _label_place(
     if recording.toucher(impact) != "slider":
         return spot, (-nx, -ny)
     across = (-ny, nx) if nx >= 0.0 else (ny, -nx)
-    reach = TICK * size_of(recording)
+    reach = STOP_MARK * size_of(recording)
     return (spot[0] + reach * across[0], spot[1] + reach * across[1]), across
 
 

@@ -14,7 +14,7 @@ from chain_impact.pictures.style import INK
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import pin_mark
 
-FAINT = 40  # the number of faint positions of a moving wall, at equal distances in time
+FAINT_WALLS = 40  # the number of faint positions of a moving wall, at equal distances in time
 FAINT_MARKS = 8  # the number of faint ground marks of a moving base, in evenly spaced rows
 BESIDE = 0.04  # the distance of the trace from the end of a wall, relative to the visible length of the wall
 
@@ -32,7 +32,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
         return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
 
     for name in moving_walls(recording, near):
-        between = lines(name, np.linspace(ends[0], ends[1], FAINT).tolist())
+        between = lines(name, np.linspace(ends[0], ends[1], FAINT_WALLS).tolist())
         _add(axes, between, colors=INK, linewidths=0.6, alpha=0.13, zorder=1.9)
         for shown, width in ((times, 1.2), (ends, 2.4)):
             for time, line in zip(shown, lines(name, shown), strict=True):

@@ -48,9 +48,9 @@ ABOVE_TIME, COLUMN, CLOCK = 1.8, 3.5, 0.06
 BESIDE, BROADEST = 2.2, 1.7
 # [inch] sizes that determine the default height of a figure. PANEL: the height of a panel over time with its
 # legend and numbers; LOWEST, HIGHEST: the least and the largest height of the panel of motion beside others;
-# ROUND: the width that numbers and labels take at the left and right of the motion; HEADS: the sum of the
+# MARGINS: the width that numbers and labels take at the left and right of the motion; HEADS: the sum of the
 # heights of the headline, the legend above the motion, and the labels below
-PANEL, LOWEST, HIGHEST, ROUND, HEADS = 1.9, 2.7, 4.0, 0.9, 1.3
+PANEL, LOWEST, HIGHEST, MARGINS, HEADS = 1.9, 2.7, 4.0, 0.9, 1.3
 BESIDE_LEGEND = 1.1  # the width that a legend beside the motion takes, relative to its own width
 LABELS = 0.6  # [inch] the height of the legend and the labels of a motion above other panels
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
@@ -201,8 +201,8 @@ def usual_size(
     if "motion" not in shown or not heights or (size and figure_size(size)[0] < WIDE):
         return SIZE
     if ratio > BESIDE:
-        return FULL, HEADS + (FULL - ROUND) / ratio + PANEL * sum(heights)
-    motion = (motion_share(ratio) * FULL - ROUND) / ratio
+        return FULL, HEADS + (FULL - MARGINS) / ratio + PANEL * sum(heights)
+    motion = (motion_share(ratio) * FULL - MARGINS) / ratio
     return FULL, HEADS + min(max(motion, LOWEST, 0.8 * PANEL * sum(heights) - LABELS), HIGHEST)
 
 
@@ -231,7 +231,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
     parts = [part for part, is_shown in (("motion", "motion" in shown), ("time", timed)) if is_shown]
     share, narrow = motion_share(ratio), is_narrow(figure)
     across = len(parts) > 1 and not narrow and ratio <= BESIDE
-    above = ((figure.get_figwidth() - ROUND) / ratio + LABELS) / PANEL
+    above = ((figure.get_figwidth() - MARGINS) / ratio + LABELS) / PANEL
     if narrow:
         above = ABOVE_TIME * min(1.0, BROADEST / ratio) * max(1.0, figure.get_figwidth() / COLUMN)
     sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": above, "time": sum(heights)}

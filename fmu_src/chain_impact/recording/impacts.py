@@ -9,26 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.record.contacts import contact_log_dtype
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, is_like
 from chain_impact.scene.warning import warn
 
-LOG_DTYPE = np.dtype(
-    [
-        ("point", np.int64),
-        ("wall", np.int64),
-        ("onset", np.float64),
-        ("end", np.float64),
-        ("impact_speed", np.float64),
-        ("separation_speed", np.float64),
-        ("peak_force", np.float64),
-        ("max_penetration", np.float64),
-        ("effective_mass", np.float64),
-        ("impulse", np.float64),
-        ("joint_force", np.float64),
-        ("joint", np.int64),
-    ]
-)
+_LOG = contact_log_dtype(0)
+_OF_RING = ("count", "collected", "number")  # fields of the log that are no columns
+LOG_DTYPE = np.dtype([(name, _LOG[name].base) for name in _LOG.names or () if name not in _OF_RING])
 """The columns of ``IMPACT_DTYPE`` that the log of contacts in the kernel contains."""
 IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
 """The columns of the table of impacts; a row is one contact. The columns are: the number of the point; the

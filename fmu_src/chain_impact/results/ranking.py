@@ -18,30 +18,23 @@ from chain_impact.recording.text import TextTable, as_html, as_text, plural
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from chain_impact.pictures.sizes import Size
 
-EXTREMES = {
-    "peak_force": ("peak_force", False),
-    "max_penetration": ("max_penetration", False),
-    "stop.peak_moment": ("peak_force", True),
-    "stop.max_penetration": ("max_penetration", True),
-}
-"""Name of a largest quantity of the run, as in sweeps → field of ``Result.impacts``, and whether it is at
-stops of joints."""
-JOINT_FORCE = "joint_force"
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
 OF_FMU = {"time": "onset", "speed": "impact_speed"}
 """Name of a quantity in the FMU's ``impact[j]`` → field of ``Result.impacts``, if both names differ."""
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """Parameters that change the unit of a stiffness."""
-LARGE = 0.2  # above this share of the quantity, the text says that an effect holds for smaller changes only
-NOTHING = 1e-12  # the largest effect that counts as round-off, relative to the quantity
-DRAWN = 16  # the largest number of bars
-ADDED = "*"  # the mark of a parameter with the value 0: it is changed by a fixed step, not by 1 %
+# above this share of the quantity, the text says that an effect holds for smaller changes only
+LARGE_SHARE = 0.2
+ROUND_OFF = 1e-12  # the largest effect that counts as round-off, relative to the quantity
+MOST_BARS = 16  # the largest number of bars
+FIXED_STEP_MARK = "*"  # the mark of a parameter with the value 0: it is changed by a fixed step, not by 1 %
 
 
 class Effect(NamedTuple):
@@ -132,8 +125,8 @@ class Ranking:
             yield f"without effect: {', '.join(self.without)}"
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
-        if any(abs(self.share(effect)) > LARGE for effect in self.effects):
-            large = f"effects of more than {100.0 * LARGE:g} %"
+        if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects):
+            large = f"effects of more than {100.0 * LARGE_SHARE:g} %"
             yield f"{large} hold for smaller changes only: check them by another run"
         for name in self.left_out:
             yield f"{name} is left out: it changes the unit of the stiffness"
@@ -171,19 +164,20 @@ class Ranking:
         """
         from chain_impact import pictures
 
-        return pictures.draw_figure(self.fill, path, size, pictures.bars_size(min(len(self.effects), DRAWN)))
+        usual = pictures.bars_size(min(len(self.effects), MOST_BARS))
+        return pictures.draw_figure(self.fill, path, size, usual)
 
     def fill(self, figure: Figure) -> None:
         """Draw the bars on an empty figure."""
         from chain_impact import pictures
 
         percent = f"{100.0 * PART:g} %"
-        shown, unit = self.effects[:DRAWN], with_unit("", self.unit)
+        shown, unit = self.effects[:MOST_BARS], with_unit("", self.unit)
         added = [effect.value == 0.0 for effect in shown]
         more = len(self.effects) - len(shown)
         parts = [
             self.where,
-            f"{ADDED} + {PART:g} of its unit, as it is 0" if any(added) else "",
+            f"{FIXED_STEP_MARK} + {PART:g} of its unit, as it is 0" if any(added) else "",
             f"{more} other effects are left out" if more else "",
             f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
@@ -194,7 +188,7 @@ class Ranking:
             title=f"{self.source}: effect of + {percent} on {self.quantity} = {digits(self.value)}{unit}",
             conditions="; ".join(filter(None, parts)),
             names=[
-                effect.parameter + (f" {ADDED}" if zero else "")
+                effect.parameter + (f" {FIXED_STEP_MARK}" if zero else "")
                 for effect, zero in zip(shown, added, strict=True)
             ],
             values=[effect.change for effect in shown],
@@ -234,7 +228,7 @@ def ranking_of(
     left_out = tuple(name for name in EXPONENTS if name in like and name not in wanted)
     chosen = np.array([name in like and name not in left_out for name in names])
     finite = np.isfinite(changes) & chosen
-    nothing = finite & (np.abs(changes) <= NOTHING * size)
+    nothing = finite & (np.abs(changes) <= ROUND_OFF * size)
     at_zero = np.array([sensitivities.parameters[name] == 0.0 for name in names])
     order = [k for k in np.lexsort((-np.abs(np.where(finite, changes, 0.0)), at_zero)) if finite[k]]
     effects = tuple(
@@ -270,19 +264,16 @@ relative to which an effect counts as round-off."""
 
 
 def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
-    if name in EXTREMES:
-        field, at_stops = EXTREMES[name]
-        return _largest(recording, sensitivities, name, field, at_stops=at_stops)
+    if name in PEAKS:
+        return _largest(recording, sensitivities, name, PEAKS[name].field, at_stops=PEAKS[name].at_stops)
     if name == JOINT_FORCE:
         return _joint_force(recording, sensitivities)
     if at := re.fullmatch(r"impact\[(\d+)\]\.(\w+)", name):
         return _of_impact(recording, sensitivities, int(at[1]), OF_FMU.get(at[2], at[2]))
     if name not in sensitivities.columns:
-        quantities = (*EXTREMES, JOINT_FORCE, *sensitivities.columns)
+        quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
         near = nearest(name, quantities)
-        hint = (
-            f"the nearest is {near}" if near else f"must be an output, {', '.join((*EXTREMES, JOINT_FORCE))}"
-        )
+        hint = f"the nearest is {near}" if near else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
         raise SceneError(
             f"{recording.name}: {name} is no quantity that can be ranked; {hint}, or impact[n].…"
         )

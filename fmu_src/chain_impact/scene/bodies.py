@@ -12,12 +12,12 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
-ROUND = 24  # number of corners of the polygon that is drawn for a circle
+CIRCLE_CORNERS = 24  # number of corners of the polygon that is drawn for a circle
 # half the length of a stop's mark and of the carriage, relative to the size of the drawing
-TICK = 0.06
+STOP_MARK = 0.06
 # how far a line without a stop is drawn beyond the positions of the carriage, relative to the size of the
 # drawing
-AHEAD = 0.12
+FREE_END = 0.12
 # the corners of the carriage, along the line and to its left, relative to half its length
 CARRIAGE = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
 Disc = tuple[float, float, float]
@@ -26,11 +26,11 @@ Disc = tuple[float, float, float]
 
 def outline(discs: Iterable[Disc]) -> np.ndarray:
     """Return the corners of the convex hull of discs, anticlockwise, shape (C, 2) [m] (Andrew, 1979)."""
-    turn = math.tau / ROUND
+    turn = math.tau / CIRCLE_CORNERS
     rims = [
         (x + radius * math.cos(k * turn), y + radius * math.sin(k * turn))
         for x, y, radius in discs
-        for k in range(ROUND if radius > 0.0 else 1)
+        for k in range(CIRCLE_CORNERS if radius > 0.0 else 1)
     ]
     corners = sorted(set(rims))
     return np.array([*_half(corners), *_half(corners[::-1])] or corners)
@@ -111,10 +111,10 @@ class Rail:
         """
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         reached = (bases - self.origin) @ along
-        ends = [(self.low, reached.min() - AHEAD * size), (self.high, reached.max() + AHEAD * size)]
+        ends = [(self.low, reached.min() - FREE_END * size), (self.high, reached.max() + FREE_END * size)]
         positions = [self.origin + (stop if math.isfinite(stop) else free) * along for stop, free in ends]
         ticks = [
-            end + TICK * size * np.array([-across, across])
+            end + STOP_MARK * size * np.array([-across, across])
             for end, (stop, _) in zip(positions, ends, strict=True)
             if math.isfinite(stop)
         ]
@@ -123,7 +123,7 @@ class Rail:
     def carriage(self, base: np.ndarray, size: float) -> np.ndarray:
         """Return the corners of the carriage for a position of the base, shape (4, 2) [m]."""
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
-        return np.asarray(base + TICK * size * CARRIAGE @ [along, across])
+        return np.asarray(base + STOP_MARK * size * CARRIAGE @ [along, across])
 
 
 def rail_of(scene: Contents) -> Rail | None:

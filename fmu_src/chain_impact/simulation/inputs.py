@@ -45,7 +45,7 @@ FINER = 1e-3
 # time
 SAME_TIME = 1e-12
 LISTED_NAMES = 8  # largest number of names that the sentence of an error lists
-NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
+NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
 PIECE = "piece"
@@ -145,7 +145,7 @@ def input_course(
     run = times if begins else np.union1d(0.0, times)
     if not inputs:
         asked = np.ones(len(run), bool) if begins else np.isin(run, times)
-        return InputCourse(run, asked, (), NOTHING, FIRST_ROW, NEVER, NEVER)
+        return InputCourse(run, asked, (), NO_PIECES, FIRST_ROW, NEVER, NEVER)
     paths = {variable.name: variable.record_path for variable in prepared.inputs}
     for name in inputs:
         if name not in paths:

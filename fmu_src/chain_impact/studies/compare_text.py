@@ -17,7 +17,7 @@ from chain_impact.studies.law_runs import LawRun, LawRuns
 # restitution
 NEAR = 0.05
 NAMED_LAWS = 3  # the largest number of laws that the advice names
-NOTHING = "–"
+DASH = "–"
 
 
 def report(comparison: LawRuns) -> Iterator[str | TextTable]:
@@ -67,14 +67,14 @@ def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
 
 
 def _row(run: LawRun, values: Sequence[str]) -> tuple[str, ...]:
-    differs = NOTHING if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
-    impacts, steps = (str(count) if run.result else NOTHING for count in (run.impacts, run.steps))
+    differs = DASH if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
+    impacts, steps = (str(count) if run.result else DASH for count in (run.impacts, run.steps))
     return (run.law, formatted(run.restitution, ".4f"), *values, impacts, differs, steps, run.note)
 
 
 def formatted(value: float, form: str) -> str:
     """Return a number as text; a dash for NaN."""
-    return NOTHING if math.isnan(value) else format(value, form)
+    return DASH if math.isnan(value) else format(value, form)
 
 
 def legend(comparison: LawRuns) -> str:

@@ -16,15 +16,42 @@ from chain_impact.variables.structure import Structure
 from chain_impact.variables.variable import Variable
 
 WORD = 8  # [byte] size of every scalar in the record
-PEAKS: dict[str, DataPath] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
-"""The largest force [N] and penetration [m] of all contacts at walls and at stops of a slider: name in a
-sweep → path in the record."""
-STOP_PEAKS: dict[str, DataPath] = {
-    "stop.peak_moment": ("peaks", "moment"),
-    "stop.max_penetration": ("peaks", "rotation"),
+JOINT_FORCE = "joint_force"
+"""The name of the largest force in a joint [N]: of a run, and of an impact in ``Result.impacts``."""
+
+
+class Peak(NamedTuple):
+    """A largest value of all contacts of a run.
+
+    Attributes:
+        path: the path in the record.
+        words: the words for the value.
+        unit: the unit.
+        field: the field of ``Result.impacts`` with the value of one contact.
+        at_stops: whether the contacts are at stops of joints; else at walls and at stops of a slider.
+    """
+
+    path: DataPath
+    words: str
+    unit: str
+    field: str
+    at_stops: bool = False
+
+    @property
+    def is_load(self) -> bool:
+        """Whether the value is a force or a moment."""
+        return self.field == "peak_force"
+
+
+PEAKS = {
+    "peak_force": Peak(("peaks", "force"), "peak force", "N", "peak_force"),
+    "max_penetration": Peak(("peaks", "penetration"), "largest penetration", "m", "max_penetration"),
+    "stop.peak_moment": Peak(("peaks", "moment"), "peak moment of stops", "N·m", "peak_force", at_stops=True),
+    "stop.max_penetration": Peak(
+        ("peaks", "rotation"), "largest rotation beyond a stop", "rad", "max_penetration", at_stops=True
+    ),
 }
-"""The largest moment [N·m] and angle beyond a stop [rad] of all contacts at stops of joints: name in a sweep
-→ path in the record. Only a scene with stops of joints has these values."""
+"""Name in a sweep and in a ranking → largest value. Only a scene with stops of joints has those at stops."""
 # layouts are kept, because computing a layout takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]

@@ -17,6 +17,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.text_file import likely_time
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
+from chain_impact.variables.indices import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene
 
 TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"
@@ -24,7 +25,6 @@ WHICH = (IMPACT, POINT, WALL)
 """The columns that say which impact a row describes."""
 QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
-JOINT_FORCE = "joint_force"
 SIGMA = "sigma({})"
 # if impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
 # later than the measured ones

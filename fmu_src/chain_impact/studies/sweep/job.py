@@ -21,14 +21,12 @@ from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import kernel_for, sizes_of
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.indices import PEAKS, STOP_PEAKS, word_index
+from chain_impact.variables.indices import JOINT_FORCE, PEAKS, word_index
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.selection import missing_output_hint
 from chain_impact.variables.variable import Variable
 
-JOINT_FORCE = "joint_force"
-"""The column with the largest force in any joint [N], in a scene with loads."""
 ENDED = "time"  # the column with the time [s] at which a run ended
 STATUS = "solver.status"
 
@@ -57,8 +55,9 @@ class Job:
 
     @property
     def peaks(self) -> dict[str, DataPath]:
-        """The columns with the largest force and penetration of a run: name → path in the instance record."""
-        return PEAKS | (STOP_PEAKS if self.scene.chain.stops else {})
+        """The columns with the largest values of a run: name → path in the instance record."""
+        has_stops = bool(self.scene.chain.stops)
+        return {name: peak.path for name, peak in PEAKS.items() if has_stops or not peak.at_stops}
 
     @property
     def columns(self) -> dict[str, Variable]:

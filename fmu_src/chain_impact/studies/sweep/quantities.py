@@ -13,7 +13,7 @@ from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
-from chain_impact.variables.indices import PEAKS
+from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene
 
 # MOST_ASKED: the largest number of additional outputs that get a panel without being named in ``panels``;
@@ -61,17 +61,14 @@ class Quantity:
 
 COUNT = "impact.count"
 QUANTITIES = (
-    Quantity("peak_force", "peak force", "N", in_headline=True),
-    Quantity("max_penetration", "largest penetration", "m"),
-    Quantity("stop.peak_moment", "peak moment of stops", "N·m", in_headline=True),
-    Quantity("stop.max_penetration", "largest rotation beyond a stop", "rad"),
-    Quantity("joint_force", "largest force in a joint", "N"),
+    *(Quantity(name, peak.words, peak.unit, in_headline=peak.is_load) for name, peak in PEAKS.items()),
+    Quantity(JOINT_FORCE, "largest force in a joint", "N"),
     Quantity(COUNT, "impacts"),
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
 SHARED = ("N", "N·m", "J")
 """The units in which an output at the end of each run has the same prefix as the main results."""
-LOADS = ("peak_force", "stop.peak_moment", "joint_force")
+LOADS = (*(name for name, peak in PEAKS.items() if peak.is_load), JOINT_FORCE)
 """The columns for which a spread of the results is usually wanted."""
 
 
@@ -111,7 +108,11 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
         every = _in_units(runs, [main.get(name) or _at_end(name, prepared) for name in chosen])
         return Results(every, every)
     scene = runs.scene
-    absent = set() if point_wall_pairs(scene) or scene.slider_stops else {*PEAKS}
+    absent = (
+        set()
+        if point_wall_pairs(scene) or scene.slider_stops
+        else {name for name, peak in PEAKS.items() if not peak.at_stops}
+    )
     shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
     additional = [_at_end(name, prepared) for name in runs.outputs if name not in main]
     every = _in_units(runs, shown + additional[:MOST_ASKED])
