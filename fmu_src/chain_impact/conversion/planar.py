@@ -21,7 +21,7 @@ from chain_impact.conversion.differences import (
 )
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan, near, plan_of
 from chain_impact.conversion.joints import Chosen, Moving, NoChainError, above, chosen_joints
-from chain_impact.conversion.robot import Body, Joint, Robot
+from chain_impact.conversion.robot import JOINT_KEYS, Body, Joint, Robot, scene_values
 from chain_impact.conversion.walls import Walls
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import UnknownNameError
@@ -301,17 +301,8 @@ class _Conversion:
         if not grounded:
             self._tell_unheld(joint)
             return start
-        keys: dict[str, float | None] = {
-            "joint_damping": joint.damping or None,
-            "joint_stiffness": joint.stiffness or None,
-            "joint_rest_angle": offset + sign * joint.rest if joint.stiffness else None,
-            "joint_friction": joint.friction or None,
-            "joint_armature": joint.armature or None,
-            "joint_torque_limit": joint.torque_limit,
-            "joint_min": low if math.isfinite(low) else None,
-            "joint_max": high if math.isfinite(high) else None,
-        }
-        link |= {key: value for key, value in keys.items() if value is not None}
+        values = scene_values(joint, offset + sign * joint.rest, low, high)
+        link |= {JOINT_KEYS[key].link: value for key, value in values.items()}
         return self._within(joint, low, start, high, "rad")
 
     def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
@@ -362,19 +353,11 @@ class _Conversion:
             weighs = abs(float(np.dot(gravity, way))) > ZERO_LENGTH
             effect = Effect.MOTION if weighs else Effect.NONE
             self._tell("joint", joint.name, text, effect, differs=True)
-        keys: dict[str, float | None] = {
-            "damping": joint.damping or None,
-            "stiffness": joint.stiffness or None,
-            "rest_position": joint.rest - start if joint.stiffness else None,
-            "friction": joint.friction or None,
-            "min": joint.low - start if math.isfinite(joint.low) else None,
-            "max": joint.high - start if math.isfinite(joint.high) else None,
-            "force_limit": joint.torque_limit,
-        }
+        values = scene_values(joint, joint.rest - start, joint.low - start, joint.high - start)
         return {
             "angle": math.atan2(way[1], way[0]) + 0.0,  # adding 0.0 turns −0 into 0
             "mass": joint.armature + sum(self.robot.bodies[b].mass for b in self.carriage),
-            **{key: value for key, value in keys.items() if value is not None},
+            **{name: value for key, value in values.items() if (name := JOINT_KEYS[key].slider)},
         }
 
 

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -60,6 +60,53 @@ class Joint:
     turn: np.ndarray | None = None
     inputs: frozenset[str] = frozenset()
     drives: Sequence[str] = ()
+
+
+class JointKey(NamedTuple):
+    """The names of one quantity of joints.
+
+    Attributes:
+        link: the key of a link.
+        slider: the key of a slider; "" if a slider has no such key.
+        attribute: the attribute of MJCF; "" if the attribute has another form.
+    """
+
+    link: str
+    slider: str
+    attribute: str = ""
+
+
+JOINT_KEYS = {
+    "damping": JointKey("joint_damping", "damping", "damping"),
+    "stiffness": JointKey("joint_stiffness", "stiffness", "stiffness"),
+    "rest": JointKey("joint_rest_angle", "rest_position", "springref"),
+    "friction": JointKey("joint_friction", "friction", "frictionloss"),
+    "armature": JointKey("joint_armature", "", "armature"),
+    "torque_limit": JointKey("joint_torque_limit", "force_limit"),
+    "low": JointKey("joint_min", "min"),
+    "high": JointKey("joint_max", "max"),
+}
+"""Attribute of ``Joint`` → its names. The armature of a sliding base is part of the carriage's mass."""
+
+
+def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str, float]:
+    """Return the values of a joint that a scene has: attribute of ``Joint`` → value.
+
+    Args:
+        joint: the joint.
+        rest: where its spring has no moment, in the scene [rad or m].
+        low: its least angle or position in the scene; −∞ without a stop.
+        high: its largest angle or position in the scene; ∞ without a stop.
+    """
+    always = ("damping", "stiffness", "friction", "armature")
+    values = {key: value for key in always if (value := getattr(joint, key))}
+    if joint.stiffness:
+        values["rest"] = rest
+    if joint.torque_limit is not None:
+        values["torque_limit"] = joint.torque_limit
+    stops = {"low": low, "high": high}
+    values |= {key: value for key, value in stops.items() if math.isfinite(value)}
+    return {key: values[key] for key in JOINT_KEYS if key in values}
 
 
 @dataclass(frozen=True, kw_only=True)

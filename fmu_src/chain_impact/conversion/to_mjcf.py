@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.conversion.mjcf import CARRIED, UNLIMITED
+from chain_impact.conversion.robot import JOINT_KEYS
 from chain_impact.recording.text import few
 from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.scene.tables import Link, Slider
@@ -24,21 +25,6 @@ BODY = ("shape", "height", "points")
 # radius of points without a radius, relative to the longest link, because MuJoCo needs a radius above 0
 LEAST_RADIUS = 1e-4
 LARGEST_STEP = 2e-3  # [s] MuJoCo's default time step; with larger steps MuJoCo would be too inaccurate
-JOINT_KEYS = {
-    "joint_damping": "damping",
-    "joint_stiffness": "stiffness",
-    "joint_rest_angle": "springref",
-    "joint_friction": "frictionloss",
-    "joint_armature": "armature",
-}
-"""Key of a link → attribute of a joint."""
-SLIDER_KEYS = {
-    "damping": "damping",
-    "stiffness": "stiffness",
-    "rest_position": "springref",
-    "friction": "frictionloss",
-}
-"""Key of a slider → attribute of a joint."""
 
 
 def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
@@ -156,13 +142,15 @@ def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float
 def _add_slide(body: Element, slider: Slider) -> None:
     """Add the joint of a sliding base."""
     axis = _numbers(math.cos(slider.angle), 0.0, math.sin(slider.angle))
-    keys = _attributes(slider, SLIDER_KEYS, slider.min, slider.max, slider.force_limit)
+    names = {key.slider: key.attribute for key in JOINT_KEYS.values() if key.slider and key.attribute}
+    keys = _attributes(slider, names, slider.min, slider.max, slider.force_limit)
     SubElement(body, "joint", {"name": "slider", "type": "slide", "axis": axis, **keys})
 
 
 def _joint(link: Link) -> dict[str, str]:
     """Return the values of a link's joint as attributes of the joint's element."""
-    return _attributes(link, JOINT_KEYS, link.joint_min, link.joint_max, link.joint_torque_limit)
+    names = {key.link: key.attribute for key in JOINT_KEYS.values() if key.attribute}
+    return _attributes(link, names, link.joint_min, link.joint_max, link.joint_torque_limit)
 
 
 def _attributes(
@@ -183,8 +171,7 @@ def _attributes(
 
 def _of_the_joint(link: Link) -> dict[str, Any]:
     """Return the keys of link 1 for its joint, which does not exist because the base is free."""
-    keys = (*JOINT_KEYS, "joint_min", "joint_max", "joint_torque_limit")
-    return {key: value for key in keys if (value := getattr(link, key))}
+    return {key.link: value for key in JOINT_KEYS.values() if (value := getattr(link, key.link))}
 
 
 def _add_start(root: Element, scene: Scene) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.inertia import corner_of_box
-from chain_impact.scene.bodies import Disc, Rail, outline
+from chain_impact.scene.bodies import Disc, Rail, link_outline
 from chain_impact.scene.tables import CORNERS
 
 
@@ -57,14 +57,11 @@ def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[
         values: name of a parameter → value.
         touching: the points that can touch; an end of a link that cannot touch has the radius 0.
     """
-    outlines = {}
-    for link, sites in _discs(values).items():
-        near, far = (
-            values.get("contact.radius", 0.0) if end in touching else 0.0 for end in (link - 1, link)
-        )
-        ends = [(0.0, 0.0, near), (float(values[f"link[{link}].length"]), 0.0, far)]
-        outlines[link] = outline([*ends, *sites])
-    return outlines
+    radius = values.get("contact.radius", 0.0)
+    return {
+        link: link_outline(link, float(values[f"link[{link}].length"]), sites, radius, touching)
+        for link, sites in _discs(values).items()
+    }
 
 
 def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
@@ -86,10 +83,4 @@ def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[s
         return None
     along = np.array([math.cos(angle), math.sin(angle)])
     first = 0.0 if positions is None else float(positions[0])
-    low, high = (values.get(f"slider.{stop}") for stop in ("min", "max"))
-    return Rail(
-        origin=bases[0] - first * along,
-        angle=angle,
-        low=-math.inf if low is None else float(low),
-        high=math.inf if high is None else float(high),
-    )
+    return Rail.between(bases[0] - first * along, angle, values.get("slider.min"), values.get("slider.max"))

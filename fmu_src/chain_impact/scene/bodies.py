@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,14 +51,26 @@ def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 def outlines_of(scene: Contents) -> dict[int, np.ndarray]:
     """Return the outline of each link that has points: number of the link → corners in the link's axes."""
-    radius, points = scene.contact.radius, scene.contact.points
-    outlines = {}
-    for n, link in enumerate(scene.chain.links, 1):
-        near, far = (radius if end in points else 0.0 for end in (n - 1, n))
-        ends = [(0.0, 0.0, near), (link.length, 0.0, far)]
-        if link.points:
-            outlines[n] = outline([*ends, *((site.x, site.y, site.radius or 0.0) for site in link.points)])
-    return outlines
+    radius, touching = scene.contact.radius, scene.contact.points
+    links = [(n, link) for n, link in enumerate(scene.chain.links, 1) if link.points]
+    sites = {n: [(site.x, site.y, site.radius or 0.0) for site in link.points] for n, link in links}
+    return {n: link_outline(n, link.length, sites[n], radius, touching) for n, link in links}
+
+
+def link_outline(
+    n: int, length: float, sites: Iterable[Disc], radius: float, touching: Container[int]
+) -> np.ndarray:
+    """Return the outline of a link in the link's axes, shape (C, 2) [m].
+
+    Args:
+        n: the number of the link, from 1.
+        length: the length of the link [m].
+        sites: the points of the link beside its ends.
+        radius: the radius of an end that can touch [m]; the radius of another end is 0.
+        touching: the numbers of the points that can touch.
+    """
+    near, far = (radius if end in touching else 0.0 for end in (n - 1, n))
+    return outline([(0.0, 0.0, near), (length, 0.0, far), *sites])
 
 
 def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -88,6 +100,11 @@ class Rail:
     angle: float
     low: float
     high: float
+
+    @classmethod
+    def between(cls, origin: np.ndarray, angle: float, low: float | None, high: float | None) -> Rail:
+        """Return the line between two stops; None for a missing stop."""
+        return cls(origin, angle, -math.inf if low is None else low, math.inf if high is None else high)
 
     @property
     def direction(self) -> np.ndarray:
@@ -131,7 +148,4 @@ def rail_of(scene: Contents) -> Rail | None:
     slider = scene.chain.slider
     if slider is None:
         return None
-    low, high = (
-        math.inf * sign if end is None else end for sign, end in ((-1.0, slider.min), (1.0, slider.max))
-    )
-    return Rail(origin=np.array(scene.initial.position), angle=slider.angle, low=low, high=high)
+    return Rail.between(np.array(scene.initial.position), slider.angle, slider.min, slider.max)
