@@ -69,7 +69,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
     absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]
     replaced: dict[str, str] = {}
-    for asset in absent or [each for each in assets if _file(each)]:
+    for asset in absent or list(filter(_file, assets)):
         file = _file(asset)
         replaced[asset.name or Path(file).stem] = file
         asset.name = asset.name or Path(file).stem

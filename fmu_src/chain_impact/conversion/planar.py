@@ -129,7 +129,7 @@ class _Conversion:
                 data[key] = {**data.get(key, {}), **table}
         if self.held:
             self.notes.append(line("joint", sorted(self.held), "held at the start"))
-        relevant = [each for each in self.robot.differences if each.matters(self.held, self.link_of)]
+        relevant = [found for found in self.robot.differences if found.matters(self.held, self.link_of)]
         relevant += [*self.differences, *differences]
         remarks = [lines(relevant, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
         return Converted(data, remarks[0], remarks[1], remarks[2], self.notes)
@@ -219,7 +219,7 @@ class _Conversion:
         far = {name: float(np.linalg.norm(at)) for name, at in ends.items()}
         name = max(ends, key=far.__getitem__) if chosen is None else chosen
         if chosen is not None or far[name] > ZERO_LENGTH:
-            others = [each for each in far if far[each] > ZERO_LENGTH and each != name]
+            others = [end for end in far if far[end] > ZERO_LENGTH and end != name]
             others.sort(key=lambda each: -far[each])
             more = f"; --tip can take {few(others, LINE_NAMES)}" if others and chosen is None else ""
             self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")

@@ -55,7 +55,8 @@ def driven_rows(
     warn(str(file), gap_hints(times))
     variables = description.modelVariables
     input_names, output_names = (
-        [one.name for one in variables if one.causality == kind] for kind in ("input", "output")
+        [variable.name for variable in variables if variable.causality == kind]
+        for kind in ("input", "output")
     )
     for name in columns:
         if name not in input_names:

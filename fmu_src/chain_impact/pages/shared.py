@@ -102,4 +102,4 @@ def _plain(value: Any) -> Any:
     """Return a value with lists in place of arrays."""
     if isinstance(value, np.ndarray):
         return value.tolist()
-    return [_plain(each) for each in value] if isinstance(value, list | tuple) else value
+    return [_plain(entry) for entry in value] if isinstance(value, list | tuple) else value

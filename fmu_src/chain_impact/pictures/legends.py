@@ -78,7 +78,7 @@ def _fill_rows(legend: Any, room: float) -> None:
     whole = legend.get_children()[0].get_children()[-1]
     figure, entries = legend.get_figure(root=True), _entries(whole)
     em = legend.get_texts()[0].get_fontsize()
-    widths, space = [one.get_window_extent().width for one in entries], BETWEEN * em * figure.dpi / 72.0
+    widths, space = [entry.get_window_extent().width for entry in entries], BETWEEN * em * figure.dpi / 72.0
     room -= legend.get_window_extent().width - whole.get_window_extent().width
     rows = _rows(widths, space, room)
     low, high = max(widths), room

@@ -223,19 +223,19 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
     bare = NUMBER.sub("", name)
-    numbered = [one for one in every if one != name and NUMBER.sub("", one) == bare]
+    numbered = [other for other in every if other != name and NUMBER.sub("", other) == bare]
     if numbered:
         numbers = _numbers(name)
-        alike = [one for one in numbered if len(_numbers(one)) == len(numbers)]
+        alike = [other for other in numbered if len(_numbers(other)) == len(numbers)]
         if not alike:
             return numbered[0]
         return min(
             alike, key=lambda one: sum(abs(a - b) for a, b in zip(_numbers(one), numbers, strict=True))
         )
-    same = [one for one in every if owner and len(last) > 1 and one.rpartition(".")[2] == last]
+    same = [other for other in every if owner and len(last) > 1 and other.rpartition(".")[2] == last]
     if not owner:
         first = sorted(every, key=lambda one: (not one.startswith("contact."), len(one)))
-        by_last = {one.rpartition(".")[2]: one for one in reversed(first)}
+        by_last = {other.rpartition(".")[2]: other for other in reversed(first)}
         if alike := get_close_matches(name, by_last, n=1, cutoff=LIKE_LAST):
             return by_last[alike[0]]
     found = get_close_matches(name, every, n=1, cutoff=at_least)
@@ -247,7 +247,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
 def longer(name: str, names: Iterable[str]) -> str | None:
     """Return the shortest name that contains ``name`` as whole words, ``rod_drop`` for ``rod``; else None."""
     words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
-    return min((one for one in names if name and words.search(one)), key=len, default=None)
+    return min((known for known in names if name and words.search(known)), key=len, default=None)
 
 
 def proposed(name: str, names: Iterable[str]) -> str | None:

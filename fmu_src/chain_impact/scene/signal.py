@@ -56,7 +56,7 @@ def unit_of(name: str) -> str:
     A misspelt name is refused only after the values are read. Until then it has the unit of the nearest
     input, or "1" if no input is near.
     """
-    template = next((one for one in _UNITS if is_like(name, one)), nearest(name, _UNITS))
+    template = next((known for known in _UNITS if is_like(name, known)), nearest(name, _UNITS))
     return _UNITS[template] if template else "1"
 
 

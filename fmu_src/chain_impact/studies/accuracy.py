@@ -46,11 +46,11 @@ def differences(run: Recording, tighter: Recording) -> Differences:
     """
     rows = min(len(run.time), len(tighter.time))
     end, together = float(run.time[rows - 1]), run.time[:rows] == tighter.time[:rows]
-    pairs = [[(row["point"], row["wall"]) for row in each.impacts] for each in (run, tighter)]
+    pairs = [[(row["point"], row["wall"]) for row in side.impacts] for side in (run, tighter)]
     same = next((k for k, (first, second) in enumerate(zip(*pairs, strict=False)) if first != second), None)
     same = min(map(len, pairs)) if same is None else same
-    onsets = [each.impacts["onset"] for each in (run, tighter)]
-    later = [float(each[same]) for each in onsets if len(each) > same]
+    onsets = [side.impacts["onset"] for side in (run, tighter)]
+    later = [float(times[same]) for times in onsets if len(times) > same]
     parted = bool(later) and min(later) <= end
     if parted:
         end = min(later)

@@ -24,7 +24,7 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
 
 def parts_hint(name: str, names: Iterable[str]) -> str | None:
     """Return a hint for the name of a vector: "there are force.x, force.y"; None for any other name."""
-    parts = [one for one in names if one.startswith(f"{name}.")]
+    parts = [part for part in names if part.startswith(f"{name}.")]
     return f"there are {', '.join(parts[:3])}" if parts else None
 
 

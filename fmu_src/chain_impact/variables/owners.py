@@ -212,8 +212,8 @@ def number_of(text: str, known: Mapping[str, Any]) -> int:
 
 def holds(rule: str, known: Mapping[str, Any]) -> bool:
     """Return whether a rule of the tables holds."""
-    for each in _split(rule, " or ", " and "):
-        if all(not known[word[4:]] if word.startswith("not ") else known[word] for word in each):
+    for words in _split(rule, " or ", " and "):
+        if all(not known[word[4:]] if word.startswith("not ") else known[word] for word in words):
             return True
     return False
 

@@ -87,7 +87,7 @@ class PreparedScene:
 
         A stop of a slider belongs to point 0.
         """
-        return [(each["n"], each["wall"]) for each in self.structure.lists["candidates"]]
+        return [(candidate["n"], candidate["wall"]) for candidate in self.structure.lists["candidates"]]
 
     @_common
     def sizes(self) -> Counts:

@@ -116,8 +116,8 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
     additional = [_at_end(name, prepared) for name in runs.outputs if name not in main]
     every = _in_units(runs, shown + additional[:MOST_ASKED])
-    drawn = [each for each in every if _differs(each.of(runs))] or every
-    loads = [each for each in drawn if each.column in LOADS]
+    drawn = [quantity for quantity in every if _differs(quantity.of(runs))] or every
+    loads = [quantity for quantity in drawn if quantity.column in LOADS]
     if runs.design.samples is not None and loads:
         return Results(loads, loads)
     return Results(every, drawn)
@@ -167,11 +167,12 @@ def _at_end(name: str, prepared: PreparedScene) -> Quantity:
 
 def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
     """Return quantities with prefixes that suit the largest values; all forces have the same, and so on."""
-    families = [each.unit if each in QUANTITIES or each.unit in SHARED else "" for each in quantities]
+    shared = [quantity in QUANTITIES or quantity.unit in SHARED for quantity in quantities]
+    families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]
     scales = {"": (1.0, "")}
     for unit in {*families} - {""}:
-        members = [each for each, family in zip(quantities, families, strict=True) if family == unit]
-        values = np.abs([each.of(runs) for each in members])
+        members = [quantity for quantity, family in zip(quantities, families, strict=True) if family == unit]
+        values = np.abs([quantity.of(runs) for quantity in members])
         scales[unit] = prefixed(float(np.max(values[np.isfinite(values)], initial=0.0)), unit)
     scaled = []
     for quantity, family in zip(quantities, families, strict=True):
