@@ -188,13 +188,15 @@ def test_five_points_with_unlike_speeds_get_moreaus_impulses():
         instance = Instance(with_values(scene, velocity | {("gravity",): (0.0, 0.0)}))
         # all points are on the floor and moving: the start of an impact
         state = instance.record["step"]["state_end"]
-        state[1] = 0.0
-        before = state[6:12].copy()
+        position_y, rates = 1, slice(6, 12)  # of the state: x, y and four angles, then their rates
+        state[position_y] = 0.0
+        before = state[rates].copy()
+        floor = WALLS.index("y_min")
         arriving = [(k, "y_min") for k in range(5) if before[1] + 0.5 * sum(spins[:k]) < 0.0]
         for point, _ in arriving:
-            instance.record["touch"]["event"][4 * point + WALLS.index("y_min")] = 1
+            instance.record["touch"]["event"][instance.prepared.candidates.index((point, floor))] = 1
         instance.advance(1e-15)
-        after = instance.record["step"]["state"][6:12]
+        after = instance.record["step"]["state"][rates]
         expected = moreau_impact(scene, [0.0] * 4, before, arriving, 0.4)
         np.testing.assert_allclose(after, expected, atol=1e-12)
 

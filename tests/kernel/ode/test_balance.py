@@ -21,6 +21,8 @@ from tests.helpers.kernel.plain import Plain
 from tests.kernel.chains import chain, press_in, random_state, touch
 from tests.kernel.steps import free_motion, set_step, walls_away
 
+ANGLE, RATES = 3, (7, 9)  # of four links: the angle of link 2, and the rates of y and of this angle
+
 
 def after_a_step():
     """Return the default chain at the end of a step in flight, and the energy balance at its start."""
@@ -49,7 +51,7 @@ def test_a_step_of_the_solver_keeps_the_energy_balance():
 
 
 @pytest.mark.parametrize("theta", [-1.0, 0.7])
-@pytest.mark.parametrize("entry", [3, 7, 9, 12])  # an angle, rates, and the dissipated energy
+@pytest.mark.parametrize("entry", [ANGLE, *RATES, dissipated_at(4)])
 def test_a_step_that_changes_the_energy_balance_or_is_not_finite_is_refused(entry, theta):
     d = after_a_step()
     before = float(d["balance"]["at_end"])

@@ -3,7 +3,7 @@
 
 import { discOf } from "../scene/geometry.js";
 
-const { AHEAD, CARRIAGE, ROUND, TICK } = SHARED.bodies;
+const { CARRIAGE, CIRCLE_CORNERS, FREE_END, STOP_MARK } = SHARED.bodies;
 
 /** Return the part of a hull from the first of sorted points to the last point, which is left out (Andrew, 1979). */
 function halfHull(points) {
@@ -21,8 +21,8 @@ function halfHull(points) {
 
 /** Return the corners of the convex hull of discs x, y, radius [m]. */
 function outlineOf(discs) {
-  const rims = discs.flatMap(([x, y, radius]) => Array.from({ length: radius > 0 ? ROUND : 1 }, (_, k) =>
-    [x + radius * Math.cos((2 * Math.PI * k) / ROUND), y + radius * Math.sin((2 * Math.PI * k) / ROUND)]));
+  const rims = discs.flatMap(([x, y, radius]) => Array.from({ length: radius > 0 ? CIRCLE_CORNERS : 1 }, (_, k) =>
+    [x + radius * Math.cos((2 * Math.PI * k) / CIRCLE_CORNERS), y + radius * Math.sin((2 * Math.PI * k) / CIRCLE_CORNERS)]));
   rims.sort(([x0, y0], [x1, y1]) => x0 - x1 || y0 - y1);
   return [...halfHull(rims), ...halfHull(rims.reverse())];
 }
@@ -51,13 +51,13 @@ export function railOf(bases, size, valueOf) {
   const reached = bases.map(([x, y]) => (x - x0) * c + (y - y0) * s);
   const at = (along, left) => [x0 + c * along - s * left, y0 + s * along + c * left];
   const [low, high] = [valueOf("slider.min"), valueOf("slider.max")];
-  const ends = [low ?? Math.min(...reached) - AHEAD * size, high ?? Math.max(...reached) + AHEAD * size];
-  const ticks = [low, high].filter((end) => end !== undefined).map((end) => [-1, 1].map((side) => at(end, side * TICK * size)));
+  const ends = [low ?? Math.min(...reached) - FREE_END * size, high ?? Math.max(...reached) + FREE_END * size];
+  const ticks = [low, high].filter((end) => end !== undefined).map((end) => [-1, 1].map((side) => at(end, side * STOP_MARK * size)));
   const start = x0 * c + y0 * s;
   return {
     lines: [ends.map((end) => at(end, 0)), ...ticks],
     carriage: CARRIAGE.map(([along, left]) =>
-      [TICK * size * (c * along - s * left), TICK * size * (s * along + c * left)]),
+      [STOP_MARK * size * (c * along - s * left), STOP_MARK * size * (s * along + c * left)]),
     stops: {
       ...(low === undefined ? {} : { slider_min: { normal: [c, s], offset: start + low } }),
       ...(high === undefined ? {} : { slider_max: { normal: [-c, -s], offset: -start - high } }),
