@@ -50,11 +50,11 @@ USUAL = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
 """The options of a page that can be changed later."""
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def browser():
-    """Return a Chromium; a process keeps it while tests of the pages follow one another.
+    """Return a Chromium.
 
-    Other tests could not run their own loops of events beside that of playwright.
+    It ends with its file, because tests of another room could not start playwright beside it.
     """
     from playwright.sync_api import sync_playwright  # the quick tier does not need playwright
 
@@ -74,7 +74,7 @@ def address(tmp_path_factory):
     return path.as_uri()
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def idle(browser):
     """Return the pages that tests have left empty, each after the options that a page keeps.
 
@@ -154,7 +154,7 @@ def script():
     return modules
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def worker(browser):
     """Return a page with the worker's program without a worker; ``compiled`` makes a module of a text."""
     page = browser.new_page()
@@ -164,7 +164,7 @@ def worker(browser):
     page.close()
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def kernel(worker):
     """Run a scene in a browser: its columns by name, its impacts, and the other results of the kernel."""
 

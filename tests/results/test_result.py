@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
+from chain_impact.scene.reading import UnknownNameError
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.problems import default_scene
 from tests.helpers.tools.refusal import refusal
@@ -192,6 +193,15 @@ def test_plot_gives_a_figure_or_writes_a_file(result, tmp_path):
     assert result.plot().get_suptitle().startswith("FourLinkBox")
     assert result.plot(tmp_path / "motion.png") is None
     assert (tmp_path / "motion.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_of_a_scene_without_energies_has_no_panel_of_them():
+    scene = load_scene("rod_drop").with_values({"outputs.energies": False})
+    found = simulate(scene, stop_time=0.3)
+    assert not [axes for axes in found.plot().axes if "energy" in axes.get_ylabel()]
+    found.plot(panels=["motion"])
+    with pytest.raises(UnknownNameError):
+        found.plot(panels=["energy"])
 
 
 def test_animate_writes_a_page(result, tmp_path):

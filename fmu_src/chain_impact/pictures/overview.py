@@ -182,8 +182,12 @@ def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
             raise ValueError(
                 f"panels = {list(panels)!r}: {name!r} is no panel; must be of {', '.join(PANELS)}"
             )
-    data = {"impacts": recording.impacts, "friction": recording.stick_slip}
-    return [name for name in PANELS if (name in panels if panels else len(data.get(name, PANELS)))]
+    counts = {
+        "energy": len(recording.energies),
+        "impacts": len(recording.impacts),
+        "friction": len(recording.stick_slip),
+    }
+    return [name for name in PANELS if (name in panels if panels else counts.get(name, 1))]
 
 
 def usual_size(

@@ -114,14 +114,15 @@ class Pictured(Recording):
             return ax
         if around is not None:
             raise ValueError(f"around = {around!r}: only curves are drawn around an impact")
-        # this raises an error if the energy was left out
-        names_matching(
-            self.name, "energy.kinetic", self.columns, "no output of this result", self.output_hint
-        )
         given = [name for name, value in (("kind", kind), ("panels", panels)) if value]
         if len(given) > 1:
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
         shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
+        if self.scene.outputs.energies or "energy" in shown:
+            # this raises an error if the energy was left out
+            names_matching(
+                self.name, "energy.kinetic", self.columns, "no output of this result", self.output_hint
+            )
         if ax is None:
             fill = partial(pictures.fill, recording=self, panels=shown, title=title)
             return pictures.draw_figure(fill, path, size, pictures.usual_size(self, shown, size))

@@ -56,7 +56,7 @@ const choice = new CurveChoice(changes, () => {
  */
 function withSteadyView(next) {
   const ownView = next.view;
-  const views = [ownView, ...comparedMotions.behind.map((recording) => recording.ownView)];
+  const views = [ownView, ...comparedMotions.behind.filter(({ name }) => name === next.name).map((recording) => recording.ownView)];
   const view = [Math.min, Math.max].map((outer, end) => [0, 1].map((axis) => outer(...views.map((one) => one[end][axis]))));
   const before = player.recording;
   const size = ([low, high]) => Math.max(high[0] - low[0], high[1] - low[1]);

@@ -1,6 +1,7 @@
 // The scales of the map: titles, units, ticks and colours of its axes.
 
 import { unitText } from "../../base/format.js";
+import { ticksBetween } from "../../base/ticks.js";
 
 // the colour map viridis of matplotlib (CC0), at equal distances
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -51,14 +52,15 @@ export function axisScale(first, last, isLogarithmic) {
   return { shareOf: (value) => (to(value) - low) / (width || 1), valueAt: (share) => from(low + share * width) };
 }
 
-/** Return the ticks of a logarithmic axis: powers of ten, with 2 and 5 times them if these are few. */
+/** Return the ticks of a logarithmic axis: powers of ten, with 2 and 5 times them if these are few; else even ticks. */
 export function decadesBetween(low, high) {
   const first = Math.floor(Math.log10(low));
   const powers = Array.from({ length: Math.ceil(Math.log10(high)) - first + 1 }, (_, k) => first + k);
   const within = (factors) => powers.flatMap((power) => factors.map((factor) => Number(`${factor}e${power}`)))
     .filter((tick) => tick >= low * (1 - 1e-9) && tick <= high * (1 + 1e-9));
   const whole = within([1]);
-  return whole.length > 2 ? whole : within([1, 2, 5]);
+  const finer = whole.length > 2 ? whole : within([1, 2, 5]);
+  return finer.length > 1 ? finer : ticksBetween(low, high);
 }
 
 /** Return a unit in which values up to a largest value are easy to read, and the factor to this unit. */
