@@ -67,7 +67,7 @@ def main(scratch: Path) -> None:
     """Build the wheel and try it."""
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", scratch / "dist", ".")
     (wheel,) = (scratch / "dist").glob("chain_impact-*.whl")
-    # Each environment is deleted after its use, because .ci/run has other work meanwhile.
+    # Each environment is deleted here, while other checks run: .ci/run would delete all of them at its end.
     for tool, python in [("pip", pythons()[0]), *(("uv", python) for python in pythons())]:
         place = scratch / f"{Path(python).name}-{tool}"
         install(tool, python, wheel, place)

@@ -80,7 +80,7 @@ def parameters(source: str) -> Offer:
 
 def differentiable(source: str) -> Offer:
     """Return the names that ``--sensitivity`` and ``--free`` accept."""
-    return Offer([variable.name for variable in _model(source).differentiable.values()])
+    return Offer([*_model(source).differentiable])
 
 
 def outputs(source: str) -> Offer:

@@ -9,17 +9,8 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 MAKERS = (
-    *(
-        "affine",
-        "browser",
-        "built_in",
-        "collecting",
-        "compilers",
-        "dual_numbers",
-        "entry_points",
-        "functions",
-    ),
-    *("law", "law_file", "law_syntax", "lower", "record_type", "signatures"),
+    *("affine", "browser", "built_in", "collecting", "compilers", "dual_numbers", "entry_points"),
+    *("functions", "law", "law_file", "law_syntax", "lower", "record_type", "signatures"),
 )
 """The modules of this folder that make code. The other modules find, store and describe kernels."""
 COMPILED = (

@@ -93,8 +93,10 @@ def signals_within_bounds(d):
     fits, signal = True, d.signal
     for j in range(d.signals):
         driven = signal.input[j]
+        if not within(driven, 0, CHANNEL):
+            return False
         values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
-        fits = fits and within(driven, 0, CHANNEL) and within(signal.index[j], 0, values - 1)
+        fits = fits and within(signal.index[j], 0, values - 1)
         fits = fits and within(signal.source[j], 0, d.signals - 1) and within(signal.order[j], 0, 2)
         fits = fits and within(signal.integrals[j], 0, 2)
         fits = fits and within(signal.form[j], CONSTANT, TABLE) and within(signal.degree[j], 0, SIGNAL_DEGREE)

@@ -264,8 +264,8 @@ relative to which an effect counts as round-off."""
 
 
 def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
-    if name in PEAKS:
-        return _largest(recording, sensitivities, name, PEAKS[name].field, at_stops=PEAKS[name].at_stops)
+    if peak := PEAKS.get(name):
+        return _largest(recording, sensitivities, name, peak.field, at_stops=peak.at_stops)
     if name == JOINT_FORCE:
         return _joint_force(recording, sensitivities)
     if at := re.fullmatch(r"impact\[(\d+)\]\.(\w+)", name):

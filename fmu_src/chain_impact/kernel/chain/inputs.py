@@ -19,8 +19,10 @@ FIELDS = {
 }
 NAMES = tuple(FIELDS)
 # The number of an input is its position in NAMES. The velocity of a target follows the target.
-TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE, SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY = range(7)
-CHANNEL = 7  # stands for a prescribed motion where the number of an input is given
+TORQUE, TARGET, TARGET_VELOCITY, TIP_FORCE, SLIDER_FORCE, SLIDER_TARGET, SLIDER_TARGET_VELOCITY = range(
+    len(NAMES)
+)
+CHANNEL = len(NAMES)  # stands for a prescribed motion where the number of an input is given
 
 
 def input_field(part, k):

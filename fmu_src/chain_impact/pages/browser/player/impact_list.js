@@ -63,7 +63,7 @@ export class ImpactList {
     const texts = [
       impact.onset.toFixed(5),
       impact.what.replace(/^point /, ""),
-      impact.wall.replace(/^(joint|slider)_/, ""),
+      impact.wall.replace(/^(joint|slider)_(?=(min|max)$)/, ""),
       approachText(impact),
       reboundText(impact),
       peakText(impact),
