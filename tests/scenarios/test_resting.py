@@ -2,12 +2,15 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
+from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.resting import KINDS, LONG, SHORT, run
+from tests.helpers.scenes.problems import of_law
 
 RESTS = 1e-12  # allowed change of the energy balance over the energies in the last quarter of a run at rest
 
@@ -56,6 +59,29 @@ def test_friction_at_rest_does_no_work(kind):
 def test_friction_in_a_joint_does_no_work_in_an_hour(kind, seeds):
     """Steps of a second, each with the same round-off, added up to more than the allowed change."""
     check_rest([run(kind, seed, LONG) for seed in seeds])
+
+
+@pytest.mark.parametrize("tilt", [1e-4, 3e-4])
+def test_a_chain_that_lies_almost_flat_rests_in_long_steps(tilt):
+    """Friction of three points hardly prevents a motion that the contacts resist; steps were below 15 ms."""
+    link = {"length": 0.3, "mass": 0.5}
+    table = {
+        "name": "Flat",
+        "chain": {"base": "free", "links": [link, link]},
+        "box": {"y_min": 0.0},
+        "contact": of_law("tsuji") | {"stiffness": 1e6, "restitution": 0.3, "friction": 0.5},
+        "initial": {"position": [0.0, 1e-4], "angles": [tilt, -2.0 * tilt]},
+        "solver": {"tolerance": 1e-9, "method": "implicit"},
+    }
+    instance = Instance(scene_from_dict(table, "flat"))
+    counts = []
+    for until in (1.0, 5.0):
+        row = np.zeros(1, instance.record.dtype["output"])
+        while not instance.trajectory(np.array([until]), row):
+            instance.collect()
+        counts.append(instance.statistics)
+    for name, most in (("steps", 80), ("rejected_steps", 10)):
+        assert counts[1][name] - counts[0][name] < most
 
 
 @pytest.mark.parametrize("count", [2, 3])

@@ -22,8 +22,8 @@ def straight(spin, bend, **values):
     ("scene", "reason"),
     [
         (
-            straight(0.0, 0.01, **{"stop.minimum_impact_speed": 0.1}),
-            "is below stop.minimum_impact_speed, which",
+            straight(0.0, 0.01, **{"stop.minimum_impact_speed": 0.01}),
+            "is stop.minimum_impact_speed, which",
         ),
         (straight(1.0, 1e-4, **GRAZES), "reaches the stop so slowly that"),
         (together("zhang_sharf", "zhang_sharf", [-2.0, -2.5]), "several contacts begin at one moment, and"),

@@ -15,7 +15,7 @@ from chain_impact.kernel.tangent.trust import (
 
 REASONS = {
     GRAZING: "its point arrives so slowly that the tolerance leaves open whether it arrives at all",
-    AT_FLOOR: "its approach speed is below contact.minimum_impact_speed, which the contact law takes instead",
+    AT_FLOOR: "its approach speed is contact.minimum_impact_speed, which the law takes for a smaller speed",
     AT_ONE_TIME: "several points arrive at one moment, and the motion afterwards depends on which is first",
     JUMP: "the force of its contact law jumps where the point turns",
     NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
@@ -25,7 +25,7 @@ impact."""
 
 REASONS_AT_STOPS = REASONS | {
     GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
-    AT_FLOOR: "its joint's speed is below stop.minimum_impact_speed, which the contact law takes instead",
+    AT_FLOOR: "its joint's speed is stop.minimum_impact_speed, which the law takes for a smaller speed",
     AT_ONE_TIME: "several contacts begin at one moment, and the motion afterwards depends on which is first",
     JUMP: "the moment of its contact law jumps where the joint turns back",
 }

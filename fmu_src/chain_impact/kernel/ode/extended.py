@@ -28,8 +28,8 @@ clearances. The solution needs no linear algebra except the recursion. With x_v 
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
 impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper in joint
-i, on which K r_v + s S r_q is an impulse (chain/response.py). A point that a rigid wall constrains,
-J Δ = 0, has an impedance far larger than the mass of the chain.
+i, on which K r_v + s S r_q is an impulse (chain/response.py). A constraint, J Δ = 0 for a point at a rigid
+wall or a sticking element, has an impedance far larger than the mass of the chain (rows/constraints.py).
 
 The functions take s, x and a work ``space`` that are all real or all complex. The space holds impedances,
 loads, the resulting motion and factors, of which one ``row`` is used.
@@ -59,8 +59,8 @@ from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
 from chain_impact.kernel.forces.inputs import set_inputs
 from chain_impact.kernel.ode.dense import quadrature_rates
-from chain_impact.kernel.rows.compliance import holding_impedance, joints_loaded, solve_space
-from chain_impact.kernel.rows.constraints import any_constraint
+from chain_impact.kernel.rows.compliance import joints_loaded, solve_space
+from chain_impact.kernel.rows.constraints import any_constraint, hold_at_once
 from chain_impact.kernel.rows.geometry import (
     add_along,
     add_impedance,
@@ -175,8 +175,9 @@ def factorize_shift(d, s, space, row):
     no_impedance(d, space.impedance)
     for k in range(compliant(d)):
         add_impedance(constraint(d, k), space.impedance, contact_impedance(d, k, s))
+    hold_at_once(d)
     for k in range(compliant(d), constraint_rows(d)):
-        add_impedance(constraint(d, k), space.impedance, holding_impedance(d))
+        add_impedance(constraint(d, k), space.impedance, d.constraints.impedance[k])
     join(d, space.impedance, s)
     factorize(d, d.implicit.link, space, row, d.model.has_springs_or_dampers != 0 or joints_loaded(d))
 

@@ -62,6 +62,10 @@ GENTLE = 1e3
 # The least mobility W for which a single constraint is solved directly, relative to 1/(mean mass of a link).
 # A smaller W, as near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
+# The factor on the impedance of sticking elements for one solution in place of SWEEPS iterations, which leave
+# (1 + x)⁻ⁿ of a motion with x = D W and n = SWEEPS. One solution leaves as much with the factor
+# ((1 + x)ⁿ − 1)/x, which is n for small x, and AT_ONCE for x = 0.36. Motions with a larger x are hardly left.
+AT_ONCE = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
 # The residual of a constrained motion that may be round-off, relative to the largest motion. If NOISE is much
 # smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its energy.
@@ -112,6 +116,15 @@ def share_impedance(d):
     for i in range(friction.stuck_count):
         share = d.element.limit[d.element.stuck[i]] / most if most > 0.0 else 1.0
         d.constraints.impedance[first + i] *= max(LEAST_SHARE, share)
+
+
+def hold_at_once(d):
+    """Set the impedances with which one solution acts on the motion about as the iteration does."""
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
+        times = AT_ONCE if k >= d.touch.active_count else 1.0
+        d.constraints.impedance[k] = times * holding_impedance(d)
+    if any_sticking(d):
+        share_impedance(d)
 
 
 def factorize_free(d):

@@ -33,6 +33,7 @@ from chain_impact.kernel.tangent.trust import (
     AT_LIMIT,
     FROM_REST,
     NO_LESS,
+    OPEN,
     SLOW_CHANGE,
     TOGETHER,
     TRUSTED,
@@ -42,9 +43,6 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# The largest distance of a force from the limit of friction that errors of a run explain, relative to the
-# limit times the tolerance. At a smaller distance the choice between sticking and sliding is open.
-OPEN = 100.0
 # The largest difference between the derivatives of two event times that count as one time, relative to the
 # largest derivative.
 SAME_TIME_SLOPE = 1e-5

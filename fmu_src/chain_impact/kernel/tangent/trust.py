@@ -19,6 +19,9 @@ TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
 NO_IMPACT = -1  # the value of ``c`` in ``mark_untrusted`` if the reason is no impact and no element
 JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint or of the slider
+# The largest distance from the bound of a choice that errors of a run explain, relative to the bound's scale
+# times the tolerance. At a smaller distance the choice is open.
+OPEN = 100.0
 # A law's force jumps at rest if its values at the rates ±NEAR_REST v₀ have a relative difference of more than
 # RELATIVE_JUMP.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
@@ -47,10 +50,19 @@ def check_onsets(t):
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
         mark_untrusted(t, GRAZING, first, value(t.step.end))
-    elif not t.law.impulsive[first] and least <= value(t.law.minimum_impact_speed[first]):
+    elif not t.law.impulsive[first] and near_least_speed(t, first, least):
         mark_untrusted(t, AT_FLOOR, first, value(t.step.end))
     elif onsets > 1:
         mark_untrusted(t, AT_ONE_TIME, first, value(t.step.end))
+
+
+def near_least_speed(t, c, speed):
+    """Return whether errors decide if the v₀ of candidate c is its approach ``speed`` [m/s] or the least v₀.
+
+    Below the least v₀ the law does not depend on the approach speed, and above it does.
+    """
+    errors = OPEN * value(t.solver.tolerance) * fastest_speed(t)
+    return abs(speed - value(t.law.minimum_impact_speed[c])) <= errors
 
 
 def cannot_be_less(friction):
