@@ -314,6 +314,7 @@ def fates_of_tables(fmu):
     return fates(fmu)  # noqa: F821
 
 
+@pytest.mark.full("takes long")
 def test_no_number_in_the_table_does_harm(native, clean):
     """With a valid checksum, a wrong number is refused, or harmless."""
     found, sizes = clean(fates_of_tables, native["rod_drop"], module="broken_tables")

@@ -265,6 +265,7 @@ def misspelt(chance, name):
     return name
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_misspelt_name_gets_the_same_proposal(script, seed):
     chance, known = random(seed), [*recorded("four_link_box").columns, "contact.stiffness", "link[1].length"]

@@ -11,6 +11,7 @@ from tests.pictures.pictures import recorded
 FORCES = "contact[*].x_*.force"
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize(
     ("shape", "size", "options"),
     [

@@ -43,6 +43,7 @@ def test_the_hardest_impacts_are_numbered_first():
     assert texts(speeds)[0] == "3"
 
 
+@pytest.mark.full("takes long")
 def test_of_many_impacts_at_equal_distances_every_kth_is_numbered():
     page = recorded("bouncing_table").plot(size=(84 / 25.4, None))
     (axes,) = (one for one in page.axes if one.get_label() == "impacts")

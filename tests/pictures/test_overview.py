@@ -121,6 +121,7 @@ def test_the_motion_fills_its_panel(name):
     assert box.width > 0.4 * page.bbox.width or box.height > 0.85 * height
 
 
+@pytest.mark.full("takes long")
 def test_a_broad_motion_has_the_whole_width():
     page, *_ = drawn(recorded("clattering_rod"))
     motion, _, energy, _ = page.axes
@@ -219,6 +220,7 @@ def test_texts_fit_a_page_of_any_width(model, width):
     check_rules(page)
 
 
+@pytest.mark.full("takes long")
 def test_a_page_that_is_too_low_is_refused_and_one_as_high_as_told_is_drawn():
     result, panels = recorded("sliding_rod"), ["energy", "friction"]
     with pytest.raises(ValueError, match=r"^size = \(6, 2\) must be at least [\d.]+ high") as refused:
@@ -244,6 +246,7 @@ def test_fonts_follow_the_settings_of_matplotlib():
     assert axes.xaxis.label.get_fontfamily() == ["serif"]
 
 
+@pytest.mark.full("takes long")
 def test_files_have_text_and_no_type_3_fonts(tmp_path):
     """Both the package and the user of a figure can write the files."""
     result = recorded("rod_drop")
@@ -358,6 +361,7 @@ def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
     assert np.ptp([axes.bbox.x0 for axes in page.axes]) < 1.0
 
 
+@pytest.mark.full("takes long")
 def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
     page = recorded("rod_drop").plot(size=(WIDTHS[0], None))
     motion, speeds = (
@@ -372,7 +376,8 @@ def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
     assert told == {*range(1, len(recorded("rod_drop").impacts) + 1)}
 
 
-@pytest.mark.parametrize("model", ["hopping_leg", "kneed_leg"])
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("model", ["kneed_leg", "hopping_leg"])
 def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model):
     page = recorded(model).plot(size=(WIDTHS[1], None))
     page.draw_without_rendering()

@@ -58,7 +58,7 @@ def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
     assert f"FourLinkBox: {len(found)} run" in page.get_suptitle()
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("width", [84, 120, 190])  # mm
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_page_of_any_width_has_all_panels(kind, width):
@@ -139,6 +139,7 @@ def test_maps_are_the_columns_with_ordered_axes():
     assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(("width", "across"), [(4.7, 1), (7.5, 1), (10.8, 3)])
 def test_three_maps_leave_no_gap(width, across):
     vary = {"contact.restitution": "0.4,0.8", "contact.stiffness": "1e6,1e8"}
