@@ -9,7 +9,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 PROGRAMS = (
-    "docs/generate.py",  # tables in the docs, the schema of scene files
+    "-m docs.tools.generate",  # tables in the docs, the schema of scene files
     "packaging/c_header.py",  # shared.h
     "tests/repository/test_public_api.py",  # public_api.txt
 )
@@ -17,5 +17,5 @@ PROGRAMS = (
 
 if __name__ == "__main__":
     for program in PROGRAMS:
-        subprocess.run([sys.executable, program], cwd=ROOT, check=True)
+        subprocess.run([sys.executable, *program.split()], cwd=ROOT, check=True)
     subprocess.run(["git", "status", "--short"], cwd=ROOT, check=True)

@@ -1,4 +1,4 @@
-"""The kernel compared with the kernel of another commit: ``python benchmarks/against.py REVISION``.
+"""The kernel compared with the kernel of another commit: ``python -m benchmarks against REVISION``.
 
 The package of each side makes instances of the same scenes and its own kernel (against_side.py). Both kernels
 then run in this process, in turn, and the records ``output`` and ``statistics`` after a run are compared byte
@@ -7,8 +7,6 @@ commit does not reset all of a used record.
 """
 
 from __future__ import annotations
-
-import common  # isort: skip
 
 import argparse
 import ctypes
@@ -23,6 +21,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+
+from benchmarks import common
 
 ROUNDS = 15
 LINE, PLACE = 64, 16  # bytes: NumPy puts large arrays 16 bytes after the start of a line of the cache

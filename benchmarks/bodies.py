@@ -1,18 +1,17 @@
-"""A brick whose four corners may touch, against a brick with two such corners: ``benchmarks/bodies.py``.
+"""A brick whose four corners may touch, against a brick with two such corners.
 
-The brick bounces on its two lower corners. All four corners are points of its link; or only the two lower
-ones touch, as the ends of the link, which lies along the bottom. The motion and its contacts are the same. So
-the ratio of times is the cost of points beside the line of a link, and of corners that might touch.
+``python -m benchmarks bodies``. The brick bounces on its two lower corners. All four corners are points of
+its link; or only the two lower ones touch, as the ends of the link, which lies along the bottom. The motion
+and its contacts are the same. So the ratio of times is the cost of points beside the line of a link, and of
+corners that might touch.
 """
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 from typing import Any
 
-from peers.ours import Kernel
-
+from benchmarks import common
+from benchmarks.peers.ours import Kernel
 from chain_impact.scene.scene import Scene, scene_from_dict
 
 BREADTH, HEIGHT, MASS = 0.25, 0.12, 3.5  # m, m, kg

@@ -1,4 +1,4 @@
-"""The cost of a call without its run: ``python benchmarks/calls.py [--quick]``.
+"""The cost of a call without its run: ``python -m benchmarks calls [--quick]``.
 
 Calls of ``simulate()``: the default scene to 1.2 s, in CPU time, relative to the time of a run in a sweep
 with one thread. Steps of 1 ms in FMPy, with one output; the steps of an FMU without any content show the time
@@ -7,8 +7,6 @@ them.
 """
 
 from __future__ import annotations
-
-import common  # isort: skip
 
 import math
 import subprocess
@@ -20,6 +18,7 @@ from typing import Any
 
 import fmpy
 
+from benchmarks import common
 from chain_impact import build_fmu, load_scene, simulate, sweep
 
 STOP, ROW = 1.2, 1e-3  # s

@@ -15,10 +15,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from balls import SLACK, Matrix, RefusalError, Row
 from flint import arb, arb_poly, arb_series, ctx
 from scipy.linalg import cholesky, eigh, solve_continuous_lyapunov
-from step_equations import Step
+
+from benchmarks.balls import SLACK, Matrix, RefusalError, Row
+from benchmarks.step_equations import Step
 
 NO_EVENT, ONE_EVENT, UNDECIDED = "no event", "one event", "undecided"
 ORDER = 12  # degree of the Taylor polynomials in a part of a step

@@ -7,8 +7,6 @@ through zero that the run misses is a fault, and so is a proof that contradicts 
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import sys
 import time
 from collections import Counter
@@ -16,11 +14,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from certificate import NO_EVENT, UNDECIDED, certify
 from flint import arb, arb_series, ctx
 from scipy.integrate import solve_ivp
-from step_equations import Step
 
+from benchmarks import common
+from benchmarks.certificate import NO_EVENT, UNDECIDED, certify
+from benchmarks.step_equations import Step
 from chain_impact import load_scene
 from chain_impact.kernel.forces.contact_law import HARMLESS, USER_LAW
 from chain_impact.kernel.status import OK

@@ -17,14 +17,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, TypeVar
 
-# set these variables before the import of numpy and numba; therefore this module is imported first
 PORTABLE_CPU = "x86-64-v2"  # the target of the shipped kernel, see compilation/compilers.py
-os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = PORTABLE_CPU, ""
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
-os.environ["CHAIN_IMPACT_RELEASE"] = "1"  # a kernel for each number of links up to ten, as in a release
+RELEASE = "CHAIN_IMPACT_RELEASE"  # variable: a kernel for each number of links up to ten, as in a release
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))  # gives access to the tests' modules
 RESULTS = Path(__file__).parent / "results"
 IMAGES = ROOT / "docs" / "images"
 DPI = 140  # resolution of the charts
@@ -136,7 +132,12 @@ def levelled(
 
 
 def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return machine, versions, commit and date of this run; ``packages`` are further packages."""
+    """Return machine, versions, commit and date of this run; ``packages`` are further packages.
+
+    Ends a process without the settings of a release, which ``python -m benchmarks`` makes.
+    """
+    if RELEASE not in os.environ:
+        sys.exit("run: python -m benchmarks NAME")
     further = {name: _version(name) for name in packages}
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -176,8 +177,9 @@ def picture(
 ) -> None:
     """Draw docs/images/bench_<name>.png from <record or name>.json: ``draw(figure, record)``."""
     import matplotlib as mpl
-    from looks import STYLE
     from matplotlib.figure import Figure
+
+    from benchmarks.looks import STYLE
 
     with mpl.rc_context(STYLE):
         page = Figure(figsize=size, dpi=DPI, layout="constrained")

@@ -1,4 +1,4 @@
-"""The error of a cheaper model: ``python benchmarks/fidelity.py [--quick]``.
+"""The error of a cheaper model: ``python -m benchmarks fidelity [--quick]``.
 
 The true solution is the default scene with the stiffness of steel and the law zhang_sharf, by the reference
 of reference.py. Every choice of a stiffness, a tolerance and a law is judged by the state at the end and by
@@ -8,20 +8,19 @@ thousandth.
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from looks import OURS
 from matplotlib import colormaps
 from matplotlib.ticker import LogLocator
-from peers.ours import Kernel
-from problems import PROBLEMS, STEEL
-from race import judge
 
+from benchmarks import common
+from benchmarks.looks import OURS
+from benchmarks.peers.ours import Kernel
+from benchmarks.problems import PROBLEMS, STEEL
+from benchmarks.race import judge
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.style import BLUE, headline, number
 from chain_impact.scene.scene import Scene, with_values

@@ -1,4 +1,4 @@
-"""MuJoCo with dry friction: ``python benchmarks/friction.py [--quick]``.
+"""MuJoCo with dry friction: ``python -m benchmarks friction [--quick]``.
 
 A rod that rests on a slope by friction: how fast does it creep, and what does that cost? Two links that are
 thrown onto a floor with friction: the error of the state in motion and at rest against the cost. MuJoCo's
@@ -13,8 +13,6 @@ contact that cannot move in both directions.
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -22,10 +20,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from looks import OURS, strong
-from peers.ours import Kernel
-from race import ROUNDS, Entries, race, seconds_at
 
+from benchmarks import common
+from benchmarks.looks import OURS, strong
+from benchmarks.peers.ours import Kernel
+from benchmarks.race import ROUNDS, Entries, race, seconds_at
 from chain_impact import simulate
 from chain_impact.pictures.style import BLUE, GREEN, INK, PURPLE, SKY, headline
 from chain_impact.scene.candidates import candidates

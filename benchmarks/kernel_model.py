@@ -20,9 +20,6 @@ those of CVODE, named ``cvode_``, have the dissipated energy, too.
 
 from __future__ import annotations
 
-# common.py comes before numba, and adds the folder of the tests to Python's path
-import common  # isort: skip  # noqa: F401
-
 import ctypes
 import hashlib
 import subprocess
@@ -33,6 +30,7 @@ from pathlib import Path
 import numpy as np
 from numba import float64, int32, int64, types, void
 
+from benchmarks import common
 from chain_impact.compilation import compilers, ready
 from chain_impact.compilation.cache import get_or_make
 from chain_impact.compilation.collecting import collect_only
@@ -361,10 +359,11 @@ def built(links: int) -> Path:
     """Return the library for a number of links, compiled if it is not cached."""
     here, exact = Path(__file__), ready.exact_sizes(links)
     name = f"{here.stem}-{digest(here)}"
-    program = f"import sys; sys.path.insert(0, {str(here.parent)!r}); import kernel_model; "
+    program = "from benchmarks import kernel_model; "
 
     def write(file: Path) -> None:
-        subprocess.run([sys.executable, "-c", f"{program}kernel_model.lower({str(file)!r})"], check=True)
+        lower_file = f"{program}kernel_model.lower({str(file)!r})"
+        subprocess.run([sys.executable, "-c", lower_file], cwd=common.ROOT, check=True)
 
     return get_or_make(
         f"{name}-{exact or 'any'}.so", lambda file: link(get_or_make(f"{name}.ll", write), exact, file)

@@ -1,4 +1,4 @@
-"""A measured arm under torque, with dry friction in its joints: ``python benchmarks/measured_arm.py FOLDER``.
+"""A measured arm under torque, with dry friction in its joints: ``python -m benchmarks measured_arm FOLDER``.
 
 FOLDER is ``data/experiment_records/design_C.1/sys_id/20230629`` of dfki-ric-underactuated-lab/double_pendulum
 (BSD-3-Clause, commit 1e8544e): a double pendulum with motors in both joints, whose angles and torques were
@@ -12,8 +12,6 @@ upright, errors grow fast.
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import argparse
 import math
 from pathlib import Path
@@ -23,6 +21,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
+from benchmarks import common
 from chain_impact import simulate
 from chain_impact.scene.scene import Scene, scene_from_dict
 

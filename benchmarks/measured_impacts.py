@@ -1,4 +1,4 @@
-"""Measured impacts with friction: ``python benchmarks/measured_impacts.py FOLDER``.
+"""Measured impacts with friction: ``python -m benchmarks measured_impacts FOLDER``.
 
 FOLDER is ``processed_data`` of the repository mcubelab/planar-impact-dataset (Fazeli, Donlon, Drumwright &
 Rodriguez 2017). The repository has no licence, so this project contains only aggregates of its data.
@@ -13,8 +13,6 @@ In the data x points to the other side than angles say: with −x, torques follo
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import argparse
 import math
 from dataclasses import dataclass
@@ -25,6 +23,7 @@ import numpy as np
 from scipy.io import loadmat
 from scipy.optimize import minimize
 
+from benchmarks import common
 from chain_impact import Fit, fit, simulate
 from chain_impact.scene.scene import Scene, scene_from_dict
 

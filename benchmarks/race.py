@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from peers import Outcome
-from problems import Problem
+
+from benchmarks import common
+from benchmarks.peers import Outcome
+from benchmarks.problems import Problem
 
 ROUNDS, SPAN = 5, 0.02
 Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]]

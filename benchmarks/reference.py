@@ -1,4 +1,4 @@
-"""References independent of the kernel's equations: ``python benchmarks/reference.py [problem …]``.
+"""References independent of the kernel's equations: ``python -m benchmarks reference [problem …]``.
 
 Equations of motion assembled by the textbook (tests/helpers/models/textbook.py), integrated in 80-bit
 arithmetic (round-off 5e-20) by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner
@@ -10,15 +10,14 @@ named keep their stored results.
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import sys
 import time
 from typing import Any
 
 import numpy as np
-from problems import PROBLEMS, Problem
 
+from benchmarks import common
+from benchmarks.problems import PROBLEMS, Problem
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene

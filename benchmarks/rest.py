@@ -1,4 +1,4 @@
-"""Drop to rest against CVODE from C: ``python benchmarks/rest.py``; needs libsundials-dev and gcc.
+"""Drop to rest against CVODE from C: ``python -m benchmarks rest``; needs libsundials-dev and gcc.
 
 The default chain falls into its box and comes to rest; 10 s, tolerance 1e-6. CVODE has the kernel's own
 right-hand side, compiled the same way, and its events (peers/cvode.py).
@@ -6,18 +6,17 @@ right-hand side, compiled the same way, and its events (peers/cvode.py).
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import sys
 from typing import Any
 
 import numpy as np
-from kernel_model import MARGIN, POSITION_ERROR
-from looks import OURS, strong
-from peers import MissingError
-from peers.cvode import BUDGET, COUNTS, Cvode, driver
-from peers.ours import OnInstance
 
+from benchmarks import common
+from benchmarks.kernel_model import MARGIN, POSITION_ERROR
+from benchmarks.looks import OURS, strong
+from benchmarks.peers import MissingError
+from benchmarks.peers.cvode import BUDGET, COUNTS, Cvode, driver
+from benchmarks.peers.ours import OnInstance
 from chain_impact.pictures.style import BLUE, INK, headline, number
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.instance import Instance

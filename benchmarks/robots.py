@@ -1,6 +1,6 @@
 """Robots from files against MuJoCo: the joints move alike for 0.5 s, or a message names the cause.
 
-    python benchmarks/robots.py [--joints NAMES] FILE…
+    python -m benchmarks robots [--joints NAMES] FILE…
 
 MuJoCo gives the forces and the mass matrix of each file, without contacts, limits and dry friction; SciPy
 integrates them, with held joints at rest. At the start each joint moves. A robot that is no planar chain is

@@ -1,4 +1,4 @@
-"""The success of methods at many stiffnesses and restitutions: ``python benchmarks/stability.py``.
+"""The success of methods at many stiffnesses and restitutions: ``python -m benchmarks stability``.
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
 impacts and sustained contact in 3 s. Each cell of the map is one run with a budget of CPU time. The peers are
@@ -6,8 +6,6 @@ in the folder peers/.
 """
 
 from __future__ import annotations
-
-import common  # isort: skip
 
 import math
 import time
@@ -19,9 +17,10 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
-from peers.on_kernel import OnKernel
-from peers.scipy import Scipy
 
+from benchmarks import common
+from benchmarks.peers.on_kernel import OnKernel
+from benchmarks.peers.scipy import Scipy
 from chain_impact.pictures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError

@@ -14,9 +14,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from balls import Matrix, Row
 from flint import arb, arb_poly, arb_series, ctx
 
+from benchmarks.balls import Matrix, Row
 from chain_impact.kernel.events.marks import END, ONSET
 from chain_impact.kernel.ode.dense import POWERS
 

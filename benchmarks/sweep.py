@@ -1,4 +1,4 @@
-"""Runs per second of a sweep with 1, 2 and 4 threads: ``python benchmarks/sweep.py [--quick]``.
+"""Runs per second of a sweep with 1, 2 and 4 threads: ``python -m benchmarks sweep [--quick]``.
 
 The default scene to 0.6 s with two impacts, tolerance 1e-6, and many restitutions. The sweeps with 1, 2 and 4
 threads are timed in turn, so that other work on the machine slows all of them; CPU time counts this process
@@ -7,8 +7,6 @@ only. A loop that calls ``simulate()`` is timed for comparison.
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import os
 import time
 from collections.abc import Callable
@@ -16,6 +14,7 @@ from functools import partial
 
 import numpy as np
 
+from benchmarks import common
 from chain_impact import load_scene, simulate, sweep
 
 STOP, TOLERANCE = 0.6, 1e-6

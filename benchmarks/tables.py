@@ -1,4 +1,4 @@
-"""Fill pages with tables and figures: ``python benchmarks/tables.py [--charts]``.
+"""Fill pages with tables and figures: ``python -m benchmarks tables [--charts]``.
 
 The numbers come from benchmarks/results. The script replaces the text between ``<!-- name -->`` and ``<!--
 end -->`` in a page by the result of the function ``name``, without line breaks inside a line. The option
@@ -7,20 +7,13 @@ end -->`` in a page by the result of the function ``name``, without line breaks 
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import re
 import sys
 from collections.abc import Iterable
 from typing import Any
 
-import fidelity
-import friction
-import peers
-import rest
-import stability
-import work_precision
-from problems import PROBLEMS, STEEL
+from benchmarks import common, fidelity, friction, peers, rest, stability, work_precision
+from benchmarks.problems import PROBLEMS, STEEL
 
 CHARTS = (fidelity, friction, rest, stability, work_precision)
 NO_DRIFT = 1e-9  # µm/s, below which a drift is round-off

@@ -1,4 +1,4 @@
-"""Speed against accuracy: ``python benchmarks/work_precision.py [--quick]``.
+"""Speed against accuracy: ``python -m benchmarks work_precision [--quick]``.
 
 Chains of 4, 10 and 30 links that hit walls, at tolerances from 1e-2 to 1e-12, judged by the references of
 reference.py: how far off the tip is at the end, and the onsets of impacts. *chain-impact* is a call of
@@ -10,22 +10,19 @@ cache, which compiles a kernel, is not timed.
 
 from __future__ import annotations
 
-import common  # isort: skip
-
 import os
 import resource
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 from typing import Any
 
-import peers
-from looks import LOOKS, look
 from matplotlib.lines import Line2D
-from problems import PROBLEMS
-from race import ROUNDS, judge, race, seconds_at
 
+from benchmarks import common, peers
+from benchmarks.looks import LOOKS, look
+from benchmarks.problems import PROBLEMS
+from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.style import INK, headline, number
 
@@ -33,9 +30,8 @@ NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 DEFAULT = 1e-8  # tolerance of a scene
 PUBLIC = "chain-impact"
-FIRST = """import sys; sys.path.insert(0, {folder!r})
-import common, peers
-from problems import PROBLEMS
+FIRST = """from benchmarks import peers
+from benchmarks.problems import PROBLEMS
 peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
 SIZE = (13.0, 7.6)  # inches, of the chart
@@ -58,10 +54,10 @@ def start_up(name: str, cache: str = "") -> float | None:
 
     With an empty cache the process compiles the kernel.
     """
-    program = FIRST.format(folder=str(Path(__file__).parent), family=peers.FAMILIES[name], name=name)
+    program = FIRST.format(family=peers.FAMILIES[name], name=name)
     environment = os.environ | ({"CHAIN_IMPACT_CACHE": cache} if cache else {})
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([sys.executable, "-c", program], env=environment, check=False)
+    done = subprocess.run([sys.executable, "-c", program], cwd=common.ROOT, env=environment, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return None if done.returncode else common.rounded(spent, 3)

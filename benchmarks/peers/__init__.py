@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from problems import Onsets, Problem
+
+from benchmarks.problems import Onsets, Problem
 
 FAMILIES = {
     "chain-impact": "ours",

@@ -11,13 +11,13 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from kernel_model import CVODE, built, digest
-from problems import Problem
 
+from benchmarks.kernel_model import CVODE, built, digest
+from benchmarks.peers import Contender, MissingError, Outcome
+from benchmarks.peers.ours import OnInstance
+from benchmarks.problems import Problem
 from chain_impact.compilation.cache import get_or_make
 from chain_impact.scene.scene import Scene
-from peers import Contender, MissingError, Outcome
-from peers.ours import OnInstance
 
 DRIVER = Path(__file__).with_suffix(".c")
 SUNDIALS = ("cvode", "nvecserial", "sunlinsoldense", "sunmatrixdense", "sunnonlinsolfixedpoint")

@@ -12,13 +12,13 @@ from typing import Any
 
 import heyoka as hy
 import numpy as np
-from problems import Problem
 
+from benchmarks.peers import Contender, MissingError, Outcome
+from benchmarks.peers.on_kernel import OnKernel
+from benchmarks.problems import Problem
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene
-from peers import Contender, MissingError, Outcome
-from peers.on_kernel import OnKernel
 
 SKIP = 1e-9  # s
 MOST_LINKS = 10  # the expressions grow with N²

@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from numbalsoda import solve_ivp
-from problems import Problem
 
-from peers import Contender, Outcome
-from peers.on_kernel import OnKernel
+from benchmarks.peers import Contender, Outcome
+from benchmarks.peers.on_kernel import OnKernel
+from benchmarks.problems import Problem
 
 
 @njit

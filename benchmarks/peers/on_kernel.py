@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import ctypes
 
-import kernel_model
 import numpy as np
 
+from benchmarks import kernel_model
+from benchmarks.peers import Outcome
+from benchmarks.peers.ours import OnInstance
 from chain_impact.scene.scene import Scene
-from peers import Outcome
-from peers.ours import OnInstance
 
 
 class OnKernel(OnInstance):

@@ -11,14 +11,14 @@ from typing import Any
 
 import fmpy.fmi2
 import numpy as np
-from problems import PROBLEMS, Onsets, Problem
 
+from benchmarks.peers import Contender, Outcome
+from benchmarks.problems import PROBLEMS, Onsets, Problem
 from chain_impact import build_fmu
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.simulate import simulate
-from peers import Contender, Outcome
 
 STEP = 1e-3  # s, of the FMU
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from problems import Problem
 from scipy.integrate import solve_ivp
 
+from benchmarks.peers import Contender, Outcome
+from benchmarks.peers.on_kernel import OnKernel
+from benchmarks.problems import Problem
 from chain_impact.scene.scene import Scene
-from peers import Contender, Outcome
-from peers.on_kernel import OnKernel
 
 BEYOND = 1e-9  # m, depth without a contact at which an onset was missed
 

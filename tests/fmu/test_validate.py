@@ -7,6 +7,7 @@ import itertools
 import re
 import struct
 import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -23,6 +24,7 @@ from tests.helpers.tools.planted_faults import (
     BINARIES,
     BINARY,
     FAULTS,
+    FOUND,
     MISSED,
     SUFFIX,
     WHOLE,
@@ -75,6 +77,15 @@ def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
 
 
 # --- faults of the model description ---------------------------------------------------------------------
+
+
+def test_the_page_states_how_many_planted_faults_are_found():
+    text = (Path(__file__).parents[2] / "docs" / "check_fmu.md").read_text("utf-8")
+    stated = re.search(r"plant (\d+) .* and (\d+) .* FMPy finds (\d+) and (\d+)\.", text).groups()
+    planted = [len(some) + len(WHOLE) for some in FAULTS.values()]
+    by_fmpy = [sum(fault.by_fmpy == FOUND for fault in some.values()) for some in FAULTS.values()]
+    assert [*map(int, stated)] == [*planted, *by_fmpy]
+
 
 CASES = [(version, name) for version, faults in FAULTS.items() for name in faults]
 

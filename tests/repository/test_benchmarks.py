@@ -3,9 +3,7 @@
 import importlib
 import json
 import math
-import os
 import re
-import sys
 from pathlib import Path
 
 import matplotlib as mpl
@@ -25,21 +23,8 @@ FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
 
 @pytest.fixture(scope="module")
 def charts():
-    """Import a module of the benchmarks by name without a change of path, modules and environment."""
-    environment, modules = dict(os.environ), set(sys.modules)
-    sys.path.insert(0, str(BENCHMARKS))
-
-    def load(name):
-        module = importlib.import_module(name)
-        os.environ.clear()  # common.py sets numba's target processor
-        os.environ.update(environment)
-        return module
-
-    yield load
-    sys.path.remove(str(BENCHMARKS))
-    for name in set(sys.modules) - modules:
-        if BENCHMARKS in Path(getattr(sys.modules[name], "__file__", None) or "/").parents:
-            del sys.modules[name]
+    """Return a function that imports a module of the benchmarks by name."""
+    return lambda name: importlib.import_module(f"benchmarks.{name}")
 
 
 # --- the charts of the docs, drawn from the stored figures --------------------------------------------------

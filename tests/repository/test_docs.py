@@ -11,16 +11,14 @@ from html import unescape
 from pathlib import Path
 from typing import NamedTuple
 
-import build_site
-import generate
 import pytest
-import try_it
 
 from chain_impact import cli
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import scene_keys
+from docs.tools import build_site, generate, try_it
 from tests.helpers.tools.processes import Processes
 
 ROOT = Path(__file__).parents[2]
@@ -107,7 +105,7 @@ def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
         ]
         wrong += [(page.name, command) for command in others(page) if not is_known(command)]
         if page in DOCS and text != generate.filled(text):
-            wrong.append((page.name, "run: python docs/generate.py"))
+            wrong.append((page.name, "run: python -m docs.tools.generate"))
     assert wrong == []
     assert count > 10
     names = {found[1] for page in DOCS for found in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))}
@@ -136,9 +134,12 @@ def others(page):
 
 def is_known(command):
     """Return whether it is a program of KNOWN or a script of the repository."""
-    script = re.match(r"(?:\.venv/bin/)?python (?:([\w/]+)\.py|-m (tests\.\w+))\b", command)
+    script = re.match(
+        r"(?:\.venv/bin/)?python (?:([\w/]+)\.py|-m (tests|docs|benchmarks)[. ]([\w.]+))", command
+    )
     if script:
-        return (ROOT / f"{script[1] or script[2].replace('.', '/')}.py").is_file()
+        file = script[1] or f"{script[2]}/{script[3].replace('.', '/')}"
+        return (ROOT / f"{file}.py").is_file()
     return KNOWN.match(re.sub(r"^(?:[A-Z_]+=\S+ )+", "", command))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import chain_impact
 
 ROOT = Path(__file__).parents[2]
-FOLDERS = (".", ".ci", "benchmarks", "benchmarks/peers", "docs", "models/*", "packaging")
+FOLDERS = (".", ".ci", "benchmarks", "benchmarks/peers", "docs/tools", "models/*", "packaging")
 SCRIPTS = sorted(file for folder in FOLDERS for file in ROOT.glob(f"{folder}/*.py"))
 
 
@@ -52,6 +52,7 @@ def test_what_scripts_import_from_the_package_and_the_tests_is_there():
 
 def test_the_programs_that_write_generated_files_exist():
     text = (ROOT / ".ci" / "regenerate.py").read_text(encoding="utf-8")
-    programs = re.findall(r'^    "(\S+\.py)",', text, re.MULTILINE)
-    assert len(programs) == 3
-    assert [program for program in programs if not (ROOT / program).is_file()] == []
+    programs = re.findall(r'^    "(?:-m )?(\S+?)(?:\.py)?",', text, re.MULTILINE)
+    files = [ROOT / f"{program.replace('.', '/')}.py" for program in programs]
+    assert len(files) == 3
+    assert [file for file in files if not file.is_file()] == []

@@ -1,13 +1,11 @@
 """Measured motions: the models' distances from the measurements, the files of measured values, the charts."""
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 from PIL import Image
 
 from chain_impact import simulate
+from tests.helpers.literature import beside_measurements
 from tests.helpers.literature.measured import heard_impacts, measured
 
 MODELS = ("golf_ball", "triple_pendulum")
@@ -59,12 +57,8 @@ def test_heights_of_the_golf_ball_follow_from_the_measured_times():
 
 @pytest.mark.full("takes long")
 def test_the_charts_are_drawn(tmp_path):
-    path = Path(__file__).parents[2] / "docs" / "gallery.py"
-    spec = importlib.util.spec_from_file_location("gallery", path)
-    charts = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(charts)
-    charts.draw(tmp_path)
+    beside_measurements.draw(tmp_path)
     assert {file.stem for file in tmp_path.iterdir()} == {*MODELS, "steel_bar"}
     for file in tmp_path.iterdir():  # the picture in the docs shows the same text
-        with Image.open(file) as now, Image.open(path.parent / "images" / file.name) as committed:
+        with Image.open(file) as now, Image.open(beside_measurements.IMAGES / file.name) as committed:
             assert committed.text == now.text

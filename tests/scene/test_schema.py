@@ -9,7 +9,6 @@ import sys
 import tomllib
 from pathlib import Path
 
-import generate
 import pytest
 from hypothesis import given
 from jsonschema import Draft7Validator
@@ -17,6 +16,7 @@ from jsonschema import Draft7Validator
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SCENE_FILE, load_scene, model_names, scene_from_dict, scene_to_dict
+from docs.tools import generate
 from tests.scene.scene_files import scene_dicts
 
 ROOT = Path(__file__).parents[2]
@@ -26,7 +26,7 @@ SCHEMA = Draft7Validator(json.loads(FILE.read_text(encoding="utf-8")))
 
 def test_the_file_is_a_schema_and_up_to_date():
     Draft7Validator.check_schema(SCHEMA.schema)
-    assert FILE.read_text(encoding="utf-8") == generate.schema_text(), "run: python docs/generate.py"
+    assert FILE.read_text(encoding="utf-8") == generate.schema_text(), "run: python -m docs.tools.generate"
 
 
 def keys(schema):

@@ -4,5 +4,6 @@
 - ``validation``: THE list of problems, which docs/validation.md shows; it has most of the problems
 - ``friction_figures``: problems with dry friction; ``coulomb_literature`` has their scenes
 - ``measured``: measured motions; ``stored``: values of other programs; ``walker``: a walker with knees
+- ``validation_table``, ``beside_measurements``: the table and the pictures of the docs
 - ``asked_elsewhere``: questions from public threads about other programs
 """

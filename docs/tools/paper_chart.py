@@ -1,4 +1,4 @@
-"""Draw curves of an impact of the default scene in the paper's layout: ``python docs/paper_chart.py``.
+"""Draw curves of an impact of the default scene in the paper's layout: ``python -m docs.tools.paper_chart``.
 
 Deformation, its rate and acceleration, force, impulse and energy in the first impact, for some contact laws.
 """
@@ -6,7 +6,6 @@ Deformation, its rate and acceleration, force, impulse and energy in the first i
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -14,8 +13,9 @@ from matplotlib.figure import Figure
 
 from chain_impact import Chain, load_scene, simulate
 from chain_impact.pictures.style import DPI, PALETTE, STYLE
+from docs.tools import DOCS
 
-PICTURE = Path(__file__).parent / "images" / "paper.png"
+PICTURE = DOCS / "images" / "paper.png"
 SCENE, LAWS = "four_link_box", ("hertz", "hunt_crossley", "lankarani_nikravesh", "flores", "zhang_sharf")
 POINTS = 201  # number of times from onset to end; curves leave out both ends
 WALL = "y_min"

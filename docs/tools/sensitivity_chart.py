@@ -1,4 +1,4 @@
-"""Draw the influence of parameters of the default scene over time: ``python docs/sensitivity_chart.py``.
+"""Draw the influence of the default scene's parameters over time: ``python -m docs.tools.sensitivity_chart``.
 
 The chart shows the motion of the tip, and the change of each impact's peak force, for a growth of one
 parameter by 1 %: to first order p ∂y/∂p, from one run with derivatives. Of parameters of a kind, the most
@@ -22,8 +22,9 @@ from chain_impact.pictures.changes import calm
 from chain_impact.pictures.over_time import mark_impacts
 from chain_impact.pictures.style import BLACK, DPI, PALETTE, STYLE, headline, number
 from chain_impact.recording.sensitivity import Sensitivities
+from docs.tools import DOCS
 
-PICTURE = Path(__file__).parent / "images" / "sensitivity_chart.png"
+PICTURE = DOCS / "images" / "sensitivity_chart.png"
 SCENE, STOP, TIP = "four_link_box", 1.2, 4  # six impacts
 KINDS = {
     "contact stiffness": ("contact.stiffness",),

@@ -1,4 +1,4 @@
-"""Draw the pages in Chromium, ``images/animation.png`` and ``explore.png``: ``python docs/screenshot.py``."""
+"""Draw the pages in Chromium, ``animation.png`` and ``explore.png``: ``python -m docs.tools.screenshot``."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from playwright.sync_api import ViewportSize, sync_playwright
 from chain_impact import explore, load_scene
 from chain_impact.results.animate import animate
 from chain_impact.studies.animate import record_slowly
+from docs.tools import DOCS
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = DOCS / "images"
 SIZE: ViewportSize = {"width": 1280, "height": 760}
 # pixels, of the page that shows the parameters beside the scene
 WIDER: ViewportSize = {"width": 1366, "height": 760}

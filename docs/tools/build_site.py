@@ -1,4 +1,4 @@
-"""Build the site in ``site/``: ``python docs/build_site.py``. With ``--serve`` show it while you write.
+"""Build the site in ``site/``: ``python -m docs.tools.build_site``. With ``--serve`` show it while you write.
 
 Zensical reads ``mkdocs.yml``. Zensical cannot read notebooks, so this script first runs the notebooks and
 converts them into pages. The pages that simulate are written by ``try_it.py``.
@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
-import try_it
+from docs.tools import DOCS, try_it
 
-DOCS = Path(__file__).parent
 SITE = DOCS.parent / "site"
 SHIM = "https://unpkg.com/iframe-worker/shim"
 GITHUB = "https://github.com/"
@@ -66,8 +66,8 @@ def add_links(folder: Path, address: str) -> None:
 
 def finish() -> None:
     """Make Zensical's output independent of the network and of the repository."""
-    for script in (*SITE.glob("*.py"), *SITE.glob(WORDS.name)):  # Zensical copies every file of docs/
-        script.unlink()
+    shutil.rmtree(SITE / "tools")  # Zensical copies every file of docs/
+    (SITE / WORDS.name).unlink()
     for page in SITE.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
         # links lead to the notebook in the repository, and to its page in the site

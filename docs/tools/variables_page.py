@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from markdown_text import code, short_description
-
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.scene.names import AXES, INPUTS_OF
@@ -17,6 +15,7 @@ from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.words import OF_STOPS
+from docs.tools.markdown_text import code, short_description
 
 
 def variable_patterns() -> str:

@@ -1,4 +1,4 @@
-"""Fill the tables of the docs from the code: ``python docs/generate.py``.
+"""Fill the tables of the docs from the code: ``python -m docs.tools.generate``.
 
 The script replaces the text between ``<!-- generated: name -->`` and ``<!-- end -->`` in a page by the result
 of the function ``name`` in TABLES, and writes the number of laws into the texts that state it. It also writes
@@ -10,24 +10,17 @@ from __future__ import annotations
 import json
 import math
 import re
-import sys
 from collections.abc import Sequence
-from pathlib import Path
-
-from command_help import command_line
-from markdown_text import code, table
-from scene_page import scene_reference
-from scene_schema import schema
-from variables_page import statuses, variable_patterns, walls
 
 from chain_impact import sphere_plane_stiffness
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
+from docs.tools import DOCS
+from docs.tools.command_help import command_line
+from docs.tools.markdown_text import code, table
+from docs.tools.scene_page import scene_reference
+from docs.tools.scene_schema import schema
+from docs.tools.variables_page import statuses, variable_patterns, walls
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
-from tests.helpers.tools.planted_faults import FAULTS, FOUND, WHOLE
-
-DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
 WITH_LAW_COUNT = [DOCS.parent / name for name in ("README.md", "CITATION.cff")]
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
@@ -132,16 +125,6 @@ def restitutions() -> str:
     return table(("metal", "Y [MPa]", *(f"e at {speed:g} m/s" for speed in SPEEDS)), rows)
 
 
-def planted_faults() -> str:
-    """Return the numbers of planted faults that ``validate`` finds, and that FMPy finds."""
-    planted = [len(some) + len(WHOLE) for some in FAULTS.values()]
-    by_fmpy = [sum(fault.by_fmpy == FOUND for fault in some.values()) for some in FAULTS.values()]
-    return (
-        f"The tests plant {planted[0]} faults in FMUs of FMI 2.0 and {planted[1]} in FMUs of FMI 3.0. "
-        f"`validate` finds all of them; the check of FMPy finds {by_fmpy[0]} and {by_fmpy[1]}."
-    )
-
-
 RESULTS = DOCS.parent / "benchmarks" / "results"
 
 
@@ -215,7 +198,6 @@ TABLES = {
         contact_laws,
         stiffnesses,
         restitutions,
-        planted_faults,
         command_line,
         measured_impacts,
         measured_arm,

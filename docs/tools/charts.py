@@ -1,4 +1,4 @@
-"""Draw the chart of realised against prescribed restitution: ``python docs/charts.py``.
+"""Draw the chart of realised against prescribed restitution: ``python -m docs.tools.charts``.
 
 The curves are free impacts of 1 kg at 1 m/s, simulated with each force law of the registry.
 """
@@ -18,8 +18,9 @@ from chain_impact.pictures.style import BLACK, DPI, GREY, PALETTE, STYLE, headli
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.scene.tables import Contact
 from chain_impact.simulation.simulate import simulate
+from docs.tools import DOCS
 
-PICTURE = Path(__file__).parent / "images" / "restitution.png"
+PICTURE = DOCS / "images" / "restitution.png"
 SAMPLES = np.linspace(0.005, 1.0, 200)
 EXACT_LAW = "zhang_sharf"
 NAMED = {

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from chain_impact import explore, load_scene, model_names
 from chain_impact.scene.models import models_folder
+from docs.tools import DOCS
 
-DOCS = Path(__file__).parent
 PAGE = DOCS / "try_it.md"
 GALLERY = DOCS / "models" / "index.md"
 FOLDER = "try"  # folder of the simulating pages in the site

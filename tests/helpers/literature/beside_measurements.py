@@ -1,6 +1,7 @@
-"""Draw simulations beside measurements, or beside another theory: ``python docs/gallery.py``.
+"""Draw simulations beside measurements, or beside another theory, for docs/models.
 
-The measured values are in models/<model>/measured.csv, and the pages in docs/models.
+``python -m tests.helpers.literature.beside_measurements``. The measured
+values are in models/<model>/measured.csv.
 """
 
 from __future__ import annotations
@@ -15,13 +16,10 @@ from matplotlib.figure import Figure
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_figure
 from chain_impact.pictures.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, headline
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from tests.helpers.literature.measured import heard_impacts, measured
 from tests.helpers.models.beam import Bar, impulse
 
-IMAGES = Path(__file__).parent / "images"
+IMAGES = Path(__file__).parents[3] / "docs" / "images"
 SIZE = (8.5, 4.6)
 
 

@@ -8,13 +8,12 @@ from collections.abc import Iterable, Sequence
 from itertools import groupby
 from typing import Any, get_args, get_origin
 
-from markdown_text import code, short_description
-from scene_schema import ALTERNATIVES
-
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import scene_keys
+from docs.tools.markdown_text import code, short_description
+from docs.tools.scene_schema import ALTERNATIVES
 
 
 def scene_reference() -> str:

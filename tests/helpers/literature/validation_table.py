@@ -1,17 +1,15 @@
-"""The table of docs/validation.md: ``python docs/validation_table.py`` computes it and puts it there.
+"""Fill the table of docs/validation.md: ``python -m tests.helpers.literature.validation_table``.
 
-tests/helpers/literature/validation.py has the problems, the second solutions and the published values; the
-tests use this module, too.
+validation.py has the problems, the second solutions and the published values.
 """
 
 from __future__ import annotations
 
 import re
 
-from generate import DOCS  # adds the folder of the tests to Python's path
-from markdown_text import table
-
 from chain_impact.scene.models import model_names
+from docs.tools import DOCS
+from docs.tools.markdown_text import table
 from tests.helpers.literature.figures import Figure, Problem
 from tests.helpers.literature.validation import PROBLEMS
 

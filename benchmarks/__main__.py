@@ -1,0 +1,23 @@
+"""Run a benchmark in a process with the settings of a release: ``python -m benchmarks NAME [option …]``."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+from benchmarks.common import PORTABLE_CPU, RELEASE, ROOT
+
+# numpy and numba read these variables when they are imported
+SETTINGS = {
+    "NUMBA_CPU_NAME": PORTABLE_CPU,
+    "NUMBA_CPU_FEATURES": "",
+    "OPENBLAS_NUM_THREADS": "1",
+    RELEASE: "1",
+}
+
+if __name__ == "__main__":
+    name, *arguments = sys.argv[1:]
+    command = [sys.executable, "-m", f"benchmarks.{name}", *arguments]
+    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    sys.exit(subprocess.call(command, env={**os.environ, **SETTINGS, "PYTHONPATH": path}))
