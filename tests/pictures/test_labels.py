@@ -70,7 +70,7 @@ def test_a_label_meets_no_line(axes):
 
 
 def test_a_line_leads_to_a_label_that_is_far_from_its_place(axes):
-    axes.plot([0.5], [0.5], "o", markersize=40.0)
+    axes.plot([0.5], [0.5], "o", color="0.8", markersize=40.0)
     label = [Label("1", (0.5, 0.5))]
     assert place_labels(axes, label, Ink(axes.figure)) == label
     assert place_labels(axes, label, Ink(axes.figure), lines=True) == []
@@ -86,7 +86,7 @@ def test_a_label_finds_room_between_rays(axes):
 
 
 def test_a_line_to_a_label_passes_no_other_label(axes):
-    axes.plot([0.5], [0.5], "o", markersize=40.0)
+    axes.plot([0.5], [0.5], "o", color="0.8", markersize=40.0)
     place_labels(axes, [Label(str(k), (0.5, 0.5)) for k in range(8)], Ink(axes.figure), lines=True)
     axes.figure.draw_without_rendering()
     boxes = [Text.get_window_extent(text) for text in axes.texts]
@@ -180,3 +180,26 @@ def test_a_label_in_a_narrow_area_has_two_lines():
 )
 def test_a_text_with_several_parts_is_folded(words, expected):
     assert folded(words) == expected
+
+
+def test_no_leader_leads_to_a_place_inside_a_strong_body_whose_mark_would_not_be_seen():
+    page = Figure((4.0, 4.0), dpi=100)
+    axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
+    axes.axis("off")
+    axes.fill([1.6, 2.4, 2.4, 1.6], [1.6, 1.6, 2.4, 2.4], color="black")
+    inside, at_edge = Label("6, 9", (2.0, 2.0)), Label("4", (2.38, 2.0), (1.0, 0.0))
+    assert place_labels(axes, [inside, at_edge], Ink(page), lines=True) == [inside]
+
+
+def test_another_order_is_tried_if_a_label_has_no_room():
+    page = Figure((4.0, 4.0), dpi=100)
+    axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
+    axes.axis("off")
+    axes.fill([0.0, 4.0, 4.0, 0.0], [0.0, 0.0, 4.0, 4.0], color="black")
+    for x in (1.57, 1.91):  # of the two free areas, the right one is near both positions
+        axes.fill([x, x + 0.18, x + 0.18, x], [1.91, 1.91, 2.09, 2.09], color="white")
+    labels = [Label("1", (1.83, 2.0), (1.0, 0.0)), Label("2", (2.17, 2.0))]
+    assert place_labels(axes, labels, Ink(page), lines=True, fontsize=9) == []
+    page.draw_without_rendering()
+    one, two = sorted(axes.texts, key=Text.get_text)
+    assert Text.get_window_extent(one).x1 < 183.0 < Text.get_window_extent(two).x0

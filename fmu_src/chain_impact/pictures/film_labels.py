@@ -26,14 +26,14 @@ class Number(NamedTuple):
     Attributes:
         size: the force [N] or moment [N·m]; large ones are written first.
         words: the number with its unit.
-        place: the head of the arrow [m].
+        position: the head of the arrow [m].
         away: unit vector of the best direction from the head to the number.
         colour: the colour of the text.
     """
 
     size: float
     words: str
-    place: np.ndarray
+    position: np.ndarray
     away: np.ndarray
     colour: str
 
@@ -54,14 +54,14 @@ def write_numbers(axes: Axes, wanted: Iterable[Number], lines: Sequence[np.ndarr
     for number in sorted(wanted, key=lambda number: -number.size):
         outline = [withStroke(linewidth=3.0, foreground="white")]
         text = axes.text(
-            number.place[0],
-            number.place[1],
+            number.position[0],
+            number.position[1],
             number.words,
             color=number.colour,
             path_effects=outline,
             **text_style,
         )
-        half, at = 0.5 * np.asarray(text.get_window_extent().size), axes.transData.transform(number.place)
+        half, at = 0.5 * np.asarray(text.get_window_extent().size), axes.transData.transform(number.position)
         for distance in DISTANCES:
             middles = at + directions((float(number.away[0]), float(number.away[1]))) * (
                 distance * point + half

@@ -1,4 +1,4 @@
-"""Labels next to places in a picture, at positions where they cover no line, mark or other label."""
+"""Labels next to positions in a picture, where they cover no line, mark or other label."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from matplotlib.patheffects import withStroke
 
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
-CLOSE = 4.0  # [points] the usual distance from a place to its label
+CLOSE = 4.0  # [points] the usual distance from a position to its label
 # The distances that are tried are CLOSE times these factors, in this order: first NEARBY, where a label needs
-# no leader (a line from its place to the label). Then FAR, with a leader, or UNLED if leaders are not
+# no leader (a line from its position to the label). Then FAR, with a leader, or UNLED if leaders are not
 # allowed.
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
@@ -31,8 +31,8 @@ TURNS = (0, *(sign * part for part in range(1, PARTS // 2) for sign in (1, -1)),
 COVERED = 0.6  # the largest part of a leader that may cover other drawn things
 # STRONG: a pixel is strong if its red, green or blue is below this
 # CROSSED: [points] how much of a leader may be on strong pixels, tried in this order, except within OWN
-# [points] of its place, which is a mark
-CROSSED, OWN, STRONG = (0.0, 4.0, math.inf), 6.0, 128
+# [points] of its position, where its mark is
+CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 BESIDE = 2  # [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
 OUTLINE = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
 PAD = 1.0  # [points] free border around a label
@@ -42,17 +42,17 @@ LEAST_RUN = 3  # the least number of successive numbers that are written as a ra
 
 
 class Label(NamedTuple):
-    """A label for a place.
+    """A label for a position.
 
     Attributes:
         text: the text of the label.
-        place: the place, in data coordinates.
-        away: unit vector of the best direction from the place to the label.
+        position: the position, in data coordinates.
+        away: unit vector of the best direction from the position to the label.
         short: a short text if the full text has no room; "" for none.
     """
 
     text: str
-    place: tuple[float, float]
+    position: tuple[float, float]
     away: tuple[float, float] = (0.0, 1.0)
     short: str = ""
 
@@ -80,6 +80,14 @@ class Ink:
         self._labels, self._leaders = np.zeros_like(self._drawn), np.zeros_like(self._drawn)
         self._counts = counted(self._drawn)
 
+    def pixels(self) -> list[np.ndarray]:
+        """Return copies of what labels change, for ``restore``."""
+        return [self._drawn.copy(), self._strong.copy(), self._labels.copy(), self._leaders.copy()]
+
+    def restore(self, pixels: list[np.ndarray]) -> None:
+        """Forget the labels that were written since ``pixels`` were copied."""
+        self._drawn, self._strong, self._labels, self._leaders = (part.copy() for part in pixels)
+
     def were_free(self, low: np.ndarray, high: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
         """Return which boxes were free before any label was written, shape (B,).
 
@@ -94,7 +102,7 @@ class Ink:
         self,
         low: np.ndarray,
         high: np.ndarray,
-        place: np.ndarray | None = None,
+        position: np.ndarray | None = None,
         own: float = 0.0,
         crossed: float = math.inf,
         *,
@@ -104,19 +112,19 @@ class Ink:
 
         With ``on_pale`` a box without strong pixels and labels is free, too.
 
-        The leader, a straight line from ``place`` to the box, must pass no other label or leader and little
+        The leader, a straight line from ``position`` to the box, must pass no other label or leader and little
         else; it is marked, too. At most ``crossed`` pixels of the leader may be at strong pixels; its first
-        ``own`` pixels do not count. Without ``place`` there is no leader.
+        ``own`` pixels do not count. Without ``position`` there is no leader.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
         met = self._strong if on_pale else self._drawn
         if labels.any() or met[y0:y1, x0:x1].any():
             return False
-        if place is not None:
+        if position is not None:
             middle = 0.5 * (low + high)
-            count = 2 + int(np.abs(middle - place).max())
-            line = tuple(np.linspace(place, middle, count).astype(int).T[::-1])
+            count = 2 + int(np.abs(middle - position).max())
+            line = tuple(np.linspace(position, middle, count).astype(int).T[::-1])
             if self._labels[line].any() or met[line].sum() > COVERED * count:
                 return False
             beyond = tuple(along[int(own) :] for along in line)
@@ -157,11 +165,13 @@ def place_labels(
 ) -> list[Label]:
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
+    If some have no room and leaders are allowed, these are tried first; this is kept if fewer are left then.
+
     Args:
         axes: the axes inside which the labels stay.
         labels: the labels to write.
         ink: the used pixels of the figure; afterwards they include the labels.
-        lines: whether a label may be far from its place, connected by a leader.
+        lines: whether a label may be far from its position, connected by a leader.
         look: properties of the text, with matplotlib's names.
     """
     steps = np.array(NEARBY + (FAR if lines else UNLED))
@@ -173,21 +183,37 @@ def place_labels(
         probe.set_text(words)
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
-    left, homes = [], np.array([_home(axes, label, half_size(label.short or label.text)) for label in labels])
-    for k, label in enumerate(labels):
-        texts = chain.from_iterable((words, folded(words)) for words in (label.text, label.short) if words)
-        sizes = {words: half_size(words) for words in texts}
-        if not _place(axes, label, homes[k + 1 :], sizes, ink=ink, steps=steps, **look):
-            left.append(label)
+    def written(order: Sequence[Label]) -> list[Label]:
+        """Write labels in this order; return those without room."""
+        homes = np.array([_home(axes, label, half_size(label.short or label.text)) for label in order])
+        left = []
+        for k, label in enumerate(order):
+            texts = chain.from_iterable(
+                (words, folded(words)) for words in (label.text, label.short) if words
+            )
+            sizes = {words: half_size(words) for words in texts}
+            if not _place(axes, label, homes[k + 1 :], sizes, ink=ink, steps=steps, **look):
+                left.append(label)
+        return left
+
+    before, free, order = {*axes.texts}, ink.pixels(), list(labels)
+    left = written(order)
+    for again in ([*left, *(label for label in order if label not in left)], order) if left and lines else ():
+        for text in {*axes.texts} - before:
+            text.remove()
+        ink.restore(free)
+        least, left = len(left), written(again)
+        if len(left) < least:
+            break
     probe.remove()
-    return left
+    return [label for label in labels if label in left]
 
 
 def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
     """Return the best position of a label: two corners of a box in pixels, shape (2, 2)."""
     figure = axes.get_figure(root=True)
     assert figure is not None
-    middle = axes.transData.transform(label.place) + np.array(label.away) * (CLOSE * figure.dpi / 72.0 + half)
+    middle = axes.transData.transform(label.position) + np.array(label.away) * (CLOSE * figure.dpi / 72.0 + half)
     return np.array([middle - half, middle + half])
 
 
@@ -209,17 +235,17 @@ def _place(
 
     Args:
         axes: the axes inside which the text stays.
-        label: the place, and the best direction from it.
+        label: its position, and the best direction from it.
         homes: the best positions of the labels that are written later, shape (H, 2, 2).
         sizes: the texts, the best first → half of the width and of the height of each [pixels].
         ink: the used pixels of the figure.
-        steps: factors on the distance from the place that are tried, in this order.
+        steps: factors on the distance from the position that are tried, in this order.
         look: properties of the text, with matplotlib's names.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
     point, inside = figure.dpi / 72.0, axes.get_window_extent()
-    at = np.asarray(axes.transData.transform(label.place))
+    at = np.asarray(axes.transData.transform(label.position))
     style: dict[str, Any] = {
         "textcoords": "offset points",
         "ha": "center",
@@ -246,7 +272,7 @@ def _place(
             box, start = (low[step, turn], high[step, turn]), at if led else None
             if ink.take(*box, start, OWN * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
-                axes.annotate(words, label.place, offset, **led, **outline[on_pale], **style, **look)
+                axes.annotate(words, label.position, offset, **led, **outline[on_pale], **style, **look)
                 return True
     return False
 
