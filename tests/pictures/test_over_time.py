@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.over_time import MOST_COLOURED, point_groups
+from chain_impact.pictures.over_time import MOST_COLOURED, point_groups, without_gap
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
@@ -99,3 +99,26 @@ def test_a_contact_that_lasts_has_a_band_to_its_end():
     assert long
     assert long <= bands <= expected
     assert "in contact" in [text.get_text() for text in speeds.get_legend().get_texts()]
+    bars = [lines for lines in speeds.collections if lines.get_alpha()]
+    rows = {round(float(lines.get_transform().transform((0.0, 0.0))[1]), 3) for lines in bars}
+    assert len(rows) == len({row["point"] for row in recording.impacts})  # no two points share a row
+    assert max(rows) < speeds.transData.transform((0.0, recording.impacts["impact_speed"].max()))[1]
+
+
+def test_a_gap_beside_the_potential_energy_is_closed_and_the_added_energy_is_told():
+    recording = recorded("controlled_arm")
+    page = drawn(recording)[0]
+    (energy,) = (one for one in page.axes if one.get_label() == "energy")
+    curves = {line.get_label(): line.get_ydata() for line in energy.get_lines()}
+    for name in ("potential", "total"):
+        (label,) = (label for label in curves if label.startswith(name))
+        added = float(label.removeprefix(name).removesuffix("J").replace(" ", "").replace("−", "-"))
+        assert curves[label] == pytest.approx(recording.energies[name] + added, abs=1e-9)
+        assert 0.0 <= curves[label].min() < 0.1 * added
+    assert curves["kinetic"] == pytest.approx(recording.energies["kinetic"])
+
+
+@pytest.mark.parametrize("model", ["thrown_brick", "four_link_box"])
+def test_without_a_gap_the_energies_have_their_usual_zero(model):
+    recording = recorded(model)
+    assert without_gap(dict(recording.energies))[1] == 0.0

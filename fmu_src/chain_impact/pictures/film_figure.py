@@ -18,7 +18,14 @@ from chain_impact.pictures.bands import plot_curves
 from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_labels import Number, write_numbers
-from chain_impact.pictures.over_time import ENERGIES, PARTS, energy_look, mark_impacts
+from chain_impact.pictures.over_time import (
+    ENERGIES,
+    PARTS,
+    energy_look,
+    mark_impacts,
+    offset_text,
+    without_gap,
+)
 from chain_impact.pictures.room import draw_pin, draw_room, moves
 from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import (
@@ -183,13 +190,16 @@ class Film:
     def _draw_energies(self, axes: Any) -> None:
         time = self.recording.time
         mark_impacts(axes, self.recording)
+        known = self.recording.energies
+        shown, offset = without_gap({name: known[name] for name in known if name in ENERGIES})
         curves: list[tuple[np.ndarray, dict[str, Any]]] = [
             (energy, energy_look(name) | {"linestyle": "--" if name in PARTS else "-"})
-            for name, energy in self.recording.energies.items()
-            if name in ENERGIES and energy.any()
+            for name, energy in shown.items()
+            if known[name].any()
         ]
         plot_curves(axes, time, curves)
-        axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel="energy [J]")
+        note = f"; potential, total {offset_text(offset)}" if offset else ""
+        axes.set(xlim=(time[0], time[-1]), xlabel=f"time [s]{note}", ylabel="energy [J]")
         position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
         axes.legend(**position, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
         self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Sequence
-from itertools import chain, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -112,9 +112,9 @@ class Ink:
 
         With ``on_pale`` a box without strong pixels and labels is free, too.
 
-        The leader, a straight line from ``position`` to the box, must pass no other label or leader and little
-        else; it is marked, too. At most ``crossed`` pixels of the leader may be at strong pixels; its first
-        ``own`` pixels do not count. Without ``position`` there is no leader.
+        The leader, a straight line from ``position`` to the box, must pass no other label or leader and
+        little else; it is marked, too. At most ``crossed`` pixels of the leader may be at strong pixels; its
+        first ``own`` pixels do not count. Without ``position`` there is no leader.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
@@ -165,7 +165,8 @@ def place_labels(
 ) -> list[Label]:
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
-    If some have no room and leaders are allowed, these are tried first; this is kept if fewer are left then.
+    If some have no room and leaders are allowed, these are written first, if necessary with the short texts
+    of all. The result is kept if fewer labels are left then.
 
     Args:
         axes: the axes inside which the labels stay.
@@ -183,37 +184,49 @@ def place_labels(
         probe.set_text(words)
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
-    def written(order: Sequence[Label]) -> list[Label]:
-        """Write labels in this order; return those without room."""
-        homes = np.array([_home(axes, label, half_size(label.short or label.text)) for label in order])
+    def written(order: Sequence[int], *, short: bool = False) -> list[int]:
+        """Write labels in this order, if wanted only their short texts; return those without room."""
+        small = [labels[k].short or labels[k].text for k in order]
+        homes = np.array(
+            [_home(axes, labels[k], half_size(words)) for k, words in zip(order, small, strict=True)]
+        )
         left = []
-        for k, label in enumerate(order):
-            texts = chain.from_iterable(
-                (words, folded(words)) for words in (label.text, label.short) if words
-            )
-            sizes = {words: half_size(words) for words in texts}
-            if not _place(axes, label, homes[k + 1 :], sizes, ink=ink, steps=steps, **look):
-                left.append(label)
+        for n, (k, words) in enumerate(zip(order, small, strict=True)):
+            wanted = (words,) if short or words == labels[k].text else (labels[k].text, words)
+            sizes = {text: half_size(text) for whole in wanted for text in (whole, folded(whole))}
+            if not _place(axes, labels[k], homes[n + 1 :], sizes, ink=ink, steps=steps, **look):
+                left.append(k)
         return left
 
-    before, free, order = {*axes.texts}, ink.pixels(), list(labels)
-    left = written(order)
-    for again in ([*left, *(label for label in order if label not in left)], order) if left and lines else ():
+    def clear() -> None:
         for text in {*axes.texts} - before:
             text.remove()
         ink.restore(free)
-        least, left = len(left), written(again)
-        if len(left) < least:
-            break
+
+    before, free, order = {*axes.texts}, ink.pixels(), range(len(labels))
+    left = written(order)
+    if left and lines:
+        again = [*left, *(k for k in order if k not in left)]
+        for short in (False, True):
+            clear()
+            fewer = written(again, short=short)
+            if len(fewer) < len(left):
+                left = fewer
+                break
+        else:
+            clear()
+            written(order)
     probe.remove()
-    return [label for label in labels if label in left]
+    return [labels[k] for k in sorted(left)]
 
 
 def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
     """Return the best position of a label: two corners of a box in pixels, shape (2, 2)."""
     figure = axes.get_figure(root=True)
     assert figure is not None
-    middle = axes.transData.transform(label.position) + np.array(label.away) * (CLOSE * figure.dpi / 72.0 + half)
+    middle = axes.transData.transform(label.position) + np.array(label.away) * (
+        CLOSE * figure.dpi / 72.0 + half
+    )
     return np.array([middle - half, middle + half])
 
 

@@ -16,7 +16,7 @@ from chain_impact.pictures.body import draw_bodies, draw_rail
 from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.moving import draw_moving
-from chain_impact.pictures.room import View, draw_walls, view_of
+from chain_impact.pictures.room import BAND, View, draw_walls, view_of
 from chain_impact.pictures.style import (
     INK,
     LOAD,
@@ -53,12 +53,13 @@ SHORTEST_LOAD = 0.4
 MOST_LISTED, FASTEST = 3, 2
 
 
-def draw_motion(axes: Axes, recording: Recording, shape: float | None = None) -> None:
+def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
     """Draw walls, faint poses, paths of points, and strong poses at start, end and impacts.
 
     ``shape`` is the height of the axes divided by their width, if known; the view fills axes of this shape.
+    ``band`` is as for ``view_of``.
     """
-    view = view_of(recording, shape)
+    view = view_of(recording, shape, band)
     draw_walls(axes, recording, view)
     shade = colour_of_time(recording)
     draw_faint(axes, recording)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import count
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.bands import hides, plot_curves
@@ -45,6 +47,9 @@ ENERGY_COLOURS |= {"supplied": PURPLE}
 # an energy is dashed if its curve is closer to an earlier one than ALIKE, relative to the range of all
 # energies, in the part MOSTLY of the rows
 ALIKE, MOSTLY = 0.03, 0.8
+# another zero of the potential energy is drawn if it makes the range of all energies smaller than this,
+# relative to the range with the usual zero
+CLOSER = 0.8
 PARTS = {"friction": BROWN}
 """Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
 ENERGIES = ENERGY_COLOURS | {"elastic": BLUE} | PARTS
@@ -65,6 +70,7 @@ SEEN = 0.01
 # the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
 HEADROOM = 1.3
 DOT = 4.0  # [points] the size of the mark of an impact
+CONTACT, ROW = 2.5, 3.5  # [points] the width of the line of a contact, and the height of a row of these lines
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
@@ -101,19 +107,59 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
         energy = recording.energies.get(name, zero)
         if energy.any() or name not in ("supplied", *PARTS):
             shown[name] = energy
+    shown, offset = without_gap(shown)
     others = [name for name in shown if name != "total"]
     hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
     is_dashed = {name: name in PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
     return [
-        (energy, energy_look(name) | {"linestyle": "--" if is_dashed.get(name) else "-"})
+        (energy, energy_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
         for name, energy in shown.items()
     ]
 
 
-def energy_look(name: str) -> dict[str, Any]:
-    """Return the properties of the curve of an energy, with matplotlib's names."""
-    is_total = name == "total"
-    return {"color": ENERGIES[name], "label": name, "linewidth": 1 + is_total, "zorder": 2.0 - 0.1 * is_total}
+def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:
+    """Return energies for a picture, and what is added to the potential and the total energy [J].
+
+    The zero of the potential energy is arbitrary. If a gap between its curve and the others would take much
+    of the axis, its least value is drawn near 0. The added number has two digits; it is 0 without a large
+    gap.
+    """
+    potential = energies.get("potential", np.zeros(1))
+    least = float(potential.min())
+    if least == 0.0 or not math.isfinite(least):
+        return energies, 0.0
+    step = 10.0 ** (math.floor(math.log10(abs(least))) - 1)
+    offset = math.ceil(round(-least / step, 6)) * step
+    shifted = {
+        name: energy + offset if name in ("potential", "total") else energy
+        for name, energy in energies.items()
+    }
+    before, after = (
+        float(np.ptp([0.0, *(end(energy) for energy in drawn.values() for end in (np.min, np.max))]))
+        for drawn in (energies, shifted)
+    )
+    return (shifted, offset) if after < CLOSER * before else (energies, 0.0)
+
+
+def offset_text(offset: float) -> str:
+    """Return what is added to an energy [J] as text: "+ 22 J"."""
+    return f"{'+' if offset > 0.0 else '−'} {abs(offset):.2g} J"
+
+
+def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
+    """Return the properties of the curve of an energy, with matplotlib's names.
+
+    ``offset`` is the result of ``without_gap``, which the label of a changed energy tells.
+    """
+    is_total, label = name == "total", name
+    if offset and name in ("potential", "total"):
+        label = f"{name} {offset_text(offset)}"
+    return {
+        "color": ENERGIES[name],
+        "label": label,
+        "linewidth": 1 + is_total,
+        "zorder": 2.0 - 0.1 * is_total,
+    }
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
@@ -189,18 +235,20 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     At most MOST_COLOURED points have a colour of their own: those with the fastest impacts. The others are
     grey.
 
-    A thick, pale line that begins at the mark shows the duration of a contact that is long enough to be seen.
+    Thick, pale lines at the foot, a row for each colour, show the contacts that are long enough to be seen.
     If there are impacts at walls and at stops, the speeds at stops have their own axis on the right.
     """
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
-    groups = point_groups(recording)
+    groups, lanes = point_groups(recording), 0
     for name, (_, colour, hits) in zip(shared_word([name for name, *_ in groups]), groups, strict=True):
         axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
         marker = "D" if stopped[hits[0]] else "o"
         axes.plot(times[hits], tops[hits], marker, linestyle="", color=colour, markersize=DOT, label=name)
         goes_on = hits[ends[hits] - times[hits] > SEEN * span]
-        axes.hlines(tops[goes_on], times[goes_on], ends[goes_on], color=colour, linewidth=2.5, alpha=0.5)
+        if len(goes_on):
+            draw_contacts(axes, times[goes_on], ends[goes_on], lane=lanes, color=colour)
+            lanes += 1
     at_stops, at_walls = bool(stopped.any()), not stopped.all()
     axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
@@ -213,11 +261,24 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     if len(times):
         handles, _ = axes.get_legend_handles_labels()
         if (ends - times > SEEN * span).any():
-            handles.append(Line2D([], [], color=GREY, linewidth=2.5, label="in contact"))
+            handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
         legend_above(axes, handles)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
     over_all_time(axes, recording)
+
+
+def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, *, lane: int, **look: Any) -> None:
+    """Draw contacts from their starts to their ends [s] as lines in a row at the foot of axes.
+
+    ``lane`` is the number of the row, from 0 at the axis.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    height = (0.5 + lane) * ROW / 72.0  # [inch]
+    raised = axes.get_xaxis_transform() + ScaledTranslation(0.0, height, figure.dpi_scale_trans)
+    look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": raised}
+    axes.hlines(np.zeros(len(starts)), starts, ends, **look)
 
 
 def shared_word(names: Sequence[str]) -> list[str]:

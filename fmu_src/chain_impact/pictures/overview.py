@@ -28,7 +28,7 @@ from chain_impact.pictures.over_time import (
     rubbing_places,
 )
 from chain_impact.pictures.rest import shown_time
-from chain_impact.pictures.room import view_of
+from chain_impact.pictures.room import BAND, view_of
 from chain_impact.pictures.sizes import Size, figure_size
 from chain_impact.pictures.style import FULL, WIDE, broken, is_narrow, styled, write_foot
 from chain_impact.recording.recording import Recording
@@ -52,6 +52,9 @@ BESIDE, BROADEST = 2.2, 1.7
 # heights of the headline, the legend above the motion, and the labels below
 PANEL, LOWEST, HIGHEST, MARGINS, HEADS = 1.9, 2.7, 4.0, 0.9, 1.3
 BESIDE_LEGEND = 1.1  # the width that a legend beside the motion takes, relative to its own width
+# NUMBER: [points] the least visible width of the area outside of a wall, in which numbers of impacts stand;
+# MOST_BAND: the largest width, relative to the size of the motion
+NUMBER, MOST_BAND = 32.0, 0.25
 LABELS = 0.6  # [inch] the height of the legend and the labels of a motion above other panels
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_motion,
@@ -103,7 +106,10 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         free = room.width - BESIDE_LEGEND * legend.get_window_extent().width if legend else 0.0
         is_slim = free >= broadness(recording) * room.height
         motion.clear()
-        draw_motion(motion, recording, room.height / (free if is_slim else room.width))
+        width = free if is_slim else room.width
+        side = max(room.height, min(width, room.height * broadness(recording))) * 72.0 / figure.dpi
+        band = min(max(BAND, NUMBER / side), MOST_BAND)
+        draw_motion(motion, recording, room.height / width, band)
         if is_slim:
             legend_beside(motion)
         settle(figure, motion)

@@ -30,6 +30,9 @@ STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
 # most this number
 ROUND_OFF = 1e-9
+RIM = np.array(
+    [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]]
+)  # the ends of a disc, relative to its radius
 
 
 class View(NamedTuple):
@@ -44,12 +47,13 @@ class View(NamedTuple):
     walls: list[str]
 
 
-def view_of(recording: Recording, shape: float | None = None) -> View:
+def view_of(recording: Recording, shape: float | None = None, band: float = BAND) -> View:
     """Return the view: the motion, with a margin, and the walls near it.
 
     A wall that is always far from the motion is left out. A wall that comes near is in view at each of its
     positions that is not very far. ``shape`` is the wanted height of the view divided by its width; the view
-    is narrower if the walls leave no room beside the motion.
+    is narrower if the walls leave no room beside the motion. ``band`` is the visible width of the area
+    outside of a wall, relative to the size of the motion.
     """
     places = {
         (name, end): wall
@@ -57,16 +61,16 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
         for name, wall in walls.items()
         if end == 0 or name in recording.moved_walls
     }
-    everywhere = dict(places)
-    view, near = seen(places_of(recording), places, pinned=recording.pinned)
+    everywhere, drawn = dict(places), drawn_places(recording)
+    view, near = seen(drawn, places, pinned=recording.pinned)
     if recording.moved_walls:
         names = {name for name, _ in near}
         places = {at: wall for at, wall in places.items() if at[0] in names}
-        view, near = seen(places_of(recording), places, near=FARTHEST, pinned=recording.pinned)
+        view, near = seen(drawn, places, near=FARTHEST, pinned=recording.pinned)
     width = np.ptp(view, axis=0).max()
     margin = np.full((2, 2), MARGIN * width)
     for wall in near.values():
-        bands = BAND * width * np.array([wall.normal, np.negative(wall.normal)])
+        bands = band * width * np.array([wall.normal, np.negative(wall.normal)])
         margin = np.maximum(margin, bands)
     view = view + margin * [[-1.0], [1.0]]
     sides = np.ptp(view, axis=0)
@@ -83,11 +87,24 @@ def view_of(recording: Recording, shape: float | None = None) -> View:
         if at not in near and beyond > 0.0:
             met[at] = wall
             along = int(np.abs(normal).argmax())
-            if abs(normal[along]) > STRAIGHT:  # the view ends BAND beyond a wall that is parallel to its edge
+            if (
+                abs(normal[along]) > STRAIGHT
+            ):  # the view ends ``band`` beyond a wall that is parallel to its edge
                 view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * max(
-                    0.0, beyond - BAND * width
+                    0.0, beyond - band * width
                 )
     return View(view, list(dict.fromkeys(name for name, _ in met)))
+
+
+def drawn_places(recording: Recording) -> np.ndarray:
+    """Return the positions of all points, and of what is drawn around them, shape (T, M, 2) [m]."""
+    places, points = places_of(recording), recording.all_points
+    rims = [
+        points[:, [point]] + radius * RIM
+        for point, radius in recording.touching.items()
+        if radius > 0.0 and point < points.shape[1]
+    ]
+    return np.concatenate([places, *rims], axis=1)
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
