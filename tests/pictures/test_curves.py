@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import UnknownNameError, simulate
+from chain_impact.pictures.curves import looks_of
 from chain_impact.recording.curves import CLOSE
 
 FORCES = "contact[*].y_min.force"
@@ -96,3 +97,17 @@ def test_zero_outputs_are_told_at_the_foot_and_large_forces_have_a_prefix(result
     )
     alone = result.plot(curves="contact[0].x_min.force").axes[0]
     assert len(alone.lines) == 1
+
+
+def test_more_curves_of_a_unit_than_colours_have_a_panel_for_each_quantity(result):
+    page = result.plot(curves=["point[*].x", "point[*].y"], size=(4.0, None))
+    assert [axes.get_ylabel() for axes in page.axes] == ["x [m]", "y [m]"]
+    for axes in page.axes:
+        colours = [line.get_color() for line in axes.lines]
+        assert len(colours) == len({*colours}) == 5
+
+
+def test_an_owner_has_one_look_in_all_panels_although_a_panel_leaves_out_others():
+    places: dict[str, int] = {}
+    assert looks_of(["link[1].angle", "link[2].angle", "link[3].angle"], places) == [0, 1, 2]
+    assert looks_of(["link[3].angular_velocity", "point[1].vx"], places) == [2, 0]

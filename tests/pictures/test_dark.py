@@ -9,7 +9,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.dark import lighter, luminance
+from chain_impact.pictures import style
+from chain_impact.pictures.dark import Ground, contrast, is_dark, lighter, luminance
 from chain_impact.pictures.style import PALETTE, suit_figure
 from tests.pictures.pictures import recorded
 
@@ -96,3 +97,28 @@ def test_the_colours_of_curves_differ_on_a_dark_ground():
     """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
     for one, other in itertools.combinations(PALETTE, 2):
         assert np.linalg.norm(lab(lighter(one)) - lab(lighter(other))) > 15.0
+
+
+def dark_grounds():
+    """Return ground and text of each dark style of matplotlib, and of usual dark themes of editors."""
+    grounds = {("#1e1e1e", "#d4d4d4"), ("#282c34", "#dcdfe4"), ("#2e3440", "#eceff4"), ("#002b36", "#eee8d5")}
+    for name in matplotlib.style.available:
+        with matplotlib.style.context(name):
+            if is_dark(matplotlib.rcParams["figure.facecolor"]):
+                colours = (matplotlib.rcParams[key] for key in ("figure.facecolor", "text.color"))
+                grounds.add(tuple(map(to_hex, colours)))
+    return sorted(grounds)
+
+
+@pytest.mark.parametrize(("ground", "text"), dark_grounds())
+def test_colours_and_texts_have_enough_contrast_on_a_dark_ground(ground, text):
+    dark = Ground(ground, text)
+    names = [name for name in vars(style) if name.isupper() and isinstance(getattr(style, name), str)]
+    hues = [getattr(style, name) for name in names if getattr(style, name).startswith("#")]
+    assert len(hues) >= len(PALETTE)
+    hues += [style.TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, 9)]
+    for colour in hues:
+        assert contrast(dark.suited(colour), ground) >= 4.5
+    assert contrast(dark.suited(style.INK), ground) >= 4.5
+    assert contrast(dark.suited(style.BLACK), ground) >= 4.5
+    assert contrast(dark.suited(style.GREY), ground) >= 3.0

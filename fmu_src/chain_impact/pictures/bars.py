@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.figures import settle
-from chain_impact.pictures.style import BLUE, GREY, INK, LEAST_TICKS, VERMILLION, headline, is_narrow, styled
+from chain_impact.pictures.style import BLUE, INK, LEAST_TICKS, VERMILLION, headline, is_narrow, styled
 
 # [inch] the width of the figure, the space above and below the bars, and the height for one bar
 WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
@@ -77,4 +77,4 @@ def fill_bars(
     room = (high - low or 1.0) * NUMBER / bars
     axes.set_xlim(low - room * sides[0], high + room * sides[1])
     if not names:
-        axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=GREY)
+        axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=INK)

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.figures import settle
 from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import DOT, impact_lines, mark_impacts
+from chain_impact.pictures.over_time import DOT, SEEN, impact_lines, mark_impacts
 from chain_impact.pictures.style import (
     GREY,
     INK,
@@ -34,6 +34,7 @@ from chain_impact.recording.text import plural, speed_unit
 from chain_impact.scene.unit_text import in_brackets
 
 ROUND_OFF = 1e-12  # a change of an output that is not larger than this, relative to its range, is round-off
+MOST_COLOURED = 4  # the largest number of parameters with individual curves: those with the largest effects
 STEEP = 30.0  # the axis is logarithmic if the largest change is more than this number times the median change
 Looks = list[dict[str, Any]]
 
@@ -80,9 +81,20 @@ def calm(recording: Recording) -> np.ndarray:
 
     Within an impact all quantities change so fast that a shift in time makes the derivative very large.
     """
-    rows = np.ones(len(recording.time), bool)
-    for impact in recording.impacts:
-        rows &= ~((recording.time >= impact["onset"]) & (recording.time <= impact["end"]))
+    return ~within(recording, recording.impacts)
+
+
+def short_contacts(recording: Recording) -> np.ndarray:
+    """Return whether each row is inside an impact that is too short to be seen, shape (T,)."""
+    impacts, span = recording.impacts, np.ptp(recording.time)
+    return within(recording, impacts[impacts["end"] - impacts["onset"] < SEEN * span])
+
+
+def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
+    """Return whether each row is inside one of some impacts, shape (T,)."""
+    rows = np.zeros(len(recording.time), bool)
+    for impact in impacts:
+        rows |= (recording.time >= impact["onset"]) & (recording.time <= impact["end"])
     return rows
 
 
@@ -107,7 +119,7 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     """
     names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
-    coloured = {k for k in order[: len(PALETTE)] if relative[:, k].max() > ROUND_OFF}
+    coloured = {k for k in order[:MOST_COLOURED] if relative[:, k].max() > ROUND_OFF}
     others = sorted(set(order) - coloured)
     largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > ROUND_OFF), "")
     rest = f"{len(others)} others" + (f", most {largest}" if largest else "")
@@ -127,6 +139,7 @@ def draw_changes(
 ) -> None:
     """Draw the changes of an output over time for each parameter, with gaps where they are unknown."""
     changes = sensitivities.changes(output)
+    changes[short_contacts(recording)] = np.nan
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
     if len(grey) > MOST_GREY:
         fill_band(axes, recording.time, changes[:, grey].T, looks[grey[-1]]["label"])
@@ -150,7 +163,7 @@ def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, 
     axes.set_ylabel(f"change of impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
     fit_scale(axes, changes, ROUND_OFF * recording.impacts["impact_speed"].max(initial=0.0))
     if not len(sensitivities.impacts):
-        axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=GREY)
+        axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=INK)
 
 
 def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:

@@ -41,7 +41,25 @@ SIDE = 8  # the legend is beside the panel for at most this number of curves, el
 
 def curves_size(curves: Curves) -> tuple[float, float]:
     """Return the default size of a figure with curves [inches]."""
-    return FULL, max(3.4, AROUND + PANEL * len(curves.panels))
+    return FULL, max(3.4, AROUND + PANEL * len(clear_panels(curves)))
+
+
+def clear_panels(curves: Curves) -> list[list[str]]:
+    """Return the names of the outputs, one list for each panel.
+
+    A panel has one unit. If a unit has more curves than there are colours, each of its quantities, which are
+    the last parts of the names, has a panel, unless the picture would have too many panels.
+    """
+    panels: list[list[str]] = []
+    for names in curves.panels:
+        if len(drawn_in(curves, names)) <= len(PALETTE):
+            panels.append(names)
+            continue
+        quantities: dict[str, list[str]] = {}
+        for name in names:
+            quantities.setdefault(shared_part([name]), []).append(name)
+        panels += quantities.values()
+    return panels if len(panels) <= MOST_PANELS else curves.panels
 
 
 def check_curves(curves: Curves) -> None:
@@ -75,11 +93,11 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         seen = in_view(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
         write_head(figure, recording, title or summary, seen if title else "")
-    panels, zero = curves.panels, always_zero(curves)
+    panels, zero = clear_panels(curves), always_zero(curves)
     if zero:
         write_foot(figure, f"0 in the whole view: {few(zero, MOST_NAMED)}")
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
-    draw_all(list(grid), recording, curves)
+    draw_all(list(grid), recording, curves, panels)
     for axes in grid:
         axes.tick_params(labelbottom=True)
         if axes is not grid[-1]:
@@ -107,11 +125,18 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
     if len(given) != count:
         raise ValueError(f"ax: there are {len(given)} axes for {plural(count, 'unit')} of curves")
     with drawn_into(given):
-        draw_all(given, recording, curves, beside=False)
+        draw_all(given, recording, curves, curves.panels, beside=False)
         fit_into_figure(given)
 
 
-def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, beside: bool = True) -> None:
+def draw_all(
+    grid: Sequence[Axes],
+    recording: Recording,
+    curves: Curves,
+    panels: Sequence[Sequence[str]],
+    *,
+    beside: bool = True,
+) -> None:
     """Draw the panels into the axes of a grid; ``beside``: whether legends may stand beside the axes."""
     figure = grid[0].get_figure(root=True)
     wide = beside and figure is not None and not is_narrow(figure)
@@ -128,7 +153,8 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
         is_known = np.isfinite(recording.impacts["end"][curves.number - 1])
         others = impact_lines(recording, *(start + ends / factor))
         label = "; ".join(filter(None, (label, others, "dotted: the end" if is_known else "")))
-    for axes, names in zip(grid, (drawn_in(curves, names) for names in curves.panels), strict=True):
+    places: dict[str, int] = {}
+    for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
         mark_impacts(axes, recording, start, factor)
         if curves.number:
             mark_end(axes, recording, curves.number, start, factor)
@@ -136,11 +162,11 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
         hidden, (scale, unit) = hides(drawn), axis_unit(curves.units[names[0]], drawn)
         styles: list[dict[str, Any]] = [
             {
-                "linestyle": DASHES[min(k // len(PALETTE) + hidden[k], len(DASHES) - 1)],
-                "color": PALETTE[k % len(PALETTE)],
+                "linestyle": DASHES[min(look // len(PALETTE) + hidden[k], len(DASHES) - 1)],
+                "color": PALETTE[look % len(PALETTE)],
                 "label": name if wide else short_name(name, names),
             }
-            for k, name in enumerate(names)
+            for k, (name, look) in enumerate(zip(names, looks_of(names, places), strict=True))
         ]
         plot_curves(
             axes, time, [(scale * values, style) for values, style in zip(drawn, styles, strict=True)]
@@ -160,12 +186,29 @@ def draw_all(grid: Sequence[Axes], recording: Recording, curves: Curves, *, besi
             legend_above(axes)
 
 
+def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
+    """Return the number of the look of each curve of a panel, from 0.
+
+    Quantities of one owner, such as a point, have the same look in all panels. ``places`` are the owners of
+    earlier panels with their numbers; those of this panel are added.
+    """
+    owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
+    known = [places.get(owner, -1) for owner in owners]
+    earlier = [number for number in known if number >= 0]
+    if len({*owners}) < len(owners) or len({*earlier}) < len(earlier) or max(known) >= len(PALETTE):
+        return list(range(len(names)))
+    free = (number for number in range(2 * len(names)) if number not in earlier)
+    numbers = [number if number >= 0 else next(free) for number in known]
+    places |= zip(owners, numbers, strict=True)
+    return numbers
+
+
 def always_zero(curves: Curves) -> list[str]:
     """Return the outputs that are not drawn, because they are 0 at all times.
 
     In a panel they are left out only if there are two or more of them, and another curve is drawn.
     """
-    return [name for names in curves.panels for name in names if name not in drawn_in(curves, names)]
+    return [name for names in clear_panels(curves) for name in names if name not in drawn_in(curves, names)]
 
 
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:

@@ -23,6 +23,13 @@ DARK = 0.18  # a ground with less luminance is dark: white text has more contras
 # the least luminance of a colour on a dark ground; on black this gives the contrast ratio 5. A larger number
 # would make blue and light blue alike
 LEAST = 0.2
+# the least contrast ratios to the ground: of colours and of text, and of grey lines (WCAG 2.1, 1.4.3 and
+# 1.4.11). A grey up to TEXT, from 0 for black to 1, is text or an outline; one up to LINES is a line. Paler
+# greys are areas and grids.
+READABLE, VISIBLE = 4.5, 3.0
+GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
+STEPS, MOST = 41, 0.999  # the number of mixtures that are tried; a mixture with this luminance is white
+TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 COLOURED = 0.15  # a colour with less saturation counts as a grey
 # on a dark ground, the exponent for the distance of a grey from the ground, from 0 to 1: it makes the
@@ -50,10 +57,13 @@ class Ground(NamedTuple):
         """Return the colour that replaces a colour for a white figure, with the same opacity."""
         red, green, blue, alpha = to_rgba(colour)
         if colorsys.rgb_to_hsv(red, green, blue)[1] >= COLOURED:
-            return lighter(colour)
-        part = (1.0 - (red + green + blue) / 3.0) ** APART
+            return lighter(colour, least_luminance(self.ground, READABLE))
+        grey = (red + green + blue) / 3.0
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
-        red, green, blue = (low + part * (high - low)).tolist()
+        needed = READABLE if grey <= TEXT else VISIBLE if grey <= LINES else 1.0
+        least = least_luminance(self.ground, needed) if needed > 1.0 else 0.0
+        mixed = [low + part * (high - low) for part in np.linspace((1.0 - grey) ** APART, 1.0, STEPS)]
+        red, green, blue = next((mix for mix in mixed if luminance(mix) >= least), mixed[-1]).tolist()
         return red, green, blue, alpha
 
     def suit(self, artists: Iterable[Artist]) -> None:
@@ -121,10 +131,21 @@ def is_dark(ground: Any) -> bool:
     return to_rgba(ground)[3] > 0.0 and luminance(ground) < DARK
 
 
-def lighter(colour: Any) -> Colour:
-    """Return a colour of the same hue with a luminance of at least LEAST."""
+def contrast(first: Any, second: Any) -> float:
+    """Return the contrast ratio of two colours, from 1 to 21 (WCAG 2.1, with ``luminance``)."""
+    low, high = sorted((luminance(first), luminance(second)))
+    return (high + GLARE) / (low + GLARE)
+
+
+def least_luminance(ground: Any, ratio: float) -> float:
+    """Return the least luminance, at most 1, that has a contrast ratio to a dark ground."""
+    return min(1.0, ratio * (luminance(ground) + GLARE) - GLARE)
+
+
+def lighter(colour: Any, least: float = 0.0) -> Colour:
+    """Return a colour of the same hue with a luminance of at least LEAST, and of at least ``least``."""
     red, green, blue, alpha = to_rgba(colour)
-    shares = np.linspace(0.0, 1.0, 41)
+    shares = np.linspace(0.0, 1.0, STEPS)
     mixed = [(*(part + share * (1.0 - part) for part in (red, green, blue)), alpha) for share in shares]
-    r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= LEAST)
+    r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= min(max(LEAST, least), MOST))
     return r, g, b, a

@@ -17,7 +17,6 @@ from chain_impact.pictures.message import hit
 from chain_impact.pictures.style import (
     BLUE,
     GREEN,
-    GREY,
     INK,
     VERMILLION,
     force_text,
@@ -140,7 +139,7 @@ def fill_loop_axes(axes: Axes, impact: np.void, course: Course, *, at_stop: bool
 
 def say_impulse(axes: Axes) -> None:
     """Write into axes that an impulse has no curve to draw."""
-    axes.text(0.5, 0.5, "an impulse, without duration", transform=axes.transAxes, ha="center", color=GREY)
+    axes.text(0.5, 0.5, "an impulse, without duration", transform=axes.transAxes, ha="center", color=INK)
     axes.set(xticks=[], yticks=[])
 
 

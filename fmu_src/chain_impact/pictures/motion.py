@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -39,6 +40,8 @@ MOST_CLEAR_PATHS = 6  # the largest number of points with clear paths; with more
 # RIM: [points] how much wider the start is than the end that would cover it: if each point is at the end
 # nearer to its start than COVERED_SHARE, relative to the size of the motion
 RIM, COVERED_SHARE = 3.0, 0.02
+THIN = 0.3  # the width of the line of a ball, relative to that of a link
+ROUND_OFF = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
 IMPACT_MARK = 6.5  # [points] the size of the mark of an impact
 STICKING_MARK = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at a wall share a ring, relative to the larger side of the view
@@ -65,18 +68,25 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED else ""}
+    thick, ball = 1.0, ball_of(recording)
+    if ball is not None:  # a thin line from the centre to a mark on the ball
+        thick, marks = THIN, marks | {"markevery": [ball]}
     strong = sorted(strongest(recording, STRONG_POSES)["onset"])
     draw_moving(axes, recording, view, shade, strong)
     draw_rail(axes, recording)
     for time in strong:
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
-        draw_chain(axes, recording.pose_at(time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
+        draw_chain(
+            axes, recording.pose_at(time), color=shade(time), linewidth=1.6 * thick, markersize=3.5, **marks
+        )
     rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
-        style = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
+        style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
         if row == 0 and is_covered(recording):  # behind its own drawing, which the legend shows
-            draw_chain(axes, recording.points[row], **style | {"linewidth": 3.0 + RIM, "label": "_"})
+            draw_chain(
+                axes, recording.points[row], **style | {"linewidth": (3.0 + RIM) * thick, "label": "_"}
+            )
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
     if recording.stops:
@@ -89,6 +99,23 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     give_ticks(axes)
     axes.set(xlabel="x [m]", ylabel="y [m]")
     legend_above(axes)
+
+
+def ball_of(recording: Recording) -> int | None:
+    """Return the number of the point at the centre of a ball; None if the chain is no ball.
+
+    A ball is a free link that touches with one end only. This end is the centre of mass, or its radius is at
+    least the length of the link.
+    """
+    if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
+        return None
+    if len(recording.touching) != 1:
+        return None
+    ((end, radius),) = recording.touching.items()
+    length = float(np.hypot(*(recording.points[0, 1] - recording.points[0, 0])))
+    centre = recording.parameters.get("link[1].center_of_mass", math.nan)
+    is_centre = math.isclose(float(centre), end * length, abs_tol=ROUND_OFF * length)
+    return end if is_centre or radius >= length * (1.0 - ROUND_OFF) else None
 
 
 def is_covered(recording: Recording) -> bool:
@@ -139,8 +166,11 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
 
 
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
-    """Draw the paths of the points; the path of the tip has the colours of time."""
+    """Draw the paths of the points; the path of the tip, or of a ball, has the colours of time."""
     *others, tip = recording.points.transpose(1, 0, 2)
+    ball, name = ball_of(recording), "tip"
+    if ball is not None:
+        others, tip, name = [], recording.points[:, ball], "path"
     others += [*recording.sites.transpose(1, 0, 2)]
     alpha = 0.45 * min(1.0, MOST_CLEAR_PATHS / (len(others) + 1))
     axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha))
@@ -148,7 +178,7 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
         return
     middles = 0.5 * (recording.time[1:] + recording.time[:-1])
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
-    path = LineCollection(list(pieces), colors=shade(middles), linewidths=1.5, capstyle="round", label="tip")
+    path = LineCollection(list(pieces), colors=shade(middles), linewidths=1.5, capstyle="round", label=name)
     path.set_zorder(PATH)
     axes.add_collection(path)
 

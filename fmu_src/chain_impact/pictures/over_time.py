@@ -264,7 +264,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
         legend_above(axes, handles)
     else:
-        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
+        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
     over_all_time(axes, recording)
 
 

@@ -84,7 +84,7 @@ FULL, WIDE = 10.0, 6.0  # [inch] FULL: the usual width of a figure; WIDE: the le
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 GAP = 0.09  # [inch] space below the headline, and below the conditions
 MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the figure
-MOST_FOOT = 0.15  # the largest height of the texts at the foot, relative to the height of the figure
+MOST_FOOT = 0.25  # the largest height of the texts at the foot, relative to the height of the figure
 # font sizes, relative to the usual one, that are tried for a headline until it fits into one line, else into
 # two lines
 SMALLER = (1.0, 0.92, 0.84, 0.76)

@@ -47,6 +47,7 @@ MOST_ESTIMATES = 10  # largest number of parameters in the lines below the headl
 POINTS = 1500  # number of points of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # [inch] size of a panel
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
+DOTS = 0.5  # the opacity of measured values over time
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
 
 
@@ -122,7 +123,8 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.run + 1}" if several else "measured"
-        mark_style: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 4, "color": colour}
+        mark_style: dict[str, Any] = {"linestyle": "", "marker": ".", "color": colour}
+        mark_style |= {"markersize": 4 if over_impacts else 7, "markeredgewidth": 0}
         if over_impacts:
             mark_style |= {"yerr": USUAL * fit.sigma[part.rows], "capsize": 2, "label": dots_label}
             values.errorbar(part.at, measured[part.rows], **mark_style)
@@ -131,7 +133,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=7, label=label)
         else:
             _curve(axes, results[part.run], name, part.at.max(), INK if not several else colour)
-            values.plot(part.at, measured[part.rows], **mark_style, label=dots_label, alpha=0.7)
+            values.plot(part.at, measured[part.rows], **mark_style, label=dots_label, alpha=DOTS)
         residuals.plot(
             part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
         )
@@ -157,9 +159,9 @@ def _curve(panels: Sequence[Axes], result: Result, name: str, last: float, colou
         axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
     words = "model; lines: its impacts" if len(onsets) else "model"
     label = words if colour == INK else None
-    panels[0].plot(
-        result.time[until], result[name][until], color=colour, linewidth=0.9, label=label, zorder=4
-    )
+    # the curve is on a white rim, so that it is seen among the dots
+    for look in ({"color": "white", "linewidth": 2.4, "zorder": 3.9}, {"color": colour, "label": label}):
+        panels[0].plot(result.time[until], result[name][until], **{"linewidth": 1.0, "zorder": 4.0} | look)
 
 
 def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
