@@ -9,7 +9,7 @@ from matplotlib.quiver import Quiver
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
-from chain_impact.pictures.motion import STRONG_POSES, by_speed, part_in_view, strongest
+from chain_impact.pictures.motion import MOST_STRONG_POSES, ball_of, by_speed, part_in_view, strongest
 from tests.pictures.pictures import boxes, crowd, drawn, hit, recorded, swing, texts
 
 
@@ -30,9 +30,9 @@ def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model
     *at_impacts, start, end = poses(motion)
     np.testing.assert_array_equal(start, recording.points[0])
     np.testing.assert_array_equal(end, recording.points[-1])
-    assert len(at_impacts) == min(STRONG_POSES, len(recording.impacts))
+    assert len(at_impacts) == min(MOST_STRONG_POSES, len(recording.impacts))
     hardest = np.sort(
-        recording.impacts[np.argsort(-recording.impacts["impact_speed"])[:STRONG_POSES]], order="onset"
+        recording.impacts[np.argsort(-recording.impacts["impact_speed"])[:MOST_STRONG_POSES]], order="onset"
     )
     for pose, impact in zip(at_impacts, hardest, strict=True):
         place = pose[impact["point"]]
@@ -43,7 +43,7 @@ def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model
 
 def test_every_impact_has_a_strong_pose_if_there_are_few():
     recording = recorded("pinned_arm")
-    assert len(strongest(recording, STRONG_POSES)) == len(recording.impacts) == 1
+    assert len(strongest(recording, MOST_STRONG_POSES)) == len(recording.impacts) == 1
 
 
 def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():
@@ -133,3 +133,20 @@ def test_the_hardest_impact_is_numbered():
         _, motion, *_ = drawn(recording)
         number = str(by_speed(recording)[0] + 1)
         assert any(number in text.replace(",", " ").split() for text in texts(motion))
+
+
+@pytest.mark.parametrize("model", ["bouncing_ball", "elastic_ball", "sphere_on_wall"])
+def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_has_a_path(model):
+    recording = recorded(model)
+    assert ball_of(recording) == 0
+    _, motion, *_ = drawn(recording)
+    (end,) = (line for line in motion.lines if line.get_label().startswith("end"))
+    assert end.get_markevery() == [0]
+    assert end.get_linewidth() < 1.0
+    (path,) = (one for one in motion.collections if one.get_label() == "path")
+    np.testing.assert_array_equal(path.get_segments()[0][0], recording.points[0, 0])
+
+
+@pytest.mark.parametrize("model", ["rod_drop", "pinned_arm", "thrown_brick", "cart_pole"])
+def test_other_chains_are_no_balls(model):
+    assert ball_of(recorded(model)) is None

@@ -111,3 +111,13 @@ def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():
     assert places[0].tolist() == [0.0, 0.0]
     assert (places[:, 1] >= 0.0).all()  # the arm hangs
     assert places[:, 1].max() < motion.get_ylim()[1]
+
+
+@pytest.mark.parametrize("model", ["sphere_on_wall", "elastic_ball"])
+def test_a_disc_at_a_point_is_in_view_as_a_whole(model):
+    recording = recorded(model)
+    _, motion, *_ = drawn(recording)
+    ((point, radius),) = recording.touching.items()
+    places, (low, high) = recording.all_points[:, point], np.transpose([motion.get_xlim(), motion.get_ylim()])
+    assert (places - radius > low).all()
+    assert (places + radius < high).all()

@@ -78,7 +78,7 @@ def draw_figure(
         ValueError: when the size is not possible, or has no room for the panels.
         OSError: when the file cannot be written.
     """
-    inches, filled = usual, fill
+    inches, filled, is_free = usual, fill, False
     if size is not None:
         width, height = figure_size(size)
         if height is None:
@@ -86,13 +86,13 @@ def draw_figure(
             if path is not None:
                 save(Path(path), lambda: tried)
                 return None
-            inches = width, float(tried.get_figheight())
+            inches, is_free = (width, float(tried.get_figheight())), True
         else:
             inches, filled = (width, height), partial(fill_or_refuse, fill)
     if path is not None:
         save(Path(path), lambda: filled_figure(filled, inches))
         return None
-    figure = StyledFigure(figsize=inches)
+    figure = StyledFigure(figsize=inches, free_height=is_free)
     filled(figure)
     suit_figure(figure)
     return figure
@@ -131,7 +131,7 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
         ValueError: when no height is enough.
     """
     height = max(LEAST, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
-    figure = StyledFigure(figsize=(width, height), dpi=DPI)
+    figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
     lacks = lacking_height(fill, figure, USUAL_SIDE)
     return figure if lacks <= 0.0 else least_figure(fill, width, height, USUAL_SIDE, lacks)
 
@@ -154,7 +154,8 @@ def least_figure(
         is_known = lacks != 0.0 and math.isfinite(lacks)
         guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
         k = min(max(guess, low + 1), high - 1)
-        height, figure = float(heights[k]), StyledFigure(figsize=(width, heights[k]), dpi=DPI)
+        height = float(heights[k])
+        figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=mean > 0.0)
         lacks = lacking_height(fill, figure, mean)
         if lacks > 0.0:
             low = k

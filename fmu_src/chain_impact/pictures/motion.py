@@ -32,28 +32,28 @@ from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import STOP_MARK
 
-STRONG_POSES = 6  # strong poses show the fastest impacts, at most this number of them
+MOST_STRONG_POSES = 6  # strong poses show the fastest impacts, at most this number of them
 FAINT_POSES = 80  # the number of faint poses, in evenly spaced rows
-PATH = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
-MOST_MARKED = 12  # the largest number of points that get marks
+PATH_LAYER = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
+MOST_MARKED_POINTS = 12  # the largest number of points that get marks
 MOST_CLEAR_PATHS = 6  # the largest number of points with clear paths; with more points the paths are fainter
-# RIM: [points] how much wider the start is than the end that would cover it: if each point is at the end
-# nearer to its start than COVERED_SHARE, relative to the size of the motion
-RIM, COVERED_SHARE = 3.0, 0.02
-THIN = 0.3  # the width of the line of a ball, relative to that of a link
+# RIM_WIDTH: [points] how much wider the start is than the end that would cover it: if each point is at the
+# end nearer to its start than COVERED_WITHIN, relative to the size of the motion
+RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
+BALL_LINE = 0.3  # the width of the line of a ball, relative to that of a link
 ROUND_OFF = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
-IMPACT_MARK = 6.5  # [points] the size of the mark of an impact
-STICKING_MARK = 4.0  # [points] the size of the mark where a contact or a joint sticks
+RING_SIZE = 6.5  # [points] the size of the mark of an impact
+SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at a wall share a ring, relative to the larger side of the view
-NEAR_PLACE = 0.03
+RING_DISTANCE = 0.03
 # the length of the arrow of the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
 # SHORTEST_LOAD: the least length of this arrow when an arrow would leave the view, relative to LONGEST_LOAD;
 # a force that points out of the view from its edge has such an arrow, which crosses the edge
 SHORTEST_LOAD = 0.4
-# MOST_LISTED: a ring lists at most this number of impacts, or of ranges such as "1–81"; FASTEST: a ring with
-# more lists this number of impacts, the fastest ones, and says how many others there are
-MOST_LISTED, FASTEST = 3, 2
+# MOST_LISTED: a ring lists at most this number of impacts, or of ranges such as "1–81"; LISTED_OF_MANY: a
+# ring with more lists this number of impacts, the fastest ones, and says how many others there are
+MOST_LISTED, LISTED_OF_MANY = 3, 2
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
@@ -67,11 +67,11 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     shade = colour_of_time(recording)
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
-    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED else ""}
+    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED_POINTS else ""}
     thick, ball = 1.0, ball_of(recording)
     if ball is not None:  # a thin line from the centre to a mark on the ball
-        thick, marks = THIN, marks | {"markevery": [ball]}
-    strong = sorted(strongest(recording, STRONG_POSES)["onset"])
+        thick, marks = BALL_LINE, marks | {"markevery": [ball]}
+    strong = sorted(strongest(recording, MOST_STRONG_POSES)["onset"])
     draw_moving(axes, recording, view, shade, strong)
     draw_rail(axes, recording)
     for time in strong:
@@ -85,7 +85,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
         style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
         if row == 0 and is_covered(recording):  # behind its own drawing, which the legend shows
             draw_chain(
-                axes, recording.points[row], **style | {"linewidth": (3.0 + RIM) * thick, "label": "_"}
+                axes, recording.points[row], **style | {"linewidth": (3.0 + RIM_WIDTH) * thick, "label": "_"}
             )
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
@@ -121,7 +121,7 @@ def ball_of(recording: Recording) -> int | None:
 def is_covered(recording: Recording) -> bool:
     """Return whether the chain at the end would cover the chain at the start."""
     ways = recording.points[-1] - recording.points[0]
-    return bool(np.hypot(*ways.T).max() < COVERED_SHARE * size_of(recording))
+    return bool(np.hypot(*ways.T).max() < COVERED_WITHIN * size_of(recording))
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -179,7 +179,7 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     middles = 0.5 * (recording.time[1:] + recording.time[:-1])
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
     path = LineCollection(list(pieces), colors=shade(middles), linewidths=1.5, capstyle="round", label=name)
-    path.set_zorder(PATH)
+    path.set_zorder(PATH_LAYER)
     axes.add_collection(path)
 
 
@@ -187,7 +187,7 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
     """Draw a ring at each place where a point hit a wall, or where a joint or slider hit a stop."""
     ring_style: dict[str, Any] = {
         "marker": "o",
-        "markersize": IMPACT_MARK,
+        "markersize": RING_SIZE,
         "markerfacecolor": "none",
         "linestyle": "",
     }
@@ -207,12 +207,7 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
             position = position - wall.clearance(*position) * np.array(wall.normal)
         positions.append(position)
     if positions:
-        mark_style: dict[str, Any] = {
-            "marker": "s",
-            "markersize": STICKING_MARK,
-            "linestyle": "",
-            "color": INK,
-        }
+        mark_style: dict[str, Any] = {"marker": "s", "markersize": SQUARE_SIZE, "linestyle": "", "color": INK}
         axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks")
 
 
@@ -269,7 +264,12 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
         numbers = [hit + 1 for hit in hits]
         position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
         labels.append(
-            Label(numbers_text(numbers, MOST_LISTED, FASTEST), position, outward, numbers_text(numbers, 1, 1))
+            Label(
+                numbers_text(numbers, MOST_LISTED, LISTED_OF_MANY),
+                position,
+                outward,
+                numbers_text(numbers, 1, 1),
+            )
         )
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
@@ -311,7 +311,7 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
 
     Impacts at the same wall or stop share a position if they are close to each other.
     """
-    spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
     for row in by_speed(recording).tolist():

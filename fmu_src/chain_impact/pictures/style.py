@@ -84,7 +84,9 @@ FULL, WIDE = 10.0, 6.0  # [inch] FULL: the usual width of a figure; WIDE: the le
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 GAP = 0.09  # [inch] space below the headline, and below the conditions
 MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the figure
-MOST_FOOT = 0.25  # the largest height of the texts at the foot, relative to the height of the figure
+# the largest height of the texts at the foot, relative to the height of the figure; FREE_FOOT: if the
+# contents determine the height of the figure
+MOST_FOOT, FREE_FOOT = 0.15, 0.25
 # font sizes, relative to the usual one, that are tried for a headline until it fits into one line, else into
 # two lines
 SMALLER = (1.0, 0.92, 0.84, 0.76)
@@ -109,8 +111,14 @@ class StyledFigure(Figure):
     A notebook shows the figure exactly once, whatever backend of matplotlib is in use.
     """
 
-    def __init__(self, **options: Any) -> None:
-        """Make a figure that arranges its contents; the options are those of a matplotlib figure."""
+    def __init__(self, *, free_height: bool = False, **options: Any) -> None:
+        """Make a figure that arranges its contents.
+
+        Args:
+            free_height: whether the contents determine the height of the figure.
+            options: those of a matplotlib figure.
+        """
+        self.free_height = free_height
         with styled():
             super().__init__(**{"layout": "constrained"} | options)
             new_canvas: Any = FigureCanvasAgg  # matplotlib has no type information for the canvas
@@ -212,11 +220,13 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
     return str(probe.get_text())
 
 
-def write_foot(figure: Figure, text: str, most: float = MOST_FOOT) -> Text | None:
+def write_foot(figure: Figure, text: str, most: float = 0.0) -> Text | None:
     """Write a text at the foot of a figure, above other texts there.
 
-    The texts at the foot take at most the part ``most`` of the figure's height; otherwise return None.
+    The texts at the foot take at most the part ``most`` of the figure's height, and by default FREE_FOOT or
+    MOST_FOOT; otherwise return None.
     """
+    most = most or (FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT)
     (width, height), low = figure.get_size_inches(), _foot(figure)
     text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
     foot = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **text_style)

@@ -22,7 +22,7 @@ def test_data_model_residuals_and_impacts(found):
     axes = found.plot().axes
     assert [one.get_ylabel().split(" ")[0] for one in axes[::2]] == [*TIP, "onset"]
     values, rest = axes[:2]
-    curve, points = values.get_lines()
+    _, curve, points = values.get_lines()  # the first is the white rim of the curve
     columns, _ = motion(0.7)
     np.testing.assert_array_equal(points.get_ydata(), columns[TIP[0]])
     assert len(curve.get_xdata()) > 1000
@@ -92,7 +92,7 @@ def test_a_fit_uses_measured_inputs_and_allows_missing_impacts():
         arm, [[table, drive, impacts_of]], ["link[1].mass"], sigma={"link[1].angle": 1e-3, "onset": 1e-3}
     )
     values = found.plot().axes[0]
-    curve, _ = values.get_lines()
+    _, curve, _ = values.get_lines()
     assert curve.get_ydata()[-1] == pytest.approx(angle, abs=1e-6)
 
 
@@ -105,5 +105,7 @@ def test_several_data_sets_and_an_input():
     found = fit(arm, tables, [], free_each=["joint[1].torque"], sigma={"link[1].angle": 1e-4})
     values, _ = found.plot().axes
     assert [text.get_text() for text in values.get_legend().get_texts()] == ["data set 1", "data set 2"]
-    for (curve, points), table in zip(zip(*[iter(values.get_lines())] * 2, strict=True), tables, strict=True):
+    for (_, curve, points), table in zip(
+        zip(*[iter(values.get_lines())] * 3, strict=True), tables, strict=True
+    ):
         assert np.interp(table["time"], *curve.get_data()) == pytest.approx(points.get_ydata(), abs=1e-4)
