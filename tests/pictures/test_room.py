@@ -23,7 +23,10 @@ def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     assert np.all(recording.points > low)
     assert np.all(recording.points < high)
     assert motion.get_aspect() == 1.0
-    spans = np.ptp(recording.all_points, axis=(0, 1))
+    ends = [recording.all_points]
+    for point, radius in recording.touching.items():
+        ends += [recording.all_points[:, [point]] + side * radius for side in (-1.0, 1.0)]
+    spans = np.ptp(np.concatenate(ends, axis=1), axis=(0, 1))
     axis = int(np.argmax(spans))
     assert spans[axis] > 0.7 * (high - low)[axis]
 
