@@ -47,7 +47,9 @@ MOST_ESTIMATES = 10  # largest number of parameters in the lines below the headl
 POINTS = 1500  # number of points of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # [inch] size of a panel
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
-DOTS = 0.5  # the opacity of measured values over time
+DOTS = 0.8  # the opacity of measured values over time
+# [points] the widths of the model's curve and of the white rim that sets it off from the dots
+CURVE, RIM = 0.9, 1.7
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
 
 
@@ -124,7 +126,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.run + 1}" if several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": ".", "color": colour}
-        mark_style |= {"markersize": 4 if over_impacts else 7, "markeredgewidth": 0}
+        mark_style |= {"markersize": 4 if over_impacts else 8, "markeredgewidth": 0}
         if over_impacts:
             mark_style |= {"yerr": USUAL * fit.sigma[part.rows], "capsize": 2, "label": dots_label}
             values.errorbar(part.at, measured[part.rows], **mark_style)
@@ -160,8 +162,8 @@ def _curve(panels: Sequence[Axes], result: Result, name: str, last: float, colou
     words = "model; lines: its impacts" if len(onsets) else "model"
     label = words if colour == INK else None
     # the curve is on a white rim, so that it is seen among the dots
-    for look in ({"color": "white", "linewidth": 2.4, "zorder": 3.9}, {"color": colour, "label": label}):
-        panels[0].plot(result.time[until], result[name][until], **{"linewidth": 1.0, "zorder": 4.0} | look)
+    for look in ({"color": "white", "linewidth": RIM, "zorder": 3.9}, {"color": colour, "label": label}):
+        panels[0].plot(result.time[until], result[name][until], **{"linewidth": CURVE, "zorder": 4.0} | look)
 
 
 def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
