@@ -34,6 +34,8 @@ RECORDING = (
     "charts/curve_charts.js",
     "base/nearest.js",
     "base/ticks.js",
+    "explore/map/map_scales.js",
+    "player/impact_list.js",
 )
 """Further modules that need no browser to be run."""
 MODULES = ("solver/motion.js", "base/base64.js", *SCENE)

@@ -52,8 +52,9 @@ def until(page, condition):
 
 
 def until_told(page, text, where="subtitle"):
-    """Wait for a text in an element of the page."""
-    until(page, f"document.getElementById({where!r}).textContent.includes({json.dumps(text)})")
+    """Wait for a text in an element of the page; a number at its beginning must be a whole number there."""
+    found = f"document.getElementById({where!r}).textContent"
+    until(page, f"new RegExp('(?<![0-9.])' + RegExp.escape({json.dumps(text)})).test({found})")
 
 
 def page_contents(scene):

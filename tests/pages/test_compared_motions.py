@@ -14,6 +14,17 @@ from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"  # by 900 ms
+LETTERS = """async () => {
+  const [found, write] = [{}, CanvasRenderingContext2D.prototype.fillText];
+  CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
+    const chart = this.canvas.closest(".chart").id;
+    if (/^[A-E]$/.test(text)) found[chart] = [...new Set([...(found[chart] ?? []), text])];
+    return write.call(this, text, ...at);
+  };
+  document.querySelectorAll(".chart").forEach((chart) => { chart.style.width = "300px"; });
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  return found; }"""
+"""The letters that are written into each chart when it has another width."""
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied")
 
 
@@ -28,6 +39,7 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     assert page.locator("polyline.compared").count() == 3
     for chart in ("energy", "force"):
         assert page.evaluate(PIXELS, [chart, "pin-2"]) > 20
+    assert page.evaluate(LETTERS) == {"energy": ["A", "B"], "force": ["A", "B"]}
     page.get_by_role("button", name="F(δ)").click()
     assert page.evaluate(PIXELS, ["force", "pin-2"]) > 20
     rows = page.locator("#pins tbody tr").all_inner_texts()

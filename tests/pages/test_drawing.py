@@ -96,7 +96,7 @@ def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show_recordi
     assert page.locator(".stick-bar").count() == 2
     told = [float(re.match(r"[\d.]+", text)[0]) for text in page.locator(".force-text").all_text_contents()]
     assert told == pytest.approx([0.5 * WEIGHT] * 2, abs=0.01)
-    assert page.text_content("#contact-name").endswith("brown: friction")
+    assert page.text_content("#contact-name").endswith("dotted: friction")
     assert "friction" in page.text_content("#energies")
 
 
@@ -142,6 +142,7 @@ def test_a_joint_with_stops_has_an_arc_and_impacts_in_angles(show_recording):
         press(page, "ArrowRight")
     assert page.locator(".stop-dot").count() == 1
     assert page.locator(".force-text").text_content().endswith("N·m")
+    assert page.get_attribute("#caption", "title") == page.inner_text("#caption")
     assert page.inner_text("#caption").startswith("Impact 1 of ")
     assert ": joint 2 at joint_min, " in page.inner_text("#caption")
     assert "joint 2 at joint_min" in page.text_content("#contact-name")

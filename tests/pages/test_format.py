@@ -1,6 +1,6 @@
 """Texts and ticks of numbers on the pages."""
 
-# Tests: pages/browser/base/format.js, pages/browser/base/ticks.js
+# Tests: pages/browser/base/format.js, pages/browser/base/ticks.js, pages/browser/explore/map/map_scales.js
 
 import numpy as np
 import pytest
@@ -54,3 +54,21 @@ def test_an_angle_is_shown_in_degrees_if_that_is_shorter_and_exact(script):
     changed, turned, short, length = script.evaluate(ANGLES)
     assert changed == []
     assert (turned, short, length) == ("-25 deg", "0.5", "3.141592653589793")
+
+
+def test_an_axis_by_decades_has_two_ticks_or_more_however_narrow_it_is(script):
+    narrow = [[2.2e6, 4.4e6], [6.1e6, 6.4e6]]
+    function = "ranges => ranges.map(([low, high]) => decadesBetween(low, high))"
+    found = script.evaluate(function, [[1e5, 1e11], [2e6, 6e7], *narrow])
+    assert found[:2] == [[10.0**power for power in range(5, 12)], [2e6, 5e6, 1e7, 2e7, 5e7]]
+    for (low, high), ticks in zip(narrow, found[2:], strict=True):
+        assert len(ticks) > 1
+        assert low <= min(ticks) < max(ticks) <= high
+
+
+@pytest.mark.parametrize(
+    ("wall", "text"),
+    [("joint_min", "min"), ("slider_max", "max"), ("joint_plate", "joint_plate"), ("y_min", "y_min")],
+)
+def test_the_list_of_impacts_shortens_the_names_of_stops_only(script, wall, text):
+    assert script.evaluate("wall => wallText({ wall })", wall) == text

@@ -5,6 +5,7 @@
 import math
 import re
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -148,6 +149,21 @@ def test_angles_in_degrees_are_taken_in_every_field(show):
     page.locator("#map-y-to").fill("50")
     draw_map(page)
     assert {"10", "50"} <= set(page.locator("#map-scales text").all_text_contents())
+
+
+def test_all_runs_of_a_map_are_read_in_the_unit_of_its_colours(show):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-x-name").select_option("contact.stiffness")
+    page.locator("#map-x-from").fill("10")
+    page.locator("#map-x-to").fill("1e7")
+    draw_map(page)
+    box, told = page.locator("#map-canvas").bounding_box(), set()
+    for share in np.linspace(0.01, 0.99, 9):
+        page.locator("#map-canvas").hover(position={"x": share * box["width"], "y": 0.5 * box["height"]})
+        number, unit = re.search(r"peak_force = ([\d.e-]+)\s(\w+)", page.inner_text("#map-text")).groups()
+        told.add((float(number) < 1.0, unit))
+    assert told == {(True, "kN"), (False, "kN")}
 
 
 def test_a_map_goes_by_the_keyboard(show):

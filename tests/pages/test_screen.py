@@ -144,6 +144,25 @@ def test_there_are_handles_at_the_start_only_and_the_right_button_drags_nothing(
     until(page, "document.querySelectorAll('[data-grip]').length > 9")
 
 
+STEMS = """() => [...document.querySelectorAll(".velocity-stem, .velocity")].flatMap((line) => {
+  const [x1, y1, x2, y2] = ["x1", "y1", "x2", "y2"].map((end) => line[end].baseVal.value);
+  const on = Array.from({ length: 101 }, (_, k) => [x1 + (x2 - x1) * k / 100, y1 + (y2 - y1) * k / 100]);
+  return [...document.querySelectorAll(".point-number")].filter((number) => {
+    const { x, y, width, height } = number.getBBox();
+    const isIn = ([px, py]) => px > x && px < x + width && py > y + 2 && py < y + height - 2;
+    return getComputedStyle(number).visibility === "visible" && on.some(isIn);
+  }).map((number) => number.textContent); })"""
+"""The numbers of points that lie on arrows of velocities or on the stems of the arrows."""
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "thrown_brick", "hopper", "pinned_arm"])
+def test_no_number_of_a_point_lies_on_an_arrow_of_a_velocity(show, model):
+    page = show(model)
+    settle(page)
+    assert page.locator(".velocity-stem").count() > 0
+    assert page.evaluate(STEMS) == []
+
+
 def test_a_closed_box_is_drawn_closed_unless_it_is_much_larger_than_the_motion(show):
     page = show("four_link_box", {"box.x_min": -9.0, "box.y_max": 12.0})
     walls = page.locator("#scene polyline.wall")

@@ -35,6 +35,13 @@ def test_a_slider_and_a_law_give_another_motion_and_reset_the_first_one(show):
     assert "Flores, Machado, Silva & Martins 2011" in page.locator(".sentence").inner_text()
 
 
+def test_the_name_of_a_field_for_speech_has_the_words_beside_it(show):
+    page = show("sliding_rod")
+    for label in page.locator(".main-parameter-label").all():
+        words = label.evaluate("label => label.firstChild.textContent.trim()")
+        assert words in label.evaluate("label => label.control.ariaLabel")
+
+
 def test_a_logarithmic_slider_has_its_start_in_the_middle_of_the_decades(show):
     page = show()
     slider = page.get_by_role("slider", name="Stiffness")

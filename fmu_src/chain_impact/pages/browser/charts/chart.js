@@ -5,6 +5,9 @@ export const MOMENT = 1e-3;
 /** The least number of ticks on a vertical axis. */
 export const FEWEST_TICKS = 3;
 const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
+// where the letters of curves for comparison are: A at a part of the width of the chart, and the next letters further on
+const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
+const LETTER_DOT = 6; // [pixels] radius of the dot of a letter
 const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label
 
 /** Return a colour of the style sheet. */
@@ -36,7 +39,7 @@ export function labelledWidth(plot, labels, index, cycle) {
 
 /** A chart with a vertical line at the present time: the base class of all charts. */
 export class Chart {
-  compared = []; // recordings for comparison: {recording, colour}
+  compared = []; // recordings for comparison: {recording, stroke, letter}
 
   constructor(element, height) {
     this.element = element;
@@ -84,6 +87,27 @@ export class Chart {
     this.line.hidden = !(left >= -1 && left <= this.plot.over.clientWidth + 1);
     this.line.style.transform = `translateX(${left}px)`;
   }
+}
+
+/** Draw a curve of a recording for comparison, { points, stroke, letter }: dashed, with its letter in a dot on it. */
+export function drawCompared(plot, { points: [along, up], stroke, letter }) {
+  drawCurve(plot, [along, up], stroke);
+  const { ctx, bbox, valToPos } = plot;
+  const goal = bbox.left + (LETTERS_FROM + LETTERS_APART * (letter.codePointAt(0) - "A".codePointAt(0))) * bbox.width;
+  const seen = Array.from(along, (x, k) => [valToPos(x, "x", true), valToPos(up[k], "y", true)])
+    .filter(([x, y]) => x >= bbox.left && x <= bbox.left + bbox.width && y >= bbox.top && y <= bbox.top + bbox.height);
+  if (!seen.length) return;
+  const [x, y] = seen.reduce((best, at) => (Math.abs(at[0] - goal) < Math.abs(best[0] - goal) ? at : best));
+  ctx.save();
+  ctx.beginPath();
+  ctx.arc(x, y, LETTER_DOT * devicePixelRatio, 0, 2 * Math.PI);
+  ctx.fillStyle = styleColour(stroke);
+  ctx.fill();
+  ctx.fillStyle = styleColour("panel");
+  ctx.font = `700 ${1.5 * LETTER_DOT * devicePixelRatio}px system-ui, sans-serif`;
+  Object.assign(ctx, { textAlign: "center", textBaseline: "middle" });
+  ctx.fillText(letter, x, y);
+  ctx.restore();
 }
 
 /** Draw a curve through points of a chart, filled or dashed. */

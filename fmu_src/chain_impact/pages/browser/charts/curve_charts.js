@@ -7,9 +7,10 @@ import { MOMENT } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
 const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
-const DASHES = [undefined, [6, 3], [2, 3]]; // dashes of the curves after the first INPUT_COLOURS curves
+// dashes of the curves, as many as colours, because two colours may look alike: [pixels] lengths that are seen and left out
+const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
 /** The largest number of curves in a chart, and of charts, that a reader can distinguish. */
-export const [MOST_CURVES, MOST_UNITS] = [INPUT_COLOURS * DASHES.length, 8];
+export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
 const DIGITS = 4; // number of digits of a value
 const ROUND_OFF = 1e-12; // size below which a value is shown as 0, relative to the largest value of its unit
 
@@ -27,9 +28,9 @@ class UnitChart extends TimeChart {
   }
 
   get comparedCurves() {
-    return this.compared.flatMap(({ recording, colour: stroke }) => {
+    return this.compared.flatMap(({ recording, ...line }) => {
       const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
-      return curves.filter(({ name }) => this.names.includes(name)).map(({ values }) => ({ points: [time, values], stroke }));
+      return curves.filter(({ name }) => this.names.includes(name)).map(({ values }) => ({ points: [time, values], ...line }));
     });
   }
 
@@ -87,7 +88,7 @@ export class CurveCharts {
         ...curve,
         words: this.wordsOf(curve.name),
         stroke: `input-${(k % INPUT_COLOURS) + 1}`,
-        dash: DASHES[Math.floor(k / INPUT_COLOURS) % DASHES.length],
+        dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length], // another one when the colour comes again
       })));
     });
   }

@@ -3,7 +3,7 @@
 import { durationText, forceText, unitsOf } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 import { lastBefore } from "../recording/recording.js";
-import { axisOptions, Chart, drawCurve, FEWEST_TICKS, labelledWidth, MOMENT, styleColour } from "./chart.js";
+import { axisOptions, Chart, drawCompared, drawCurve, FEWEST_TICKS, labelledWidth, MOMENT, styleColour } from "./chart.js";
 
 const AROUND = 0.35; // shown time before and after a contact, relative to the duration of the contact
 const MARGIN = 1.08; // largest shown force, relative to the largest force of the curves
@@ -54,13 +54,13 @@ export class ForceChart extends Chart {
         series: [
           {},
           { stroke: () => styleColour("force"), width: 2, fill: () => styleColour("force-fill"), points: { show: false } },
-          { stroke: () => styleColour("friction"), width: 1.6, points: { show: false } },
+          { stroke: () => styleColour("friction"), width: 1.6, dash: [2, 3], points: { show: false } },
         ],
         scales: { x: { time: false }, y: { range: (_, least, most) => [MARGIN * Math.min(least, 0), MARGIN * Math.max(most, 1e-9)] } },
         hooks: {
           draw: [(plot) => {
             if (this.loop) drawCurve(plot, this.loop, "force", "force-fill");
-            this.curves?.forEach(({ points, stroke }) => drawCurve(plot, points, stroke));
+            this.curves?.forEach((curve) => drawCompared(plot, curve));
           }],
         },
         axes: [
@@ -122,11 +122,11 @@ export class ForceChart extends Chart {
     const friction = rubs ? along : times.map(() => null);
     this.loopButton.hidden = !depth;
     this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
-    this.curves = this.compared.flatMap(({ recording: other, colour: stroke }) => {
+    this.curves = this.compared.flatMap(({ recording: other, ...line }) => {
       const same = other.impacts[number - 1];
       const course = same && same.atStop === contact.atStop && courseAround(other, same);
       const x = course && (this.loop ? course.depth : course.times);
-      return x ? [{ points: [x, course.force], stroke }] : [];
+      return x ? [{ points: [x, course.force], ...line }] : [];
     });
     const most = highest(this.loop?.[0] ?? [], ...this.curves.map(({ points: [x] }) => x));
     this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
@@ -140,7 +140,7 @@ export class ForceChart extends Chart {
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
-    const legend = rubs ? "; brown: friction" : "";
+    const legend = rubs ? "; dotted: friction" : "";
     this.title.textContent = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
   }
 }

@@ -2,7 +2,7 @@
 
 import { fixed, ticksOf } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
-import { axisOptions, Chart, drawCurve, FEWEST_TICKS, labelledWidth, styleColour } from "./chart.js";
+import { axisOptions, Chart, drawCompared, FEWEST_TICKS, labelledWidth, styleColour } from "./chart.js";
 
 const WIDTHS = { total: 2.4 };
 
@@ -21,7 +21,7 @@ export class TimeChart extends Chart {
     return [this.recording.start, this.recording.end];
   }
 
-  /** Return curves of the recordings for comparison: `points`, times and values, and `stroke`. */
+  /** Return curves of the recordings for comparison, in the form for `drawCompared`. */
   get comparedCurves() {
     return [];
   }
@@ -53,7 +53,7 @@ export class TimeChart extends Chart {
         hooks: {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
           draw: [(plot) => {
-            this.comparedCurves.forEach(({ points, stroke }) => drawCurve(plot, points, stroke));
+            this.comparedCurves.forEach((curve) => drawCompared(plot, curve));
             if (plot === this.plot) this.mark(); // the scale of the time may be new
           }],
         },
@@ -97,7 +97,7 @@ export class EnergyChart extends TimeChart {
   }
 
   get comparedCurves() {
-    return this.compared.map(({ recording: { time, energies }, colour: stroke }) => ({ points: [time, energies.total ?? []], stroke }));
+    return this.compared.map(({ recording: { time, energies }, ...line }) => ({ points: [time, energies.total ?? []], ...line }));
   }
 
   show(recording) {
@@ -123,12 +123,18 @@ export class EnergyChart extends TimeChart {
   }
 }
 
+/** Return the pattern of a line with dashes as a background of the style sheet; its parts are alternately seen and not. */
+function patternOf(stroke, dash = [1]) {
+  const ends = dash.map((_, k) => dash.slice(0, k + 1).reduce((sum, length) => sum + length));
+  const parts = ends.map((end, k) => `${k % 2 ? "transparent" : `var(--${stroke})`} ${end - dash[k]}px ${end}px`);
+  return `repeating-linear-gradient(to right, ${parts.join(", ")})`;
+}
+
 /** Add an entry to a list: words for a name, with a line in their colour; return the element for the present value. */
 function entryOf(list, { name, words, stroke, dash }) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
-  Object.assign(term, { textContent: words, title: name });
-  term.style.setProperty("--line-style", dash ? (dash[0] > dash[1] ? "dashed" : "dotted") : "solid");
-  term.style.setProperty("--colour", `var(--${stroke})`);
+  Object.assign(term, { textContent: words, title: words === name ? "" : name });
+  term.style.setProperty("--pattern", patternOf(stroke, dash));
   entry.append(term, value);
   list.append(entry);
   return value;

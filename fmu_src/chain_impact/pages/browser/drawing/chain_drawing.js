@@ -78,6 +78,7 @@ export class ChainDrawing {
     this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
     this.above = this.drawing.group(); // a group for other drawings of a page in front of the chain
+    this.linesAbove = () => []; // the lines in them that labels must not cover
   }
 
   /** Use another recording. */
@@ -189,7 +190,7 @@ export class ChainDrawing {
     this.#drawTrace(frame, chain.at(-1));
     this.labelSpace = new LabelSpace(...this.size, STRIP);
     const marks = [...this.pin.map(([, mark]) => mark), ...this.ranges.flat()].map((mark) => mark.array());
-    [chain, ...this.edges, ...this.rail, ...marks].forEach((line) => this.labelSpace.reserveLine(line));
+    [chain, ...this.edges, ...this.rail, ...marks, ...this.linesAbove()].forEach((line) => this.labelSpace.reserveLine(line));
     bodies.forEach((corners) => this.labelSpace.reserveLine([...corners, corners[0]]));
     this.dots.forEach(([point]) => this.labelSpace.reserveAround(all[point]));
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];

@@ -72,7 +72,8 @@ export class ComparedMotions {
   /** List the pinned motions, and the impacts of all motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
-    player.panels.forEach(([, , chart]) => chart.compare(pinned.map(({ recording, colour }) => ({ recording, colour: `pin-${colour}` }))));
+    const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
+    player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;
     // while the panel is shown, the charts are lower, so that the list of impacts has space
     document.body.classList.toggle("with-pins", !panel.hidden);

@@ -97,14 +97,16 @@ export class CurveChoice {
     if (members.length === 1) return { part: rows, members };
     const list = make("details", {}, make("summary", { textContent: breakable(group) }), rows);
     const all = make("button", { type: "button", textContent: "All" });
+    const shown = () => members.filter(({ row }) => !row.hidden).map(({ name }) => name);
+    const areChosen = () => shown().every((name) => this.names.includes(name));
     all.setAttribute("aria-label", `All of ${group}`);
     all.addEventListener("click", () => {
-      const shown = members.filter(({ row }) => !row.hidden).map(({ name }) => name);
-      const others = this.names.filter((name) => !shown.includes(name));
+      const others = this.names.filter((name) => !shown().includes(name));
       list.open = true;
-      this.#choose([...others, ...(shown.every((name) => this.names.includes(name)) ? [] : shown)].join());
+      this.#choose([...others, ...(areChosen() ? [] : shown())].join());
     });
-    return { part: make("div", { className: "curve-group" }, list, all), list, members };
+    const showState = () => all.setAttribute("aria-pressed", areChosen());
+    return { part: make("div", { className: "curve-group" }, list, all), list, members, showState };
   }
 
   /** Choose the names in a text, without a call of `changed`; an error says which name is not possible. */
@@ -128,6 +130,7 @@ export class CurveChoice {
     this.rows.forEach(({ name, box }) => {
       box.checked = this.names.includes(name);
     });
+    this.groups.forEach(({ showState }) => showState?.());
     find("curves-text").textContent = readable(fault);
   }
 
@@ -136,9 +139,10 @@ export class CurveChoice {
     this.rows.forEach(({ name, row }) => {
       row.hidden = !words.every((word) => name.toLowerCase().includes(word));
     });
-    this.groups.forEach(({ part, list, members }) => {
+    this.groups.forEach(({ part, list, members, showState }) => {
       part.hidden = members.every(({ row }) => row.hidden);
       if (list) list.open = words.length > 0 || members.some(({ box }) => box.checked);
+      showState?.();
     });
     find("curves-none").hidden = this.rows.some(({ row }) => !row.hidden);
   }

@@ -33,6 +33,7 @@ export class Handles {
     this.element = element;
     this.dragged = null; // the dragged handle: {kind, index, time, pointer}
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
+    player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);
     element.addEventListener("pointerdown", (event) => this.#grasp(event));
     element.addEventListener("pointermove", (event) => isDragging(event) && this.#drag(event));
     ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, (event) => isDragging(event) && this.#drop()));
@@ -104,8 +105,7 @@ export class Handles {
     const focused = gripOf({ target: document.activeElement });
     drawing.above.clear();
     if (!this.areShown) return;
-    const { positions, velocity } = this.#start;
-    const time = this.#arrowTime(velocity);
+    const { positions } = this.#start;
     const screen = (point) => drawing.camera.toScreen(...point);
     const group = drawing.above;
     group.polyline(positions.map(screen)).addClass("pose").fill("none");
@@ -113,10 +113,11 @@ export class Handles {
       const [x, y] = screen(middle);
       group.rect(WALL, WALL).radius(5).center(x, y).addClass(isSeen ? "wall-grip" : "wall-grip wall-beyond").attr(gripFor("wall", name));
     });
-    positions.forEach((point, k) => {
-      if (k === 0 && !this.changes.parameters.has("initial.vx")) return;
-      const from = screen(point);
-      this.#arrow(group, from, vectorTo(from, screen(tipOf(point, velocity[k], time))), k);
+    this.#arrows().forEach(({ from, foot, to, k }) => {
+      group.line([from, foot]).addClass("velocity-stem");
+      group.line([foot, to]).addClass("velocity");
+      group.circle(9).center(...to).addClass("velocity-tip");
+      group.circle(GRIP).center(...to).addClass("grip").attr(gripFor("velocity", k));
     });
     this.#sites(positions).forEach(({ number, at }) => {
       group.circle(13).center(...screen(at)).addClass("joint-ring");
@@ -145,16 +146,20 @@ export class Handles {
     });
   }
 
-  /** Draw the arrow of a velocity, at the end of a stem in its direction; `vector` is the arrow on the screen. */
-  #arrow(group, from, vector, k) {
-    const length = Math.hypot(...vector);
-    const direction = length > 0 ? vector.map((component) => component / length) : this.#aside(k);
-    const foot = from.map((coordinate, axis) => coordinate + STEM * direction[axis]);
-    const to = foot.map((coordinate, axis) => coordinate + vector[axis]);
-    group.line([from, foot]).addClass("velocity-stem");
-    group.line([foot, to]).addClass("velocity");
-    group.circle(9).center(...to).addClass("velocity-tip");
-    group.circle(GRIP).center(...to).addClass("grip").attr(gripFor("velocity", k));
+  /** Return the arrows of the velocities that can be changed, on the screen: `from` a point a stem to `foot`, the arrow to `to`. */
+  #arrows() {
+    const { positions, velocity } = this.#start;
+    const time = this.#arrowTime(velocity);
+    const screen = (point) => this.player.drawing.camera.toScreen(...point);
+    const first = this.changes.parameters.has("initial.vx") ? 0 : 1;
+    return positions.map((point, k) => {
+      const from = screen(point);
+      const vector = vectorTo(from, screen(tipOf(point, velocity[k], time)));
+      const length = Math.hypot(...vector);
+      const direction = length > 0 ? vector.map((component) => component / length) : this.#aside(k);
+      const foot = from.map((coordinate, axis) => coordinate + STEM * direction[axis]);
+      return { from, foot, to: foot.map((coordinate, axis) => coordinate + vector[axis]), k };
+    }).slice(first);
   }
 
   /**

@@ -8,13 +8,18 @@ const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // a further column if forces in joints are known
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
-  peak: "Largest force of the contact",
+  peak: "Largest force of the contact, at a stop the largest moment",
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 
 /** Return the peak of a force as text, as far as it is known. */
 function peakText({ peak, atStop }) {
   return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
+}
+
+/** Return the name of the wall of an impact, and of a stop only its end: min or max. */
+export function wallText({ wall }) {
+  return wall.replace(/^(joint|slider)_(?=(min|max)$)/, "");
 }
 
 function approachText(impact) {
@@ -63,7 +68,7 @@ export class ImpactList {
     const texts = [
       impact.onset.toFixed(5),
       impact.what.replace(/^point /, ""),
-      impact.wall.replace(/^(joint|slider)_(?=(min|max)$)/, ""),
+      wallText(impact),
       approachText(impact),
       reboundText(impact),
       peakText(impact),

@@ -101,7 +101,7 @@ export class Player {
     document.body.classList.toggle("slow-motion", clock.rate < SHARED.pacing.SLOW * clock.speed);
     document.body.classList.toggle("playing", clock.playing);
     const caption = impactText(recording, contact, time);
-    if (find("caption").textContent !== caption) find("caption").textContent = caption;
+    if (find("caption").textContent !== caption) Object.assign(find("caption"), { textContent: caption, title: caption }); // it may be cut
   }
 }
 

@@ -5,7 +5,7 @@ import { numberText, readable, unitText } from "../../base/format.js";
 import { pictureOf, save } from "../export.js";
 import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { MapDrawing } from "./map_drawing.js";
-import { axisScale, quantityOf, scaled, shownIn, titleOf } from "./map_scales.js";
+import { axisScale, quantityOf, scaledTo, shownIn, titleOf } from "./map_scales.js";
 
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
@@ -18,8 +18,8 @@ function isLogarithmic(name) {
 }
 
 /**
- * Return the first and the last value of an axis: around the present value, within the allowed values; for a parameter from 0
- * to 1, always 0.05 and 0.95.
+ * Return the first and the last value of an axis, within the allowed values: a tenth of the present value and ten times it for a
+ * logarithmic axis; 0.05 and 0.95 for a parameter between 0 and 1; else half the value below and above it, or −1 and 1 for 0.
  */
 function rangeOf({ name, low, high }, value) {
   if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
@@ -313,7 +313,7 @@ export class GridMap {
     const value = this.shown.results[index];
     const parameters = Object.entries(this.#valuesAt(index)).map(([name, given]) => this.#valueText(name, given));
     const { faults, output } = this.shown;
-    const { factor, text } = scaled(output.unit, Math.abs(value));
+    const { factor, text } = scaledTo(this.shown);
     const number = [numberText(Number((factor * value).toPrecision(5))), text].filter(Boolean).join("\u202f");
     this.#say(`${parameters.join(", ")}: ${value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${number}`}`);
   }

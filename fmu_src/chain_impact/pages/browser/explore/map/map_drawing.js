@@ -2,7 +2,7 @@
 
 import { numberText } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-import { axisScale, colourAt, decadesBetween, quantityOf, scaled, titleOf, VIRIDIS } from "./map_scales.js";
+import { axisScale, colourAt, decadesBetween, quantityOf, scaledTo, titleOf, VIRIDIS } from "./map_scales.js";
 
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 // [pixels] margins around the canvas, equal to those in the style sheet
@@ -84,14 +84,14 @@ export class MapDrawing {
   }
 
   /** Draw the scale of the colours, with its ends and its title. */
-  #drawColours(left, top, width, { name, unit }, ends) {
-    const { factor, text } = scaled(unit, Math.max(...(ends ?? [0]).map(Math.abs)));
+  #drawColours(left, top, width, output, ends) {
+    const { factor, text } = scaledTo({ output, ends });
     const bar = this.scales.gradient("linear", (add) =>
       VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
     this.scales.rect(width, 9).move(left, top - 8).fill(bar);
     const [least, most] = ends ? ends.map((value) => numberText(Number((factor * value).toPrecision(4)))) : ["", ""];
     this.#write(least, left, top + 16, "start");
-    this.#write(titleOf(quantityOf(name), text), left + width / 2, top + 32, "middle");
+    this.#write(titleOf(quantityOf(output.name), text), left + width / 2, top + 32, "middle");
     this.#write(most, left + width, top + 16, "end");
   }
 }

@@ -63,8 +63,9 @@ export function decadesBetween(low, high) {
   return finer.length > 1 ? finer : ticksBetween(low, high);
 }
 
-/** Return a unit in which values up to a largest value are easy to read, and the factor to this unit. */
-export function scaled(unit, most) {
+/** Return the unit in which a map shows its output, whose least and largest values are `ends`, and the factor to this unit. */
+export function scaledTo({ output: { unit }, ends }) {
+  const most = Math.max(...(ends ?? [0]).map(Math.abs));
   if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };
   if (unit === "m" && most < 0.1) return { factor: 1e3, text: "mm" };
   return shownIn({ unit });

@@ -69,6 +69,7 @@ function mainParameter(changes, entry, now) {
   const row = make("div", { className: "main-parameter" }, label, resetButton(changes, name, field), field);
   field.id = `main-${name}`;
   label.htmlFor = field.id;
+  field.setAttribute("aria-label", `${entry.label}, ${name}`); // the words that are seen, and the name in the scene
   const { element, follow, show } = parameter.items.length ? choiceSentence(changes, parameter) : slider(changes, entry, field, now, text);
   row.classList.toggle("choice-parameter", parameter.items.length > 0);
   row.append(element, refusal());
