@@ -9,20 +9,10 @@ from chain_impact.pages.recorded import program, text_of
 from chain_impact.results.animate import animate
 from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import DESK, TEXTS, bits, packed_module, page_contents
-from tests.pages.javascript import Script
+from tests.pages.javascript import Script, function_of
 from tests.tiers import CHROMIUM
 
-RUN = """async ({ module, file, kit, values, stop, step }) => {
-  const scene = sceneOf({ file, kit });
-  const kernel = await Kernel.load(await compiled(module), scene);
-  const times = rowTimes(stop, step);
-  const run = runThrough(kernel.run(values, times, scene.columns));
-  const text = TEXTS;
-  const impacts = run.impacts.map((impact) =>
-    Object.fromEntries(Object.entries(impact).map(([name, value]) => [name, String(value)])));
-  return { ...run, impacts, time: text([run.time]), columns: text(run.columns), names: scene.columns,
-    reasons: scene.reasons };
-}""".replace("TEXTS", TEXTS)
+RUN = function_of("conftest", "runInPage")
 
 
 SCENE = ("scene/changes.js", "scene/changed_file.js", "scene/model.js")
@@ -42,6 +32,7 @@ MODULES = ("solver/motion.js", "base/base64.js", *SCENE)
 """The modules that read a scene file, and compute a motion."""
 SCENE_OF = "const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"
 COMPILED = f"""{SCENE_OF}
+const textsOf = {TEXTS};
 const modules = new Map();
 async function compiled(text) {{
   if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await decompressed(text)));

@@ -13,33 +13,16 @@ from PIL import Image
 from chain_impact import load_scene, simulate
 from chain_impact.compilation.library import browser_module
 from chain_impact.pages.explore import contents, packed
+from tests.pages.javascript import function_of
 
 DESK, PHONE, ON_ITS_SIDE = (
     {"width": width, "height": height} for width, height in ((1366, 768), (390, 844), (844, 390))
 )
-ROWS = """async ([chart, colour]) => {
-  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-  const style = getComputedStyle(document.documentElement).getPropertyValue(`--${colour}`);
-  const wanted = style.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
-  const canvas = document.querySelector(`#${chart} canvas`);
-  const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
-  context.drawImage(canvas, 0, 0);
-  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-  const rows = [];
-  for (let k = 0; k < data.length; k += 4) {
-    const isFound = data[k + 3] > 200 && wanted.every((part, c) => Math.abs(part - data[k + c]) < 30);
-    if (isFound) rows.push(Math.floor(k / 4 / canvas.width));
-  }
-  return rows; }"""
+ROWS = function_of("in_pages", "rowsInPage")
 """The rows of the pixels of a chart with a colour of the style sheet."""
 PIXELS = f"async (asked) => (await ({ROWS})(asked)).length"
 """Number of pixels of a chart with a colour of the style sheet."""
-TEXTS = """(arrays) => arrays.map((array) => {
-    const bytes = new Uint8Array(array.buffer);
-    let signs = "";
-    for (let k = 0; k < bytes.length; k += 4096) signs += String.fromCharCode(...bytes.subarray(k, k + 4096));
-    return btoa(signs);
-  })"""
+TEXTS = function_of("in_pages", "textsOf")
 """The numbers of typed arrays as texts, which ``bits`` reads: single numbers would take far longer."""
 SUBTITLE = "document.getElementById('subtitle').textContent"
 TIME_TEXT = "document.getElementById('time').textContent"

@@ -2,6 +2,9 @@
 
 import base64
 import json
+import re
+from functools import cache
+from pathlib import Path
 
 import quickjs
 
@@ -14,6 +17,17 @@ const TOML = {{}};
 (function (exports) {{ {text_of(TOML)} }})(TOML);
 """
 """What the modules find in a page: a function of browsers, and the reader of scene files."""
+
+FUNCTIONS = Path(__file__).with_name("functions")
+"""The folder of the functions that tests run in pages; oxlint checks these files, too."""
+
+
+@cache
+def function_of(file, name):
+    """Return the text of a function of a file in FUNCTIONS; its imports stand for what a page has."""
+    text = (FUNCTIONS / f"{file}.js").read_text("utf-8")
+    (found,) = re.findall(rf"^export const {name} = (.*?);\n(?=\n|\Z)", text, re.MULTILINE | re.DOTALL)
+    return found
 
 
 class Script:

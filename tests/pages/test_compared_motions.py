@@ -10,20 +10,12 @@ import pytest
 
 from chain_impact import simulate
 from tests.pages.in_pages import PHONE, PIXELS, impacts_of, until, until_told
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"  # by 900 ms
-LETTERS = """async () => {
-  const [found, write] = [{}, CanvasRenderingContext2D.prototype.fillText];
-  CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
-    const chart = this.canvas.closest(".chart").id;
-    if (/^[A-E]$/.test(text)) found[chart] = [...new Set([...(found[chart] ?? []), text])];
-    return write.call(this, text, ...at);
-  };
-  document.querySelectorAll(".chart").forEach((chart) => { chart.style.width = "300px"; });
-  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-  return found; }"""
+LETTERS = function_of("compared_motions", "letters")
 """The letters that are written into each chart when it has another width."""
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied")
 
@@ -99,11 +91,7 @@ def test_pins_have_colours_of_their_own(show, scheme):
             assert abs(colours[one] - colours[other]).sum() > 0.3, (names[one], names[other])
 
 
-OUTSIDE = """() => {
-  const { width, height } = document.getElementById("scene").getBoundingClientRect();
-  return [...document.querySelectorAll("polyline.compared, polyline.link")]
-    .flatMap((line) => [...line.points])
-    .filter(({ x, y }) => x < 0 || y < 0 || x > width || y > height).length; }"""
+OUTSIDE = function_of("compared_motions", "outside")
 """Number of points of the present and of the compared motions outside of the drawing."""
 
 

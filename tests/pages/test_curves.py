@@ -7,28 +7,15 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from tests.pages.in_pages import ROWS, packed_module, page_contents, until, until_told
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 SHOWN = "[...document.querySelectorAll('#outputs-over-time dt')].map((term) => term.textContent)"
-NOW = """() => {
-  const over = document.querySelector('#outputs-over-time .u-over').getBoundingClientRect();
-  const line = document.querySelector('#outputs-over-time .now').getBoundingClientRect();
-  return (line.left + line.width / 2 - over.left) / over.width; }"""
+NOW = function_of("curves", "now")
 """The place of the line at the present time, over the width of the chart."""
-COURSE = """async ({ module, file, kit, values }) => {
-  const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
-  const { parts: { forces, contacts, rowTime } } = runThrough(motion(kernel, values));
-  return contacts.map(({ point, wall, onset, end, peak }) => {
-    const { force } = forces.find((one) => one.point === point && one.wall === wall);
-    const within = force.filter((_, k) => rowTime[k] >= onset && rowTime[k] <= end);
-    return [peak, Math.max(...within)];
-  }); }"""
-MOTION = """async ({ module, file, kit, curves }) => {
-  const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
-  const { parts: { outputs, time } } = runThrough(motion(kernel, {}, { curves }));
-  return { frames: time.length, rows: outputs.time.length, names: outputs.curves.map(({ name }) => name),
-    most: outputs.curves.map(({ values }) => values.reduce((a, b) => Math.max(a, b))) }; }"""
+COURSE = function_of("curves", "course")
+MOTION = function_of("curves", "motionInPage")
 
 
 @pytest.fixture(scope="module")

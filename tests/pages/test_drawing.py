@@ -14,24 +14,14 @@ from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import SLOPE, pendulum, sled
 from tests.helpers.scenes.stops import knee
 from tests.pages.in_pages import DESK, LIGHT_CHAIN, ON_ITS_SIDE, PHONE, count_of, go_to, pixels, press
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-LENGTHS = """() => [...document.querySelectorAll('.arrow-head.force')].map((head) => {
-  const [tip] = head.points, { x1, y1 } = head.previousElementSibling;
-  return Math.hypot(tip.x - x1.baseVal.value, tip.y - y1.baseVal.value); })"""
+LENGTHS = function_of("drawing", "lengths")
 RULER = """() => [...document.querySelectorAll('.ruler-text')].map((text) =>
   [text.textContent, text.x.baseVal[0].value - document.querySelector('.ruler').x1.baseVal.value])"""
-ON_OTHERS = """() => {
-  const seen = (kinds) => [...document.querySelectorAll(kinds)]
-    .filter((one) => getComputedStyle(one).visibility === 'visible')
-    .map((one) => [one.textContent || 'a dot', one.getBoundingClientRect()]);
-  const shared = (a, b, low, high) => Math.min(a[high], b[high]) - Math.max(a[low], b[low]);
-  const meet = ([, a], [, b]) => shared(a, b, 'left', 'right') > 1 && shared(a, b, 'top', 'bottom') > 3;
-  const texts = seen('.point-number, .force-text, .ring-number, .ruler-text, .ruler-name, .bar-text');
-  const others = [...texts, ...seen('circle.joint, circle.tip, circle.site')];
-  return texts.flatMap((one, k) => others.slice(k + 1).filter((other) => meet(one, other))
-    .map((other) => [one[0], other[0]])); }"""
+ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
 SLIDES, STICKS = 0.5, 1.5  # s, of the sled
 WEIGHT = 1.2 * 9.81  # N

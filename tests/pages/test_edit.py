@@ -19,21 +19,13 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
 from tests.pages.in_pages import page_contents
+from tests.pages.javascript import function_of
 from tests.pages.scene_texts import BODIES, WRITTEN
 
-RECORD = """([kit, text, contents]) => {
-  const file = complete(text ? TOML.parse(text) : contents, kit);
-  const { record, parameters, columns, still } = describe(kit, file, []);
-  const words = [...new BigInt64Array(record.buffer)].map(String);
-  return { words, columns: columns.map(({ name, word, unit }) => [name, word, unit]), still,
-    parameters: parameters.map(({ name, word, start }) => [name, word, String(start)]) };
-}"""
+RECORD = function_of("edit", "recordInPage")
 
 
-STRUCTURE = """([kit, contents]) => {
-  const { known, lists, owners } = structureOf(complete(contents, kit), kit);
-  return [known, lists, owners];
-}"""
+STRUCTURE = function_of("edit", "structure")
 
 
 def made(script, scene, text="", contents=None):
@@ -197,16 +189,7 @@ REFUSED = [
 ]
 
 
-REFUSAL = """([kit, contents, more]) => {
-  try {
-    const file = complete(contents, kit);
-    file.walls.push(...more);
-    describe(kit, file, []);
-    return "";
-  } catch (error) {
-    return error instanceof RangeError ? error.message : error.stack;
-  }
-}"""
+REFUSAL = function_of("edit", "refusalInPage")
 
 
 def refusal_of(script, contents, more=()):

@@ -12,6 +12,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import scene_to_dict
 from tests.pages.in_pages import TEXTS, bits, until, until_told
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -113,11 +114,7 @@ def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
     assert page.evaluate("chainImpact.parameters") == before
 
 
-DROP = """([name, text]) => {
-  const data = new DataTransfer();
-  data.items.add(new File([text], name));
-  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
-}"""
+DROP = function_of("edit_dialog", "dropInPage")
 
 
 def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, address):

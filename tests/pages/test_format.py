@@ -5,14 +5,10 @@
 import numpy as np
 import pytest
 
-ROUND_OFF = """() => {
-  const shown = (unit, all, peakForce) =>
-    withoutRoundOff(all.map((values) => ({ unit, values })), { peakForce }).map(({ values }) => values);
-  return [shown("m", [[0.5, -2e-14], [1e-11]], 1e9), shown("N", [[-1.96e-14]], 50)]; }"""
-ANGLES = """() => {
-  const some = Array.from({ length: 200 }, (_, k) => (k - 100) * (k % 3 ? Math.PI / 180 : 0.0437));
-  return [some.filter((value) => Number(inRadians(valueText(value, "rad"), "rad")) !== value),
-    valueText(inRadians("-25 deg", "rad"), "rad"), valueText(0.5, "rad"), valueText(Math.PI, "m")]; }"""
+from tests.pages.javascript import function_of
+
+ROUND_OFF = function_of("format", "roundOff")
+ANGLES = function_of("format", "angles")
 TICKS = "([first, step]) => ticksOf([0, 1, 2, 3].map((k) => first + k * step))"
 BETWEEN = "(ranges) => ranges.map(([low, high]) => ticksBetween(low, high, 3))"
 

@@ -9,15 +9,12 @@ import pytest
 
 from chain_impact import Chain, load_scene, simulate
 from tests.pages.in_pages import packed_module, page_contents, saved, until, until_told
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 STEPS = [(0.2, 1.5), (0.31, -2.0), (0.6, 0.5)]
-RUN = """async ({ module, file, kit, inputSteps, times, name }) => {
-  const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
-  const wanted = kernel.scene.columns.filter((column) => column.name === name);
-  const options = { inputSteps: stepsForKernel(kernel, inputSteps) };
-  return Array.from(runThrough(kernel.run({}, Float64Array.from(times), wanted, options)).columns[0]); }"""
+RUN = function_of("input_steps", "run")
 SLIDER, ITS_WORDS = "joint[1].torque", "Torque of joint 1"
 SHOWN = "Number(document.getElementById('scrub').value)"
 HELD = f"chart => document.querySelector('#inputs-over-time dt')?.title === '{SLIDER}'"

@@ -16,6 +16,7 @@ from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edite
 from tests.helpers.scenes.law_texts import SINH
 from tests.helpers.scenes.stops import knee
 from tests.pages.in_pages import bits, packed_module, page_contents
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -162,15 +163,7 @@ def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
 # --- studies, and what the page works out itself: frames, view, what follows from what ---------------------
 
 
-RUN_EACH = """async ([module, contents, names, grid, stops, outputs]) => {
-  const scene = sceneOf(contents);
-  const words = outputs.map((name) => scene.columns.find((one) => one.name === name).word);
-  const kernel = await Kernel.load(await compiled(module), scene);
-  const given = [Float64Array.from(grid), Float64Array.from(stops), words];
-  const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given));
-  const after = runThrough(kernel.run({}, rowTimes(0.1, 0.01), scene.columns.slice(0, 1))).columns[0].length;
-  return [btoa(String.fromCharCode(...new Uint8Array(found.buffer))), after];
-}"""
+RUN_EACH = function_of("kernel", "runEach")
 
 
 def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):

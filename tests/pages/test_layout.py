@@ -5,6 +5,7 @@
 import pytest
 
 from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -14,45 +15,7 @@ SCENES = {
     "bouncing_table": {"simulation.stop_time": 0.3},
 }
 DIALOGS = ("edit", "map", "curves", "export", "help")
-CLASHES = """() => {
-  const roomOf = (one) => one.closest("dialog form, dialog, footer, #stage, #pins, #status");
-  const open = document.querySelector("dialog[open]");
-  const isThere = (one) => one.checkVisibility({ visibilityProperty: true, opacityProperty: true }) &&
-    !one.closest("svg, .hidden") && (!open || open.contains(one));
-  // what is seen of a box within the parts of the page that cut it off
-  const seen = (one, box) => {
-    let { left, top, right, bottom } = box;
-    for (let at = one; at; at = at.parentElement) {
-      if (getComputedStyle(at).overflow === "visible" || at === document.documentElement) continue;
-      const limits = at.getBoundingClientRect();
-      [left, top] = [Math.max(left, limits.left), Math.max(top, limits.top)];
-      [right, bottom] = [Math.min(right, limits.right), Math.min(bottom, limits.bottom)];
-    }
-    return { left, top, right, bottom };
-  };
-  const controls = [...document.querySelectorAll("button, input, select, summary")].filter(isThere)
-    .map((one) => ({
-      one,
-      name: one.ariaLabel || one.textContent || one.id,
-      box: seen(one.parentElement, one.getBoundingClientRect()),
-    }));
-  const texts = [], nodes = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-  while (nodes.nextNode()) {
-    const [name, one] = [nodes.currentNode.textContent.trim(), nodes.currentNode.parentElement];
-    if (!name || !isThere(one) || one.closest("script, option")) continue;
-    const range = document.createRange();
-    range.selectNodeContents(nodes.currentNode);
-    for (const box of range.getClientRects()) texts.push({ one, name, box: seen(one, box) });
-  }
-  const shared = (a, b, low, high) => Math.min(a[high], b[high]) - Math.max(a[low], b[low]);
-  const meet = (a, b) => shared(a, b, "left", "right") > 0.5 && shared(a, b, "top", "bottom") > 1;
-  const clash = (a, b) => !a.one.contains(b.one) && !b.one.contains(a.one) &&
-    roomOf(a.one) === roomOf(b.one) && meet(a.box, b.box);
-  const others = [...controls, ...texts];
-  const found = others.flatMap((a, k) =>
-    others.slice(k + 1).filter((b) => clash(a, b)).map((b) => `${a.name} on ${b.name}`));
-  const wider = document.documentElement.scrollWidth - innerWidth;
-  return wider > 0 ? [...found, `the page is ${wider} pixels too wide`] : found; }"""
+CLASHES = function_of("layout", "clashes")
 """Overlapping pairs of controls and texts among elements that scroll together."""
 
 

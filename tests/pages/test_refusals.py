@@ -20,16 +20,10 @@ from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.prepared import PreparedScene
 from tests.pages.in_pages import page_contents
+from tests.pages.javascript import function_of
 from tests.pages.scene_texts import BODIES, WRITTEN
 
-PAGE = """([kit, contents]) => {
-  try {
-    const { record, contactPoints } = describe(kit, complete(contents, kit), []);
-    return { words: [...new BigInt64Array(record.buffer)].map(String), touching: contactPoints.length };
-  } catch (error) {
-    if (error instanceof RangeError) return { refusal: error.message };
-    throw error;
-  } }"""
+PAGE = function_of("refusals", "page")
 NUMBERS = (0, 1, -1, 0.5, 2, -3.0, 0.3, 1e-3, 1e6, "90 deg", "-10 deg")
 TEXTS = ("y_min", "ramp", "slider_min", "joint_min", "two words", "joint[1].torque", "base.x", "base.vy")
 VALUES = {"float": NUMBERS, "int": (0, 1, 2, 3, -1), "bool": (True, False), "table": ({},)}

@@ -9,6 +9,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until, until_told
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -40,11 +41,7 @@ def parameters(page):
 
 
 # the position of a handle, if no other element covers the handle
-REACHABLE = """(name) => {
-  const grip = document.querySelector(`[data-grip="${name}"]`), box = grip?.getBoundingClientRect();
-  const at = box && [box.x + box.width / 2, box.y + box.height / 2];
-  return at && document.elementFromPoint(...at)?.closest("[data-grip]") === grip && at;
-}"""
+REACHABLE = function_of("screen", "reachable")
 
 
 def reachable(page, grip):
@@ -144,14 +141,7 @@ def test_there_are_handles_at_the_start_only_and_the_right_button_drags_nothing(
     until(page, "document.querySelectorAll('[data-grip]').length > 9")
 
 
-STEMS = """() => [...document.querySelectorAll(".velocity-stem, .velocity")].flatMap((line) => {
-  const [x1, y1, x2, y2] = ["x1", "y1", "x2", "y2"].map((end) => line[end].baseVal.value);
-  const on = Array.from({ length: 101 }, (_, k) => [x1 + (x2 - x1) * k / 100, y1 + (y2 - y1) * k / 100]);
-  return [...document.querySelectorAll(".point-number")].filter((number) => {
-    const { x, y, width, height } = number.getBBox();
-    const isIn = ([px, py]) => px > x && px < x + width && py > y + 2 && py < y + height - 2;
-    return getComputedStyle(number).visibility === "visible" && on.some(isIn);
-  }).map((number) => number.textContent); })"""
+STEMS = function_of("screen", "numbersOnArrows")
 """The numbers of points that lie on arrows of velocities or on the stems of the arrows."""
 
 
@@ -257,12 +247,7 @@ def test_the_controls_cover_no_part_of_the_motion(show, size):
     assert view <= controls
 
 
-SMALL = """(least) => {
-  const room = document.querySelector("dialog[open]") ?? document.body;
-  return [...room.querySelectorAll("button, input, select, summary")]
-    .filter((one) => one.checkVisibility({ visibilityProperty: true }) && !one.closest("svg"))
-    .map((one) => [one.id || one.ariaLabel || one.textContent, one.getBoundingClientRect()])
-    .filter(([, { width, height }]) => Math.min(width, height) < least).map(([name]) => name); }"""
+SMALL = function_of("screen", "small")
 
 
 CUT_OFF = """[...document.querySelectorAll("#controls > :not([hidden])")]

@@ -33,29 +33,14 @@ from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled
 from tests.helpers.scenes.stops import knee
 from tests.pages.in_pages import page_contents
+from tests.pages.javascript import function_of
 
-FRAMES = """([start, stop, spans, impactTime, most, rate]) => {
-  const { times, frameRate } = frameTimes(start, stop, spans, impactTime, most, rate);
-  return [[...times], frameRate]; }"""
+FRAMES = function_of("twins", "framesInPage")
 SPANS = "([impacts, stop]) => slowSpans(contactsOf(impacts, stop))"
-VIEW = """([points, walls, radius, pinned, carriage]) => {
-  const [x, y] = [0, 1].map((axis) => points.flatMap((row) => row.map((point) => point[axis])));
-  return viewOf(x, y, points[0].length, walls, radius, pinned, carriage); }"""
+VIEW = function_of("twins", "viewInPage")
 ROOM = "([walls, around]) => freeRegionWithin(walls, around).corners"
-SHAPES = """([contents, bases, size]) => {
-  const scene = sceneOf(contents);
-  const valueOf = (name) => scene.parameters.find((parameter) => parameter.name === name)?.start;
-  const [walls, bodies] = [wallsAt(scene, valueOf), bodiesOf(scene, valueOf)];
-  const rail = railOf(bases, size, valueOf);
-  const rate = frameRateOf(scene, valueOf, valueOf("simulation.stop_time"));
-  return { walls, bodies, rail, ranges: rangesOf(scene, valueOf), rate }; }"""
-SHOWN = """([packed, impactTime]) => {
-  const rows = unpack(packed);
-  const [start, stop] = [rows.time[0], rows.time.at(-1)];
-  const contacts = contactsOf(packed.impacts, stop);
-  const frames = timesOf(contacts, start, stop, rows.pointCount, impactTime, packed.frameRate);
-  const { time, x, y, view, anchor, pin } = framesOf({ ...rows, contacts }, frames);
-  return { time: [...time], x: [...x], y: [...y], view, anchor, pin }; }"""
+SHAPES = function_of("twins", "shapes")
+SHOWN = function_of("twins", "shownInPage")
 DRAWN = """(contents) => Object.entries(sceneOf(contents).drawn.groups).map(([group, entries]) =>
   [group, entries.map(({ n, name, words }) => [n, name, Object.keys(words)])])"""
 ARROWS = "([peak, forces]) => forces.map((force) => new ArrowScale(peak, 1, 1).lengthOf(force))"

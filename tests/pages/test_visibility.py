@@ -5,6 +5,7 @@
 import pytest
 
 from tests.pages.in_pages import DESK, PHONE, ROWS, until
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -12,26 +13,7 @@ TABLET, ITS_SIDE, LOW = (
     {"width": width, "height": height} for width, height in ((820, 1180), (1024, 768), (740, 360))
 )
 
-SHARES = """async () => {
-  const share = () => {
-    const [from, to] = [...document.querySelectorAll(".joint")]
-      .map((one) => [one.cx.baseVal.value, one.cy.baseVal.value]);
-    const walls = [...document.querySelectorAll("#scene .wall")]
-      .flatMap((line) => [...line.points]).map(({ x }) => x);
-    return Math.hypot(to[0] - from[0], to[1] - from[1]) / (Math.max(...walls) - Math.min(...walls));
-  };
-  const painted = () => new Promise((done) => requestAnimationFrame(() => {
-    const { port1, port2 } = new MessageChannel();
-    port1.onmessage = done;
-    port2.postMessage(0);
-  }));
-  const found = [share()];
-  for (const width of ["70%", "40%", "90%"]) {
-    document.getElementById("stage").style.width = width;
-    await painted();
-    found.push(share());
-  }
-  return found; }"""
+SHARES = function_of("visibility", "shares")
 """Length of the first link over the width of the box: at first, and right after each new size is painted."""
 
 

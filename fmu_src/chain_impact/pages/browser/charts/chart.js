@@ -118,11 +118,10 @@ export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
   ctx.clip();
   ctx.beginPath();
   along.forEach((x, k) => ctx.lineTo(valToPos(x, "x", true), valToPos(up[k], "y", true)));
+  ctx.setLineDash(fill ? [] : [6, 3].map((length) => length * devicePixelRatio));
   if (fill) {
     ctx.fillStyle = styleColour(fill);
     ctx.fill();
-  } else {
-    ctx.setLineDash([6, 3].map((length) => length * devicePixelRatio));
   }
   ctx.strokeStyle = styleColour(stroke);
   ctx.lineWidth = 1.6 * devicePixelRatio;

@@ -1,0 +1,26 @@
+// Functions that tests/pages/test_curves.py runs in a page.
+import { Kernel, runThrough } from "../../../fmu_src/chain_impact/pages/browser/solver/kernel.js";
+import { motion } from "../../../fmu_src/chain_impact/pages/browser/solver/motion.js";
+
+export const now = () => {
+  const over = document.querySelector('#outputs-over-time .u-over').getBoundingClientRect();
+  const line = document.querySelector('#outputs-over-time .now').getBoundingClientRect();
+  return (line.left + line.width / 2 - over.left) / over.width;
+};
+
+export const course = async ({ module, file, kit, values }) => {
+  const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
+  const { parts: { forces, contacts, rowTime } } = runThrough(motion(kernel, values));
+  return contacts.map(({ point, wall, onset, end, peak }) => {
+    const { force } = forces.find((one) => one.point === point && one.wall === wall);
+    const within = force.filter((_, k) => rowTime[k] >= onset && rowTime[k] <= end);
+    return [peak, Math.max(...within)];
+  });
+};
+
+export const motionInPage = async ({ module, file, kit, curves }) => {
+  const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
+  const { parts: { outputs, time } } = runThrough(motion(kernel, {}, { curves }));
+  return { frames: time.length, rows: outputs.time.length, names: outputs.curves.map(({ name }) => name),
+    most: outputs.curves.map(({ values }) => values.reduce((a, b) => Math.max(a, b))) };
+};

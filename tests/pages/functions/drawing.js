@@ -1,0 +1,17 @@
+// Functions that tests/pages/test_drawing.py runs in a page.
+
+export const lengths = () => [...document.querySelectorAll('.arrow-head.force')].map((head) => {
+  const [tip] = head.points, { x1, y1 } = head.previousElementSibling;
+  return Math.hypot(tip.x - x1.baseVal.value, tip.y - y1.baseVal.value); });
+
+export const onOthers = () => {
+  const seen = (kinds) => [...document.querySelectorAll(kinds)]
+    .filter((one) => getComputedStyle(one).visibility === 'visible')
+    .map((one) => [one.textContent || 'a dot', one.getBoundingClientRect()]);
+  const shared = (a, b, low, high) => Math.min(a[high], b[high]) - Math.max(a[low], b[low]);
+  const meet = ([, a], [, b]) => shared(a, b, 'left', 'right') > 1 && shared(a, b, 'top', 'bottom') > 3;
+  const texts = seen('.point-number, .force-text, .ring-number, .ruler-text, .ruler-name, .bar-text');
+  const others = [...texts, ...seen('circle.joint, circle.tip, circle.site')];
+  return texts.flatMap((one, k) => others.slice(k + 1).filter((other) => meet(one, other))
+    .map((other) => [one[0], other[0]]));
+};

@@ -1,0 +1,14 @@
+// Functions that tests/pages/test_format.py runs in a page.
+import { inRadians, valueText } from "../../../fmu_src/chain_impact/pages/browser/scene/angles.js";
+
+export const roundOff = () => {
+  const shown = (unit, all, peakForce) =>
+    withoutRoundOff(all.map((values) => ({ unit, values })), { peakForce }).map(({ values }) => values);
+  return [shown("m", [[0.5, -2e-14], [1e-11]], 1e9), shown("N", [[-1.96e-14]], 50)];
+};
+
+export const angles = () => {
+  const some = Array.from({ length: 200 }, (_, k) => (k - 100) * (k % 3 ? Math.PI / 180 : 0.0437));
+  return [some.filter((value) => Number(inRadians(valueText(value, "rad"), "rad")) !== value),
+    valueText(inRadians("-25 deg", "rad"), "rad"), valueText(0.5, "rad"), valueText(Math.PI, "m")];
+};
