@@ -182,10 +182,10 @@ def picture(
     from benchmarks.looks import STYLE
 
     with mpl.rc_context(STYLE):
-        page = Figure(figsize=size, dpi=DPI, layout="constrained")
-        draw(page, load(record or name))
+        figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+        draw(figure, load(record or name))
         path = IMAGES / f"bench_{name}.png"
-        page.savefig(path, dpi="figure")
+        figure.savefig(path, dpi="figure")
     print(f"wrote {path.relative_to(ROOT)}")
 
 

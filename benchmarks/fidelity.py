@@ -116,9 +116,9 @@ def measure(rounds: int) -> list[dict[str, Any]]:
 SIZE = (11.0, 4.6)  # inches, of the chart
 
 
-def draw(page: Any, record: dict[str, Any]) -> None:
+def draw(figure: Any, record: dict[str, Any]) -> None:
     """Draw error against CPU time, at both times."""
-    panels = page.subplots(1, 2)
+    panels = figure.subplots(1, 2)
     for stop, axes in zip(PROBLEM.times, panels, strict=True):
         rows = [row for row in record["results"] if row["stop"] == stop and "seconds" in row]
         draw_stiffness(axes, rows)
@@ -136,13 +136,13 @@ def draw(page: Any, record: dict[str, Any]) -> None:
         r["tip"] for r in rows if r["choice"] == "law" or (r["choice"] == GRID and r["stiffness"] != STEEL)
     )
     headline(
-        page,
+        figure,
         "Error of the tip [mm] by law, stiffness and tolerance, over CPU time [ms]",
         f"{PROBLEM.title}  ·  right: zhang_sharf with the stiffness of steel  ·  to {PROBLEM.times[0]} s: "
         f"another law or stiffness {number(wrong, 1)} mm or more, solver {number(right['tip'], 1)} mm in "
         f"{1e3 * right['seconds']:.1g} ms  ·  numbers at points: tolerances",
     )
-    page.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
 
 
 def draw_stiffness(axes: Any, rows: list[dict[str, Any]]) -> None:

@@ -256,9 +256,9 @@ LOOKS = {
 }
 
 
-def draw(page: Any, record: Any) -> None:
+def draw(figure: Any, record: Any) -> None:
     """Draw drift and errors against CPU time."""
-    results, panels = record["results"], page.subplots(1, 3)
+    results, panels = record["results"], figure.subplots(1, 3)
     for axes, (key, rows) in zip(panels, results.items(), strict=True):
         value = "drift" if key == "slope" else "error"
         for name, drawn in LOOKS.items():
@@ -281,7 +281,7 @@ def draw(page: Any, record: Any) -> None:
         if (row["name"], row["setting"]) == (CREEPS, SHOWN) and row["times ours"]
     ]
     headline(
-        page,
+        figure,
         "Dry friction: drift on a slope [µm/s], and errors of a thrown chain, over CPU time [ms]",
         f"elliptic cones  ·  errors: each against its own converged run  ·  {CREEPS} with steps of "
         f"{1e3 * SHOWN:g} ms: drift {creep / 1e3:.2g} mm/s, {min(factors):.2g} to {max(factors):.2g} times "
@@ -290,7 +290,7 @@ def draw(page: Any, record: Any) -> None:
     handles = {
         label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
-    page.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4)
+    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4)
 
 
 def main() -> None:

@@ -113,7 +113,7 @@ def compare(scene: Scene) -> dict[str, Any]:
 SIZE = (10.5, 5.6)  # inches, of the chart
 
 
-def draw(page: Any, record: dict[str, Any]) -> None:
+def draw(figure: Any, record: dict[str, Any]) -> None:
     """Draw the time above and the steps below; one column for each restitution."""
     looks = {
         "ours": (OURS, "o", "-"),
@@ -121,7 +121,7 @@ def draw(page: Any, record: dict[str, Any]) -> None:
         USERS: (BLUE, "s", ":"),
         ADAMS: (INK, "v", "--"),
     }
-    panels = page.subplots(2, len(RESTITUTIONS), sharex=True, sharey="row")
+    panels = figure.subplots(2, len(RESTITUTIONS), sharex=True, sharey="row")
     for column, restitution in zip(panels.T, RESTITUTIONS, strict=True):
         rows = [row for row in record["results"] if row["restitution"] == restitution]
         stiffness = [row["stiffness"] for row in rows]
@@ -142,12 +142,12 @@ def draw(page: Any, record: dict[str, Any]) -> None:
     ]
     settings = record["settings"]
     headline(
-        page,
+        figure,
         "Chain that comes to rest: CPU time [ms] and steps over the stiffness",
         f"four_link_box for {settings['stop time']:g} s  ·  tolerance {number(settings['tolerance'])}  ·  "
         f"CVODE {CAREFUL}: {min(factors):.2g} to {max(factors):.2g} times our time",
     )
-    page.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(looks))
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(looks))
 
 
 def main() -> None:

@@ -219,7 +219,7 @@ def title_of(method: str) -> str:
     return f"SciPy {method}" if method in ADAPTIVE else method.replace("ours", "chain-impact")
 
 
-def draw(page: Any, record: Any) -> None:
+def draw(figure: Any, record: Any) -> None:
     """Draw one map for each method: stiffness to the right, restitution upwards.
 
     A completed run has the colour of the ratio of its cost to the cheapest completed run in the cell; other
@@ -230,7 +230,7 @@ def draw(page: Any, record: Any) -> None:
     cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
     full = [title_of(method) for method in ("ours auto", *ADAPTIVE) if done[method] == cells]
     headline(
-        page,
+        figure,
         "Completed runs and their cost, by stiffness [N/m$^{1.5}$] and restitution",
         f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  counts: completed cells  ·  "
         f"cost: CPU time  ·  all {cells} cells: {', '.join(full)}",
@@ -238,7 +238,7 @@ def draw(page: Any, record: Any) -> None:
     names, shades = list(OUTCOMES), ListedColormap(list(OUTCOMES.values()))
     norm, cost = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)), LogNorm(1.0, DEAREST)
     cheapest = cheapest_of(record["results"]["cells"])
-    panels = page.subplots(4, 4, sharex=True, sharey=True).ravel()
+    panels = figure.subplots(4, 4, sharex=True, sharey=True).ravel()
     for axes, method in zip(panels, settings["methods"], strict=True):
         found = np.full((len(restitutions), len(stiffnesses)), np.nan)
         costs = found.copy()
@@ -267,8 +267,8 @@ def draw(page: Any, record: Any) -> None:
         if name != "completed" and any(name in tally[m] for m in tally)
     ]
     bar = {"label": "cost over the cheapest method that completes", "extend": "max", "aspect": 40}
-    page.colorbar(mesh, ax=panels.tolist(), **bar)
-    page.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+    figure.colorbar(mesh, ax=panels.tolist(), **bar)
+    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
 
 
 def cheapest_of(cells: list[dict[str, Any]]) -> dict[tuple[float, float], float]:

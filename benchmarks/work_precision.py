@@ -94,33 +94,33 @@ def factors_told(equal: list[dict[str, Any]]) -> str:
     return told if parts else ""
 
 
-def draw(page: Any, record: Any) -> None:
+def draw(figure: Any, record: Any) -> None:
     """Draw CPU time over the errors of tip and onsets for each chain, and beside them the start-up time."""
     results = record["results"]
-    grid, labels = page.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8)), {}
+    grid, labels = figure.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8)), {}
     for column, name in enumerate(NAMES):
         rows = [row for row in results["rows"] if row["problem"] == name and "seconds" in row]
         for line, (key, label) in enumerate((("tip", "error of the tip [mm]"), ("onset", "of onsets [µs]"))):
-            axes = page.add_subplot(grid[line, column])
+            axes = figure.add_subplot(grid[line, column])
             labels[axes] = draw_runs(axes, [row for row in rows if row.get(key, 0.0) > 0.0], key)
             axes.set(xlabel=label, ylabel="" if column else "CPU time [ms]")
             if not line:
                 impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
                 axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s, {impacts} impacts")
-    draw_start_up(page.add_subplot(grid[:, 3]), results["start-up [s]"])
+    draw_start_up(figure.add_subplot(grid[:, 3]), results["start-up [s]"])
     shown = [name for name in LOOKS if any(row["name"] == name for row in results["rows"])]
     keys = [Line2D([], [], label=name, **look(name)) for name in shown]
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
-    page.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
     headline(
-        page,
+        figure,
         "CPU time [ms] over errors of the tip [mm] and of onsets [µs]",
         f"{factors_told(results['at equal error'])}numbers: tolerances of simulate(), from "
         f"{number(TOLERANCES[0])} to {number(TOLERANCES[-1])} in steps of 100, where there is room  ·  "
         "bars: all rounds",
     )
-    ink = Ink(page)
-    page.set_layout_engine("none")
+    ink = Ink(figure)
+    figure.set_layout_engine("none")
     for axes, of_runs in labels.items():
         place_labels(axes, of_runs, ink, lines=True, fontsize=7)
 

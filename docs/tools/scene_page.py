@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Any, get_args, get_origin
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.limits import Derived, allowed, without_none
+from chain_impact.scene.key_rules import Derived, allowed, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import scene_keys
 from docs.tools.markdown_text import code, short_description

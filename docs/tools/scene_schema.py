@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any, cast, get_args, get_origin
 
 from chain_impact.scene.angles import DEGREES, degrees_pattern
-from chain_impact.scene.limits import Derived, keys, without_none
+from chain_impact.scene.key_rules import Derived, keys, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Initial, Wall

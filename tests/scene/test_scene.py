@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.scene.chain_tables import MAX_LINKS, Link
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import (
     SOLVER_METHODS,
@@ -21,7 +22,6 @@ from chain_impact.scene.scene import (
     scene_to_dict,
     with_values,
 )
-from chain_impact.scene.tables import MAX_LINKS, Link
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.tools.refusal import refusal
 

@@ -1,6 +1,6 @@
 """The JSON schema of scene files, docs/scene.schema.json: up to date, and consistent with the reader."""
 
-# Tests: scene/tables.py
+# Tests: scene/tables.py, scene/chain_tables.py
 
 import json
 import shutil

@@ -95,11 +95,11 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   ret i64 {number}
 }}
 """
-Open = dict[str, tuple[str, tuple[str, ...], int]]
+OpenFunctions = dict[str, tuple[str, tuple[str, ...], int]]
 """Functions that a kernel calls but does not contain: name of the C function → LLVM's types of its result and
 its arguments, and the number that a substitute for the function returns. For numba, a function without a
 result returns a pointer ("ptr")."""
-LAW: Open = {
+LAW: OpenFunctions = {
     "user_law_present": ("i64", (), 0),
     "user_law_force": ("double", ("double",) * 7, 0),
 }
@@ -111,7 +111,7 @@ _ON_INSTANCE = (
     "on_observe_trial",
     "on_truncate",
 )
-HOOKS: Open = {
+HOOKS: OpenFunctions = {
     **dict.fromkeys(_ON_INSTANCE, ("ptr", ("ptr",), 0)),
     "indices_valid": ("i64", ("ptr",), 1),
     "words_behind": ("i64", ("ptr",), 0),

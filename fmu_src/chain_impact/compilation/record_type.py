@@ -37,7 +37,7 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
 # count in an instance, such as ``links`` → name of the function that returns this count
-COUNTERS = {name: f"chain_{name}" for name in COUNTS}
+COUNT_FUNCTIONS = {name: f"chain_{name}" for name in COUNTS}
 # flag in an instance, such as ``slides`` → name of the function that returns this flag; no size depends on it
 FEATURE_FUNCTIONS = {name: f"chain_{name}" for name in FEATURES}
 WORD = 8  # [byte] size of every scalar
@@ -154,14 +154,14 @@ class _Fields(AttributeTemplate):
 def built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
     """Return the LLVM value of an affine number: a constant plus factors times counts of the instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
-    for factor, name in zip(number.slopes, COUNTERS.values(), strict=True):
+    for factor, name in zip(number.slopes, COUNT_FUNCTIONS.values(), strict=True):
         if factor:
-            count = builder.call(_counter(builder, name), [instance])
+            count = builder.call(_count_function(builder, name), [instance])
             total = builder.add(total, builder.mul(count, cgutils.intp_t(factor)))
     return total
 
 
-def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
+def _count_function(builder: ir.IRBuilder, name: str) -> ir.Function:
     kind = ir.FunctionType(cgutils.intp_t, [cgutils.voidptr_t])
     return cgutils.get_or_insert_function(builder.module, kind, name)
 
@@ -177,8 +177,8 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
     field = record.field(name)
     if field.fields:
         return instance
-    if record.path == () and (counter := (COUNTERS | FEATURE_FUNCTIONS).get(name)):
-        return builder.call(_counter(builder, counter), [instance])
+    if record.path == () and (function := (COUNT_FUNCTIONS | FEATURE_FUNCTIONS).get(name)):
+        return builder.call(_count_function(builder, function), [instance])
     address = address_of(context, builder, instance, field)
     if field.shape:
         shape = [built(size, builder, instance) for size in field.shape]

@@ -13,8 +13,8 @@ from xml.etree.ElementTree import Element, SubElement
 from chain_impact.conversion.mjcf import CARRIED, UNLIMITED
 from chain_impact.conversion.robot import JOINT_KEYS
 from chain_impact.recording.text import few
+from chain_impact.scene.chain_tables import Link, Slider
 from chain_impact.scene.scene import Scene, scene_to_dict
-from chain_impact.scene.tables import Link, Slider
 
 WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
 """The parts of a scene that elements of MJCF can hold."""

@@ -25,7 +25,7 @@ from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.drawn import DRAWN
 from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.scene.limits import Derived, allowed, keys, without_none
+from chain_impact.scene.key_rules import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules import FROM_JOINTS

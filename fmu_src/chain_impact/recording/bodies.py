@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.bodies import Disc, Rail, link_outline
-from chain_impact.scene.tables import CORNERS
+from chain_impact.scene.chain_tables import CORNERS
 
 
 def is_of_body(name: str) -> bool:

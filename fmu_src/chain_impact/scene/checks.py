@@ -14,13 +14,14 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
 from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
 from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint, turns_hint
+from chain_impact.scene.chain_tables import ChainTable
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.limits import keys
+from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
-from chain_impact.scene.tables import ChainTable, Contact, Material, Stops
+from chain_impact.scene.tables import Contact, Material, Stops
 
 _MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 # A link longer than LONG [m] with less mass per length than LIGHT [kg/m] is probably given in mm: only a long

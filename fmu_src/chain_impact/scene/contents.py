@@ -13,8 +13,9 @@ from typing import TypeVar
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.scene.chain_tables import ChainTable
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.limits import NO_KEY, quantity
+from chain_impact.scene.key_rules import NO_KEY, quantity
 from chain_impact.scene.names import STOPS, DataPath, point_label
 from chain_impact.scene.signal import Signal
 from chain_impact.scene.signal_values import value_at_start
@@ -22,7 +23,6 @@ from chain_impact.scene.tables import (
     MODEL_NAME,
     XML_TEXT,
     Box,
-    ChainTable,
     Contact,
     Initial,
     Inputs,

@@ -14,7 +14,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate, pairwise
 from typing import Any
 
-from chain_impact.scene.limits import Derived
+from chain_impact.scene.key_rules import Derived
 from chain_impact.scene.names import DataPath
 
 

@@ -13,41 +13,42 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from chain_impact.scene.angles import radians_hint
+from chain_impact.scene.chain_tables import Link
 from chain_impact.scene.checks import check_joint_angles, check_start, start_hints
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.limits import keeps, keys
-from chain_impact.scene.names import DataPath, name_of
+from chain_impact.scene.key_rules import keeps, keys
+from chain_impact.scene.names import AXES, DataPath, name_of
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.tables import Contact, Initial, Link, Simulation, Solver
+from chain_impact.scene.tables import Contact, Initial, Simulation, Solver
 
 SceneTable = TypeVar("SceneTable")
 LARGEST_NUMBER = sys.float_info.max
 LINKS = 64  # number of links up to which the fast path applies; a longer chain is read as a whole
-_KEYS: dict[DataPath, tuple[Any, tuple[str, ...]]] = {
-    ("contact",): (Contact, ("stiffness", "restitution", "minimum_impact_speed")),
-    ("solver",): (Solver, ("method", "tolerance", "work_limit")),
-    ("simulation",): (Simulation, ("stop_time", "step_size")),
-    **{
-        ("chain", "links", i): (Link, ("mass", "inertia", "joint_damping", "joint_stiffness"))
-        for i in range(LINKS)
-    },
+_TABLES: dict[DataPath, Any] = {
+    ("contact",): Contact,
+    ("solver",): Solver,
+    ("simulation",): Simulation,
+    **{("chain", "links", i): Link for i in range(LINKS)},
 }
-"""Path of a table → keys of the table whose value is one number; ``_LISTS`` has the keys with lists."""
-_LISTS = {"position": 2, "velocity": 2, "angles": LINKS, "angular_velocities": LINKS}
-"""List of the initial state → how many entries the list may have."""
+"""Path → table with keys that may change alone: each is one number. In ``Initial`` each is a list."""
 
 
 @functools.cache
 def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
     """Return path or name of a number → its path and its metadata."""
     rule_of: dict[DataPath, Mapping[str, Any]] = {}
-    for path, (table, names) in _KEYS.items():
-        rules = {entry.name: entry.metadata for entry in keys(table)}
-        rule_of |= {(*path, name): rules[name] for name in names}
-    lists = {entry.name: entry.metadata for entry in keys(Initial)}
-    rule_of |= {("initial", name, k): lists[name] for name, count in _LISTS.items() for k in range(count)}
+    for path, table in _TABLES.items():
+        rule_of |= {(*path, name): rule for name, rule in _alone(table).items()}
+    for name, rule in _alone(Initial).items():
+        length = LINKS if rule["per_link"] else len(AXES)
+        rule_of |= {("initial", name, k): rule for k in range(length)}
     named = {name_of(path): (path, rule) for path, rule in rule_of.items()}
     return named | {path: (path, rule) for path, rule in rule_of.items()}
+
+
+def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
+    """Return the keys of a table that may change alone, with their metadata."""
+    return {entry.name: entry.metadata for entry in keys(table) if entry.metadata["alone"]}
 
 
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:

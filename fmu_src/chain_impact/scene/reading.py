@@ -12,7 +12,7 @@ from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
+from chain_impact.scene.key_rules import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names, path_text, proposed
 from chain_impact.scene.refusals import sentence
 from chain_impact.scene.unit_text import number_hint

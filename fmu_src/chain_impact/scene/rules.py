@@ -5,7 +5,7 @@ from dataclasses import MISSING
 from itertools import accumulate
 
 from chain_impact.kernel.chain.inertia import inertia_of_box
-from chain_impact.scene.limits import Derived
+from chain_impact.scene.key_rules import Derived
 
 
 def _product(text: str, *factors: str, divisor: int) -> Derived:

@@ -1,8 +1,8 @@
 """The scene file: a chain, its box and its start, read from TOML into frozen dataclasses.
 
-The dataclass fields, here and in tables.py, define all keys of a scene. The metadata of a field have unit,
-description, range and default; the validation, the scene reference in the docs and the parameters of the FMU
-use these metadata. All values are in SI units, angles in radians from +x.
+The dataclass fields, here, in tables.py and in chain_tables.py, define all keys of a scene. The metadata of a
+field have unit, description, range and default; the validation, the scene reference in the docs and the
+parameters of the FMU use these metadata. All values are in SI units, angles in radians from +x.
 """
 
 import functools
@@ -18,9 +18,10 @@ from typing import Any, TypeAlias
 
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.scene import checks, completion, drawing, scene_text, shapes
+from chain_impact.scene.chain_tables import Link
 from chain_impact.scene.contents import Contents, named_point_hint
 from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
-from chain_impact.scene.limits import Derived, keys
+from chain_impact.scene.key_rules import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
 from chain_impact.scene.names import (
@@ -34,7 +35,6 @@ from chain_impact.scene.names import (
 )
 from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, value_text
-from chain_impact.scene.tables import Link
 from chain_impact.scene.text_file import text_of
 from chain_impact.scene.warning import warn
 

@@ -11,10 +11,10 @@ from dataclasses import replace
 from typing import Any
 
 from chain_impact.kernel.chain.inertia import corner_of_box
+from chain_impact.scene.chain_tables import CORNERS, Site
 from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal
-from chain_impact.scene.tables import CORNERS, Site
 
 _APART = object()
 """Stands in a list of points in place of a corner of a box, because the box determines the corner."""

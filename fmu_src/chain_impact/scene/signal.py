@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from chain_impact.scene.limits import NO_KEY, quantity
+from chain_impact.scene.key_rules import NO_KEY, quantity
 from chain_impact.scene.names import INPUTS_OF, is_like, nearest
 
 SHAPES = ("smooth", "linear", "trapezoid")

@@ -22,15 +22,16 @@ from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
-from chain_impact.scene.limits import keys
+from chain_impact.scene.chain_tables import ChainTable, Link, Slider
+from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import ChainTable, Contact, Link, Slider
+from chain_impact.scene.tables import Contact
 from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.owners import RECORD, number_of
+from chain_impact.variables.owners import OWNERS, RECORD, number_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure
 
@@ -301,13 +302,14 @@ def _words_of(
 
     ``met`` are the conditions that the scene meets.
     """
-    counts = {"one": 1, "link": sizes.links, "line": lines, "site": sizes.sites, "slider": int(slides)}
+    known = {**sizes._asdict(), "lines": lines, "slider": slides}
     layout, words, there = layout_of(*sizes), [], []
     for kind, reader in _tables()[table]:
         given = kind.given if not kind.given_if or kind.given_if in met else None
+        count = number_of(OWNERS[kind.of].over, known)
         for path in filter(None, (kind.record_path, given)):
-            words += [word_index(layout, filled(path, {"at": i})) for i in range(counts[kind.of])]
-        if counts[kind.of]:
+            words += [word_index(layout, filled(path, {"at": i})) for i in range(count)]
+        if count:
             there.append(reader)
     return np.array(words, int), there
 

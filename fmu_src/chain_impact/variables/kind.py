@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from chain_impact.scene.limits import Derived
+from chain_impact.scene.key_rules import Derived
 from chain_impact.scene.names import DataPath, sensitivity_name
 
 NEXT = "{next}"

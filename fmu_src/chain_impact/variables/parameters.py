@@ -1,8 +1,8 @@
 """The parameters in the table of variables, one row for each kind; kind.py explains the columns.
 
-The fields of ``scene/tables.py`` have the meaning, the unit and the range of a parameter; the rows of this
-table add the path of the value in the record, and which scenes have the parameter. The value references
-follow the order of the rows.
+The fields of ``scene/tables.py`` and ``scene/chain_tables.py`` have the meaning, the unit and the range of a
+parameter; the rows of this table add the path of the value in the record, and which scenes have the
+parameter. The value references follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -14,19 +14,17 @@ from functools import cache
 from typing import Any
 
 from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.scene.chain_tables import Link, Site, Slider
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.limits import Derived, keys
+from chain_impact.scene.key_rules import Derived, keys
 from chain_impact.scene.names import AT, AXES, ENTRY_AT, LINK_AT, DataPath, name_of
 from chain_impact.scene.signal import Signal
 from chain_impact.scene.tables import (
     Box,
     Contact,
     Initial,
-    Link,
     Material,
     Simulation,
-    Site,
-    Slider,
     Solver,
     Stops,
     Wall,

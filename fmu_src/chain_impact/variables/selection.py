@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Protocol
 
 from chain_impact.scene.contents import named_point_hint
-from chain_impact.scene.limits import keys
+from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import DataPath, input_asked, parameter_hint
 from chain_impact.scene.reading import find_names, names_matching
 from chain_impact.scene.scene import Scene, fixed_hint

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from chain_impact.scene.limits import Derived, allowed
+from chain_impact.scene.key_rules import Derived, allowed
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.numbers import LARGEST_NUMBER
 from chain_impact.variables.kind import Kind, filled

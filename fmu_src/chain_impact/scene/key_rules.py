@@ -1,4 +1,4 @@
-"""The limits of the keys of a scene file, which are metadata of the fields of dataclasses."""
+"""The rules of the keys of a scene file: metadata of the fields of its dataclasses."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any, TypedDict, Unpack, get_args
 
 from chain_impact.scene.unit_text import in_brackets
 
-_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # limit → test whether a value keeps the limit
+_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # rule → test whether a value keeps the rule
     "minimum": operator.ge,
     "above": operator.gt,
     "maximum": operator.le,
@@ -22,8 +22,8 @@ _KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # limit → test whether a val
 }
 
 
-class Limits(TypedDict, total=False):
-    """The limits of a value, or of each value of a list."""
+class KeyRules(TypedDict, total=False):
+    """The rules of a key's value, or of each value of a list."""
 
     minimum: float  # value >= minimum
     above: float  # value > above
@@ -34,6 +34,7 @@ class Limits(TypedDict, total=False):
     per_link: bool  # the list has one value for each link
     entries: tuple[int, int]  # lowest and highest number of entries of a list
     or_true: bool  # in a list of names, `true` stands for all names and is read as the name "*"
+    alone: bool  # `with_values` changes it without reading the whole scene again, see numbers.py
     or_one: bool  # a single value stands for a list with this value
     file_only: bool  # the key is a short form of other keys, which replace it when a file is read
     # name of another key, of the same table or as "table.key"; the file that this key names is one more
@@ -66,6 +67,8 @@ class Derived:
     of_box: Derived | None = None
 
 
+IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
+"""A pattern, as the rule ``pattern`` has it."""
 NO_KEY = {"key": False}
 """The metadata of a field that is not a key of the scene file."""
 
@@ -76,14 +79,14 @@ def keys(table: Any) -> tuple[Field[Any], ...]:
     return tuple(entry for entry in fields(table) if entry.metadata.get("key", True))
 
 
-def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpack[Limits]) -> Any:
+def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpack[KeyRules]) -> Any:
     """Return a dataclass field with the metadata of one key of the scene file.
 
     The metadata are `unit` ("1" for a pure number, "" for other values), `description`, `default` (a value,
-    a `Derived`, or `dataclasses.MISSING` if it must be given) and the keys of `Limits`, None for no limit.
+    a `Derived`, or `dataclasses.MISSING` if it must be given) and the keys of `KeyRules`, None for no rule.
     """
     metadata = {"unit": unit, "description": description, "default": default}
-    metadata |= dict.fromkeys(Limits.__annotations__) | limits
+    metadata |= dict.fromkeys(KeyRules.__annotations__) | rules
     if isinstance(default, Mapping):  # tables by name are empty by default
         return field(default_factory=dict, hash=False, metadata=metadata)
     return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
@@ -96,9 +99,9 @@ def without_none(kind: Any) -> Any:
 
 
 def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
-    """Return whether a value keeps all limits in the metadata `rule`."""
-    for limit, keep in _KEEPS.items():
-        bound = rule[limit]
+    """Return whether a value keeps all rules in the metadata `rule`."""
+    for name, keep in _KEEPS.items():
+        bound = rule[name]
         if bound is not None and not keep(value, bound):
             return False
     return True

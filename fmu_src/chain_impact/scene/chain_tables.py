@@ -1,0 +1,175 @@
+"""The tables of the chain in a scene file: links with their points, the slider, and the whole chain."""
+
+import math
+from dataclasses import dataclass, replace
+
+from chain_impact.scene.key_rules import IDENTIFIER, quantity
+from chain_impact.scene.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.reading import refusal
+from chain_impact.scene.rules import CARRIAGE, CONTACT_RADIUS, MIDDLE, ROD
+
+MAX_LINKS = 1000
+CORNERS = 4  # number of corners of a box
+OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Site:
+    """A point of a link that is not one of its two ends, such as a heel or a corner; it may touch walls."""
+
+    x: float = quantity("m", "position along the link, from the joint nearer to the base")
+    y: float = quantity("m", "position to the left of the link's line", 0.0)
+    radius: float | None = quantity("m", "radius of the point", CONTACT_RADIUS, minimum=0.0)
+    name: str = quantity("", "name in lists and pictures", "", pattern=OPTIONAL_NAME)
+
+    @property
+    def is_at_joint(self) -> bool:
+        """Whether the point lies at the proximal joint of its link."""
+        return self.x == self.y == 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Link:
+    """One rigid link, from its proximal joint to its other end; with a ``count``, that many equal links."""
+
+    count: int | None = quantity(
+        "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
+    )
+    length: float = quantity("m", "length", above=0.0)
+    mass: float = quantity("kg", "mass", above=0.0, alone=True)
+    shape: str | None = quantity(
+        "", "box: a rectangle, with a point at each corner and its inertia", None, choices=("box",)
+    )
+    height: float | None = quantity("m", "height of the box, across the link", None, above=0.0)
+    center_of_mass: float = quantity(
+        "m", "centre of mass, from the joint nearer to the base, behind which it may lie", MIDDLE
+    )
+    center_of_mass_offset: float = quantity(
+        "m", "distance of the centre of mass from the link's line, to its left", 0.0
+    )
+    inertia: float = quantity("kg.m2", "inertia about the centre of mass", ROD, minimum=0.0, alone=True)
+    points: tuple[Site, ...] = quantity("", "points of the link, beside its ends, that may touch", ())
+    joint_damping: float = quantity(
+        "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0, alone=True
+    )
+    joint_stiffness: float = quantity(
+        "N.m/rad", "stiffness of the joint nearer to the base", 0.0, minimum=0.0, alone=True
+    )
+    joint_rest_angle: float = quantity("rad", "angle of the joint at which its spring is slack", 0.0)
+    joint_friction: float = quantity(
+        "N.m", "moment of dry friction in the joint nearer to the base", 0.0, minimum=0.0
+    )
+    joint_armature: float = quantity(
+        "kg.m2", "inertia of the rotor of the joint's drive, reflected through its gear", 0.0, minimum=0.0
+    )
+    joint_torque_limit: float | None = quantity(
+        "N.m", "limit of the torque of motor, spring and damper together", None, minimum=0.0
+    )
+    joint_min: float | None = quantity("rad", "stop at the least angle of the joint nearer to the base", None)
+    joint_max: float | None = quantity(
+        "rad", "stop at the largest angle of the joint nearer to the base", None
+    )
+
+    @property
+    def corners(self) -> int:
+        """The number of points that are corners of the shape; these points come first."""
+        return CORNERS if self.shape else 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slider:
+    """The carriage of a base that slides along a straight line through the initial position."""
+
+    angle: float = quantity("rad", "direction of the line, from +x", 0.0)
+    mass: float = quantity("kg", "mass of the carriage", 1.0, minimum=0.0)
+    damping: float = quantity("N.s/m", "viscous damping along the line", 0.0, minimum=0.0)
+    stiffness: float = quantity("N/m", "stiffness of a spring along the line", 0.0, minimum=0.0)
+    rest_position: float = quantity("m", "position on the line at which the spring is slack", 0.0)
+    friction: float = quantity("N", "force of dry friction along the line", 0.0, minimum=0.0)
+    min: float | None = quantity("m", "stop at the least position of the carriage", None)
+    max: float | None = quantity("m", "stop at the largest position of the carriage", None)
+    force_limit: float | None = quantity(
+        "N", "limit of the force of motor, spring and damper together", None, minimum=0.0
+    )
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """The names, among the walls, of the existing stops of the slider."""
+        return tuple(stop for stop in SLIDER_STOPS if getattr(self, stop.removeprefix("slider_")) is not None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChainTable:
+    """The links from base to tip, and the kind of base."""
+
+    base: str = quantity(
+        "",
+        "base point: free to move, pinned, or on a slider",
+        "free",
+        choices=("free", "pinned", "slider"),
+    )
+    slider: Slider | None = quantity("", "carriage and line of a base on a slider", CARRIAGE)  # noqa: RUF009
+    links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
+
+    def __post_init__(self) -> None:
+        """Replace a link that has a `count` by this number of equal links; refuse too many links."""
+        if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
+            raise refusal(("chain", "links"), "links", count=total, most=MAX_LINKS)
+        links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
+        object.__setattr__(self, "links", tuple(links))
+
+    @property
+    def movable_points(self) -> range:
+        """The numbers of the joints and ends that can move: all points except a pinned base."""
+        return range(1 if self.base == "pinned" else 0, len(self.links) + 1)
+
+    @property
+    def is_skewed(self) -> bool:
+        """Whether the centre of mass of some link lies beside the link's line."""
+        return any(link.center_of_mass_offset != 0.0 for link in self.links)
+
+    @property
+    def has_limits(self) -> bool:
+        """Whether the drive of some joint, or of the slider, has a largest torque or force."""
+        limits = [link.joint_torque_limit for link in self.links]
+        limits += [self.slider.force_limit] if self.slider else []
+        return any(limit is not None for limit in limits)
+
+    @property
+    def is_body(self) -> bool:
+        """Whether some link is more than a line with two ends, or the base slides."""
+        return self.is_skewed or self.slider is not None or any(link.points for link in self.links)
+
+    @property
+    def has_base_joint(self) -> bool:
+        """Whether a joint connects link 1 with the base: the base is pinned, or slides."""
+        return self.base != "free"
+
+    @property
+    def sites(self) -> tuple[tuple[int, Site], ...]:
+        """The points of links, numbered from N + 1 on: the index of the link, and the point."""
+        return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
+
+    @property
+    def joints(self) -> range:
+        """The numbers of the joints, which are the numbers of their links; a free base has no joint 1."""
+        return range(1 if self.has_base_joint else 2, len(self.links) + 1)
+
+    @property
+    def stops(self) -> tuple[tuple[int, str], ...]:
+        """The existing stops as pairs: the number of the joint's link, and ``joint_min`` or ``joint_max``."""
+        links = enumerate(self.links, 1)
+        return tuple((i, stop) for i, link in links for stop in STOPS if getattr(link, stop) is not None)
+
+    @property
+    def joint_ranges(self) -> dict[int, tuple[float, float]]:
+        """The joints with a stop → joint_min and joint_max [rad]; infinite for a missing stop."""
+        links = {joint: self.links[joint - 1] for joint, _ in self.stops}
+        none = (-math.inf, math.inf)
+        return {
+            joint: (
+                none[0] if link.joint_min is None else link.joint_min,
+                none[1] if link.joint_max is None else link.joint_max,
+            )
+            for joint, link in links.items()
+        }
