@@ -16,6 +16,7 @@ import pytest
 
 from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.models import scene_path
+from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.prepared import PreparedScene
@@ -57,6 +58,43 @@ def test_a_file_is_refused_as_by_python(script, text):
     if "signals" in contents:
         contents["inputs"] = {"tip_force": True}
         contents["signals"]["größe"] |= {"form": "constant", "value": 1.0}
+    assert_as_python(script, kit, contents)
+
+
+def driven(base, quantity, **signal):
+    return {"base": base, "inputs": {"base_motion": True}, "signals": {"s": {"input": quantity} | signal}}
+
+
+RULED = {
+    "velocity_pinned": {"base": "pinned", "initial": {"velocity": [0.0, 1.0]}},
+    "velocity_slider": {"base": "slider", "initial": {"velocity": [1, 0]}},
+    "no_slider": {"base": "free", "slider": {"mass": 1.0}},
+    "no_slider_velocity": {"base": "pinned", "initial": {"slider_velocity": 0.5}},
+    "no_slider_force": {"base": "free", "inputs": {"slider_force": True}},
+    "slider_stops": {"base": "slider", "slider": {"min": 0.2, "max": 0.2}},
+    "slider_min": {"base": "slider", "slider": {"min": 0.1}},
+    "slider_max": {"base": "slider", "slider": {"min": -0.5, "max": -0.1}},
+    "base_motion": {"base": "free", "inputs": {"base_motion": True}},
+    "no_frequency": driven("pinned", "base.ax", form="sine", amplitude=1.0, frequency=0.0),
+    "steps_jump": driven("pinned", "base.vx", form="steps", times=[0.0, 1.0], values=[0.0, 1.0]),
+    "ramp_jumps": driven("pinned", "base.y", form="ramp", final=1.0, duration=1.0, shape="linear"),
+    "sine_jumps": driven("pinned", "base.x", form="sine", amplitude=1.0, frequency=2.0, start=0.5),
+}
+
+
+def test_each_rule_has_a_case():
+    assert set(RULED) == {rule.fault for rule in (*RULES, *SIGNAL_RULES)}
+
+
+@pytest.mark.parametrize("fault", RULED)
+def test_a_rule_refuses_a_value_in_both_languages(script, fault):
+    kit = page_contents(load_scene("rod_drop"))["kit"]
+    given = {"inputs": {}, "initial": {}, "signals": {}, **RULED[fault]}
+    chain = {name: given.pop(name) for name in ("base", "slider") if name in given}
+    contents = {"name": "Ruled", "chain": chain | {"links": [{"length": 1.0, "mass": 1.0}]}, **given}
+    contents["initial"] = {"angles": [0.5]} | given["initial"]
+    sentence = re.sub(r"\\{\w+\\}", ".+", re.escape(SENTENCES[fault]))
+    assert re.search(sentence, script.evaluate(PAGE, [kit, contents])["refusal"])
     assert_as_python(script, kit, contents)
 
 

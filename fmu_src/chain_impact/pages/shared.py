@@ -26,7 +26,7 @@ from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import angles, bodies, chain_tables, names, reading, unit_text
 from chain_impact.scene.contents import PARALLEL
-from chain_impact.scene.refusals import SENTENCES
+from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES
 from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
 from chain_impact.scene.signal_values import NUMBERS
@@ -61,6 +61,7 @@ def shared() -> dict[str, Any]:
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
         "refusals": SENTENCES,
+        "rules": {"BASE": RULES, "SIGNAL": SIGNAL_RULES},
         "file": {"CORNERS": chain_tables.CORNERS, "SHOWN": reading.SHOWN},
         "signals": {
             "AT_REST": AT_REST,

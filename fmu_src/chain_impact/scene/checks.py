@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import reduce
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +20,7 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
+from chain_impact.scene.refusals import RULES, broken
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
@@ -81,12 +83,8 @@ def check_together(scene: Contents) -> None:
     check_law(contact.model, ("contact",), contact)
     for name, material in contact.wall.items():
         check_law(contact.model, ("contact", "wall", name), material)
-    if scene.chain.base != "free" and any(velocity := scene.initial.velocity):
-        raise refusal(
-            ("initial", "velocity"), f"velocity_{scene.chain.base}", value=value_text(list(velocity))
-        )
-    check_slider(scene)
-    check_motion(scene)
+    check_base(scene)
+    check_moved_walls(scene)
     check_reach(scene)
     stops = (*STOPS * bool(scene.chain.stops), *SLIDER_STOPS * (scene.chain.slider is not None))
     for i, wall in enumerate(scene.walls):
@@ -104,25 +102,19 @@ def check_together(scene: Contents) -> None:
             raise refusal(("box", f"{axis}_max"), "box_width", value=high, least=least, axis=axis)
 
 
-def check_slider(scene: Contents) -> None:
-    """Refuse values that a sliding base cannot have, and values that only a sliding base can have."""
-    slider, start = scene.chain.slider, scene.initial
-    if scene.chain.base != "slider" or slider is None:
-        if slider is not None:
-            raise refusal(("chain", "slider"), "no_slider")
-        if start.slider_velocity != 0.0:
-            path = ("initial", "slider_velocity")
-            raise refusal(path, "no_slider_velocity", value=start.slider_velocity)
-        if scene.inputs.slider_force:
-            raise refusal(("inputs", "slider_force"), "no_slider_force")
-        return
-    low, high = slider.min, slider.max
-    if low is not None and high is not None and not low < high:
-        raise refusal(("chain", "slider", "max"), "slider_stops", value=high, least=low)
-    if low is not None and low > 0.0:
-        raise refusal(("chain", "slider", "min"), "slider_min", value=low)
-    if high is not None and high < 0.0:
-        raise refusal(("chain", "slider", "max"), "slider_max", value=high)
+def check_base(scene: Contents) -> None:
+    """Refuse values that the base of the scene cannot have."""
+
+    def value_of(key: str) -> Any:
+        return reduce(
+            lambda table, name: None if table is None else getattr(table, name), key.split("."), scene
+        )
+
+    for rule in broken(RULES, value_of):
+        value = value_of(rule.key)
+        words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
+        words |= {"least": value_of(rule.least)} if rule.least else {}
+        raise refusal(tuple(rule.key.split(".")), rule.fault, **words)
 
 
 def check_reach(scene: Contents) -> None:
@@ -142,10 +134,8 @@ def check_reach(scene: Contents) -> None:
         raise refusal(("walls", i, "name"), "out_of_reach", value=value_text(out_of_reach[0]))
 
 
-def check_motion(scene: Contents) -> None:
-    """Refuse a motion of a base that is not pinned, and a motion of a wall that does not exist."""
-    if scene.inputs.base_motion and scene.chain.base != "pinned":
-        raise refusal(("inputs", "base_motion"), "base_motion")
+def check_moved_walls(scene: Contents) -> None:
+    """Refuse a motion of a wall that does not exist."""
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:

@@ -1,10 +1,14 @@
-"""The sentences with which Python and the page that simulates refuse the same contents of a scene file.
+"""The sentences and rules with which Python and the page that simulates refuse the same contents of a file.
 
 A sentence follows the path of the key. Words in braces stand for texts of the scene; what follows "; " is
-advice, in which Python may say more than the page.
+advice, in which Python may say more than the page. pages/browser/scene/refusals.js evaluates the same rules.
 """
 
 from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, NamedTuple
 
 SENTENCES = {
     "no_table": "= {value} must be a table",
@@ -64,6 +68,88 @@ SENTENCES = {
     "strength; give it a rise, a phase at which the sine is at rest, as pi/2, or start = 0",
 }
 """Fault → sentence."""
+
+
+class Rule(NamedTuple):
+    """A rule that refuses a value which does not go together with others.
+
+    Attributes:
+        fault: the fault that the value then is, a key of SENTENCES.
+        key: the refused key; its value is the word ``value`` of the sentence.
+        condition: the condition under which the value is refused: parts with "and" between them. A part is a
+            key or a fact whose value is given and not 0, such a one after "not", or a comparison with the
+            value of a key, a number or a text in quotes; it is false if one of them is not given.
+        least: the key whose value is the word ``least`` of the sentence.
+    """
+
+    fault: str
+    key: str
+    condition: str
+    least: str = ""
+
+
+RULES = (
+    Rule("velocity_pinned", "initial.velocity", "chain.base == 'pinned' and initial.velocity"),
+    Rule("velocity_slider", "initial.velocity", "chain.base == 'slider' and initial.velocity"),
+    Rule("no_slider", "chain.slider", "chain.base != 'slider' and chain.slider"),
+    Rule(
+        "no_slider_velocity",
+        "initial.slider_velocity",
+        "chain.base != 'slider' and initial.slider_velocity",
+    ),
+    Rule("no_slider_force", "inputs.slider_force", "chain.base != 'slider' and inputs.slider_force"),
+    Rule("slider_stops", "chain.slider.max", "chain.slider.min >= chain.slider.max", "chain.slider.min"),
+    Rule("slider_min", "chain.slider.min", "chain.slider.min > 0"),
+    Rule("slider_max", "chain.slider.max", "chain.slider.max < 0"),
+    Rule("base_motion", "inputs.base_motion", "chain.base != 'pinned' and inputs.base_motion"),
+)
+"""Rules of a base, in the order in which they are asked."""
+SIGNAL_RULES = (
+    Rule(
+        "no_frequency", "frequency", "form == 'sine' and order > 0 and not frequency and not frequency_rate"
+    ),
+    Rule("steps_jump", "form", "moves and form == 'steps' and order < 2 and steps_differ"),
+    Rule("ramp_jumps", "shape", "moves and form == 'ramp' and order == 0 and shape == 'linear'"),
+    Rule(
+        "sine_jumps",
+        "start",
+        "moves and form == 'sine' and order == 0 and start > 0 and not rise and starts_fast",
+    ),
+)
+"""Rules of a signal and an input that it drives. Facts: ``moves``: the input is a motion; ``order``: how many
+times it is integrated; ``steps_differ``: not all values of the steps are equal; ``starts_fast``: a sine has a
+speed at its start."""
+OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+
+
+def broken(rules: Iterable[Rule], value_of: Callable[[str], Any]) -> Iterator[Rule]:
+    """Yield the rules that refuse values; ``value_of`` returns the value of a key or fact, or None."""
+    for rule in rules:
+        if all(_is_so(part.split(), value_of) for part in rule.condition.split(" and ")):
+            yield rule
+
+
+def _is_so(words: list[str], value_of: Callable[[str], Any]) -> bool:
+    """Return whether a part of a condition holds."""
+    if len(words) < 3:  # noqa: PLR2004
+        value = value_of(words[-1])
+        return (any(value) if isinstance(value, tuple) else bool(value)) != (words[0] == "not")
+    first, comparison, other = words
+    values = value_of(first), _operand(other, value_of)
+    return None not in values and OPERATORS[comparison](*values)
+
+
+def _operand(text: str, value_of: Callable[[str], Any]) -> Any:
+    """Return what is compared: a text in quotes, a number, or the value of a key."""
+    if text.startswith("'"):
+        return text[1:-1]
+    return float(text) if text.isdecimal() else value_of(text)
 
 
 def sentence(fault: str, **words: object) -> str:

@@ -8,6 +8,7 @@ from itertools import pairwise
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal, value_text
+from chain_impact.scene.refusals import SIGNAL_RULES, broken
 from chain_impact.scene.signal import Samples, Signal, unit_of
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of
@@ -118,17 +119,16 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
 
     Also refuse a sine of frequency 0 for an input that is integrated.
     """
-    order = family(driven).index(driven)
-    if signal.form == "sine" and order > 0 and not signal.frequency and not signal.frequency_rate:
-        raise refusal(("signals", name, "frequency"), "no_frequency", input=driven)
-    if not is_motion(driven):
-        return
-    check_table(name, signal, driven, order)
-    if signal.form == "steps" and order < 2 and len(set(signal.values or ())) > 1:  # noqa: PLR2004
-        raise refusal(("signals", name, "form"), "steps_jump", input=driven)
-    if signal.form == "ramp" and order == 0 and signal.shape == "linear":
-        raise refusal(("signals", name, "shape"), "ramp_jumps", input=driven)
-    if signal.form == "sine" and order == 0 and signal.start and signal.start > 0.0 and not signal.rise:
-        speed = (signal.amplitude or 0.0) * (signal.frequency or 0.0)
-        if abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * abs(speed):
-            raise refusal(("signals", name, "start"), "sine_jumps", input=driven, value=signal.start)
+    order, moves = family(driven).index(driven), is_motion(driven)
+    speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))
+    facts = {
+        "order": order,
+        "moves": moves,
+        "steps_differ": len(set(signal.values or ())) > 1,
+        "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * speed,
+    }
+    for rule in broken(SIGNAL_RULES, lambda key: facts[key] if key in facts else getattr(signal, key)):
+        value = getattr(signal, rule.key)
+        raise refusal(("signals", name, rule.key), rule.fault, input=driven, value=value)
+    if moves:
+        check_table(name, signal, driven, order)

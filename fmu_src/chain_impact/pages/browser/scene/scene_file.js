@@ -4,7 +4,7 @@
 import { unitText } from "../base/format.js";
 import { inRadians, orDegrees } from "./angles.js";
 import { BOX_WALLS, normalOf, SLIDER_STOPS, STOPS } from "./geometry.js";
-import { refuse, refuseWall, shown } from "./refusals.js";
+import { keepRules, refuse, refuseWall, shown } from "./refusals.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
@@ -188,16 +188,16 @@ function fileEntryOf(link, { chain: { links } }) {
 function completeAll(file, data, kit) {
   // in the order of Python, so that both refuse a file for the same fault
   setWallAngles(file);
-  setBodies(file);
+  setBodies(file, data);
   setAngles(file);
   checkMaterials(file);
   completeSignals(file.signals, kit.tables);
-  checkContents(file, data);
+  checkContents(file);
   setStops(file, kit.keys.stops.keys);
 }
 
-/** Add the corners of links that are boxes; a base that does not slide has no slider. */
-function setBodies({ chain }) {
+/** Add the corners of links that are boxes; a base that does not slide has no slider by default. */
+function setBodies({ chain }, data) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;
     if ((shape === undefined) !== (height === undefined)) {
@@ -210,7 +210,7 @@ function setBodies({ chain }) {
     link.points = [...corners, ...link.points];
     delete link.shape;
   });
-  if (chain.base !== "slider") delete chain.slider;
+  if (chain.base !== "slider" && !data.chain.slider) delete chain.slider;
 }
 
 /**
@@ -269,17 +269,13 @@ function checkMaterials(file) {
 }
 
 /** Refuse contents from which the page cannot make a record. */
-function checkContents(file, data) {
-  const { contact, inputs, initial, chain, walls } = file;
+function checkContents(file) {
+  const { contact, inputs, chain, walls } = file;
   const movable = movablePoints(file);
   contact.points?.sort((a, b) => a - b); // the order of points has no meaning
   const point = contact.points?.find((number, k) => !movable.includes(number) || contact.points.indexOf(number) !== k);
   if (point !== undefined) refuse("contact.points", "points", { point, first: movable[0], last: movable.at(-1), base: chain.base });
-  if (chain.base !== "free" && initial.velocity.some(Boolean)) {
-    refuse("initial.velocity", `velocity_${chain.base}`, { value: shown(initial.velocity) });
-  }
-  checkSlider(file, data);
-  if (inputs.base_motion && chain.base !== "pinned") refuse("inputs.base_motion", "base_motion");
+  keepRules(SHARED.rules.BASE, (key) => key.split(".").reduce((table, name) => table?.[name], file));
   const existingWalls = wallsOf(file);
   inputs.wall_motion.forEach((name, k) => {
     if (name !== "*" && !existingWalls.includes(name)) refuseWall(`inputs.wall_motion[${k + 1}]`, existingWalls, `= ${shown(name)} `);
@@ -304,19 +300,4 @@ function checkReach(file) {
   if (!reached.length || walls.length <= reached.length) return;
   const k = walls.findIndex(({ name }) => !reached.includes(name));
   refuse(`walls[${k + 1}].name`, "out_of_reach", { value: shown(walls[k].name) });
-}
-
-/** Refuse values that a sliding base cannot have, and values that only a sliding base can have. */
-function checkSlider({ chain: { slider }, initial, inputs }, data) {
-  if (!slider) {
-    if (isTable(data.chain.slider)) refuse("chain.slider", "no_slider");
-    const { slider_velocity: value } = initial;
-    if (value) refuse("initial.slider_velocity", "no_slider_velocity", { value });
-    if (inputs.slider_force) refuse("inputs.slider_force", "no_slider_force");
-    return;
-  }
-  const { min, max } = slider;
-  if (min >= max) refuse("chain.slider.max", "slider_stops", { value: max, least: min });
-  if (min > 0) refuse("chain.slider.min", "slider_min", { value: min });
-  if (max < 0) refuse("chain.slider.max", "slider_max", { value: max });
 }

@@ -3,7 +3,7 @@
 
 import { numbersIn } from "../base/base64.js";
 import { unitText } from "../base/format.js";
-import { refuse, shown } from "./refusals.js";
+import { keepRules, refuse, shown } from "./refusals.js";
 
 const SIGNALS = SHARED.signals;
 
@@ -45,22 +45,16 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
   throw new RangeError(`${what}.file = "${file}": ${reason}`);
 }
 
-/**
- * Refuse a signal that makes the position or velocity of a base or wall jump, and a constant in the form of a sine for an input that
- * is integrated; `order`: how many times the input is integrated.
- */
-function checkMotion(what, input, signal, order, isMotion) {
-  const { form, shape, frequency, frequency_rate: rate, amplitude, start, rise, phase, values } = signal;
-  if (form === "sine" && order > 0 && !frequency && !rate) {
-    refuse(`${what}.frequency`, "no_frequency", { input });
-  }
-  if (!isMotion) return;
-  if (form === "steps" && order < 2 && new Set(values).size > 1) refuse(`${what}.form`, "steps_jump", { input });
-  if (form === "ramp" && order === 0 && shape === "linear") refuse(`${what}.shape`, "ramp_jumps", { input });
-  const speed = Math.abs(amplitude * frequency);
-  if (form === "sine" && order === 0 && start > 0 && !rise && Math.abs(speed * Math.cos(phase)) > SIGNALS.AT_REST * speed) {
-    refuse(`${what}.start`, "sine_jumps", { input, value: start });
-  }
+/** Refuse a signal that cannot drive an input; `order`: how many times the input is integrated, `moves`: it is a motion. */
+function checkMotion(what, input, signal, order, moves) {
+  const speed = Math.abs(signal.amplitude * signal.frequency);
+  const facts = {
+    order,
+    moves,
+    steps_differ: new Set(signal.values).size > 1,
+    starts_fast: Math.abs(speed * Math.cos(signal.phase)) > SIGNALS.AT_REST * speed,
+  };
+  keepRules(SHARED.rules.SIGNAL, (key) => facts[key] ?? signal[key], `${what}.`, { input });
 }
 
 /** Return the driven inputs, with a row of the record for each, its first knot and its number of knots. */
