@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterable, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -69,9 +71,14 @@ def chain(
         table["stops"] = own
     if inputs:
         table["inputs"] = {"joint_torques": True, "tip_force": True}
-    scene = scene_from_dict(table, "chain")
-    d = begun(scene)
-    return scene, d
+    scene = scene_of(pickle.dumps(table))
+    return scene, begun(scene)
+
+
+@cache
+def scene_of(pickled: bytes) -> Scene:
+    """Return the scene of a pickled table; many tests use the same chain."""
+    return scene_from_dict(pickle.loads(pickled), "chain")
 
 
 def stopped_chain(count: int, base: str = "free", **more: Any) -> tuple[Scene, Plain]:

@@ -18,7 +18,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, UNLIMITED
 from chain_impact.scene.scene import Scene, scene_from_dict
-from tests.helpers.kernel.plain import Plain, record_of
+from tests.helpers.kernel.plain import Plain, Table, record_of
 from tests.helpers.scenes.derivative_scenes import AT_STOPS, pressed_tip
 
 
@@ -42,10 +42,11 @@ def refuse_negative(key: Any) -> None:
 
 def checked(d: Plain) -> None:
     """Let all arrays of a record refuse negative indices."""
-    for name, value in vars(d).items():
+    for name in d._record.dtype.names:
+        value = getattr(d, name)
         if isinstance(value, Plain):
             checked(value)
-        elif isinstance(value, np.recarray):
+        elif isinstance(value, Table):
             columns = {column: value[column].view(Checked) for column in value.dtype.names}
             object.__setattr__(d, name, Columns(columns))
         elif isinstance(value, np.ndarray):

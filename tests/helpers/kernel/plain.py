@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
@@ -19,25 +20,43 @@ from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
 
 
+class Table(np.ndarray):
+    """A table of a record with its columns as attributes.
+
+    It is a recarray that remembers its columns: a recarray makes a column at each access, which takes the
+    plain kernel much of its time.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a column, and remember it."""
+        if name not in self.dtype.names:
+            raise AttributeError(name)
+        column = self.__dict__[name] = self[name].view(np.ndarray)
+        return column
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self[name] = value
+
+
 class Plain:
     """A record of NumPy with its fields as attributes and, as in NumPy, by name."""
 
     def __init__(self, record: np.void) -> None:
         object.__setattr__(self, "_record", record)
-        for name in record.dtype.names:
-            if record.dtype[name].names:
-                object.__setattr__(self, name, Plain(record[name]))
-            elif is_table(record.dtype[name]):
-                object.__setattr__(self, name, record[name].view(np.recarray))
-            elif record.dtype[name].shape:
-                object.__setattr__(self, name, record[name])
 
     def __getattr__(self, name: str) -> Any:
-        """Return the present value of a number, or a part of the record."""
+        """Return the present value of a number, or a part of the record, which it remembers."""
+        record = self.__dict__["_record"]
         try:
-            return self._record[name]
+            value = record[name]
         except ValueError:
             raise AttributeError(name) from None
+        if isinstance(value, np.void):
+            value = self.__dict__[name] = Plain(value)
+        elif isinstance(value, np.ndarray):
+            layout = record.dtype[name]
+            value = self.__dict__[name] = value.view(np.recarray).view(Table) if is_table(layout) else value
+        return value
 
     def __setattr__(self, name: str, value: Any) -> None:
         self._record[name] = value
@@ -78,11 +97,26 @@ def record_of(scene: Scene) -> Plain:
     return Plain(PreparedScene(scene).new_instance()[0])
 
 
+_BEGUN: dict[bytes, np.ndarray] = {}
+"""Pickled scene → its record at the start of its run, which tests copy."""
+
+
 def begun(scene: Scene) -> Plain:
-    """Return an instance of a scene at the start of its run, at 0 s."""
-    d = record_of(scene)
-    assert initialize(d, 0.0) == OK
-    return d
+    """Return an instance of a scene at the start of its run, at 0 s.
+
+    Equal scenes are initialized once, but in a test that replaces functions (tests/kernel/conftest.py).
+    """
+    pickled = pickle.dumps(scene)
+    block = _BEGUN.get(pickled) if begun.is_shared else None
+    if block is None:
+        block = PreparedScene(scene).new_instance()
+        assert initialize(Plain(block[0]), 0.0) == OK
+        if begun.is_shared:
+            _BEGUN[pickled] = block
+    return Plain(block.copy()[0])
+
+
+begun.is_shared = True
 
 
 def make_rigid(d: Plain, rigid: Any = 1) -> None:
