@@ -62,7 +62,9 @@ def test_build_and_simulate_writes_three_files_and_a_summary(run, here):
     files = {"FMU": "fmu", "results": "csv", "picture": "png"}
     named = [line for line in said.splitlines() if line.startswith(tuple(files))]
     assert named == [f"{name:9}build/RodDrop.{suffix}" for name, suffix in files.items()]
-    assert {path.name for path in (here / "build").iterdir()} == {f"RodDrop.{one}" for one in files.values()}
+    assert {path.name for path in (here / "build").iterdir()} == {
+        f"RodDrop.{file}" for file in files.values()
+    }
     assert (here / "build" / "RodDrop.png").read_bytes().startswith(PNG)
     assert read_csv(here / "build" / "RodDrop.csv")[1][-1][0] == 2.0
     assert len(impact_lines(said)) == 30

@@ -39,7 +39,9 @@ def test_validate_says_as_json_what_it_says_in_words(run, here, fmu):
     found = json.loads(said)
     assert (code, errors, found["notes"]) == (1, "", [])
     (stone,) = (
-        one for one in found["findings"] if "stone" in one["text"] and one["variable"] == "link[1].mass"
+        finding
+        for finding in found["findings"]
+        if "stone" in finding["text"] and finding["variable"] == "link[1].mass"
     )
     assert stone["text"].startswith('The unit "stone" of variable "link[1].mass" (line ')
     assert stone["file"] == "modelDescription.xml"

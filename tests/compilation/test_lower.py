@@ -106,7 +106,7 @@ def test_every_library_is_collected_once():
 def test_numba_has_what_is_replaced_and_left_out():
     """The replacement of a removed numba name would have no effect."""
     modules = (typed_passes, untyped_passes)
-    steps = {getattr(one, "_name", "") for module in modules for one in vars(module).values()}
+    steps = {getattr(member, "_name", "") for module in modules for member in vars(module).values()}
     assert steps >= IDLE
     assert callable(arrayobj.fix_integer_index)
 

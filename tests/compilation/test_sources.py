@@ -77,4 +77,6 @@ def test_what_is_compiled_imports_nothing_of_the_package_but_that():
                 found |= {f"{node.module}.{alias.name}" for alias in node.names}
     ours = {name for name in found if name.split(".")[0] == "chain_impact"}
     assert len(ours) > 50
-    assert [name for name in ours if not any(f"{name}.".startswith(f"{one}.") for one in allowed)] == []
+    assert [
+        name for name in ours if not any(f"{name}.".startswith(f"{package}.") for package in allowed)
+    ] == []

@@ -312,7 +312,7 @@ def responses(fmu, laws):
 @pytest.mark.full("takes long")
 def test_dependencies_are_true_under_every_law(native, clean):
     outputs = fmpy.read_model_description(native["pinned_arm"]).outputs
-    declared = {one.variable.name for one in outputs if one.dependencies}
+    declared = {output.variable.name for output in outputs if output.dependencies}
     changed = clean(responses, native["pinned_arm"], len(CONTACT_LAWS))
     assert len(changed) >= len(CONTACT_LAWS) - 1
     for law, found in changed.items():
@@ -357,5 +357,5 @@ def test_where_the_fmu_is_a_link_nothing_else_is_left_in_its_folder(tmp_path):
     (folder / "RodDrop.fmu").symlink_to(kept)
     for _ in range(2):
         assert validate_fmu(build_fmu("rod_drop", folder)) == []
-    assert [one.name for one in folder.iterdir()] == ["RodDrop.fmu"]
+    assert [file.name for file in folder.iterdir()] == ["RodDrop.fmu"]
     assert kept.is_file()

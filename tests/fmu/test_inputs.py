@@ -95,7 +95,7 @@ def moved(fmu, motions, period):
 
 
 def test_a_base_and_walls_move_as_those_of_a_chain_in_python(fmus, clean):
-    motions = [{name: float(value) for name, value in one.items()} for one in MOTIONS]
+    motions = [{name: float(value) for name, value in motion.items()} for motion in MOTIONS]
     names, rows, again = clean(moved, fmus["moved_arm"], motions, 0.03125)
     chain = Chain(scene_of("moved_arm"))
     chain.set(motions[0])

@@ -226,9 +226,9 @@ def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(fmu):
 
     description = fmpy.read_model_description(fmu)
     parameter = next(v.name for v in description.modelVariables if v.name.endswith(".restitution"))
-    outputs = [one for one in description.outputs if not one.variable.dimensions]
+    outputs = [output for output in description.outputs if not output.variable.dimensions]
     # no input acts at once on these outputs
-    held = [one.variable.name for one in outputs if not one.dependencies]
+    held = [output.variable.name for output in outputs if not output.dependencies]
     assert held
     one, two = Instance(fmu).start(), Instance(fmu).start()
     for k in range(1, 17):

@@ -117,8 +117,8 @@ def test_a_start_that_is_refused_is_told_with_its_place_and_can_be_mended(fmu, c
         instance.start(**changes)
     instance.fmu.reset()
     instance.start()
-    for one in (instance, plain):
-        one.step(0.25)
+    for target in (instance, plain):
+        target.step(0.25)
     assert instance.get(instance.outputs) == plain.get(plain.outputs)
 
 
@@ -185,8 +185,8 @@ def test_the_tolerance_is_the_parameter(fmu):
     instance.fmu.enterInitializationMode()
     assert MESSAGES == ["the importer's tolerance 0.0001 is not used: set the parameter solver.tolerance"]
     instance.fmu.exitInitializationMode()
-    for one in (instance, plain):
-        one.step(1.0)
+    for target in (instance, plain):
+        target.step(1.0)
     assert instance.get(plain.outputs) == plain.get(plain.outputs)
 
 

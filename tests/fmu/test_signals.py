@@ -79,7 +79,7 @@ frequency = 5.0
 """
     )
     fmu = build_fmu(parse_scene(text, "arm.toml"), tmp_path, target="native")
-    variables = {one.name: one for one in fmpy.read_model_description(str(fmu)).modelVariables}
+    variables = {variable.name: variable for variable in fmpy.read_model_description(str(fmu)).modelVariables}
     assert variables["base.vy"].derivative is variables["base.y"]
     assert variables["base.ay"].derivative is variables["base.vy"]
     assert variables["wall.table.belt_speed"].derivative is None

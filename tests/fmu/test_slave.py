@@ -93,7 +93,7 @@ def test_an_instance_can_be_freed_after_a_fault(fmu):
 
     def references():
         slave = next(module for name, module in sys.modules.items() if name.endswith("_slave"))
-        assert not [one for one in gc.get_objects() if isinstance(one, slave.ChainImpact)]
+        assert not [candidate for candidate in gc.get_objects() if isinstance(candidate, slave.ChainImpact)]
         return sys.getrefcount(slave.ChainImpact)
 
     calls = [

@@ -145,7 +145,7 @@ def test_causality_variability_initial_and_start_are_those_of_the_standard(tmp_p
         text = HEAD.format(version=version, token=token, variables=one)
         with zipfile.ZipFile(tmp_path / "x.fmu", "w") as fmu:
             fmu.writestr(XML, text)
-        found = [one for one in description_findings(tmp_path / "x.fmu") if one.variable == "v"]
+        found = [finding for finding in description_findings(tmp_path / "x.fmu") if finding.variable == "v"]
         assert bool(found) == (not good or bool(needed) != start), (variability, initial, start, found)
 
 
@@ -195,7 +195,7 @@ def test_findings_that_differ_only_in_the_variable_share_a_line(native, tmp_path
     found = description_findings(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
     assert len(found) > findings.MANY
     (line,) = findings.finding_lines(found)
-    names = [one.variable for one in found]
+    names = [finding.variable for finding in found]
     most = findings.NAMED_VARIABLES
     assert f"{', '.join(names[:most])} and {len(names) - most} more: The unit" in line
     few = found[: findings.MANY]

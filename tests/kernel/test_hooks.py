@@ -107,7 +107,7 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypat
     HOOKS[hooks.on_observe](d)
     found = [not math.isnan(number) for number in words]
     values = [k % (1 + DIRECTIONS) == 0 for k in range(len(words))]
-    assert found == [one or kept for one in values]
+    assert found == [value or kept for value in values]
 
 
 def test_each_function_has_a_stand_in():

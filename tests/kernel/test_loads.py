@@ -266,15 +266,15 @@ def test_the_motion_is_the_same_without_them(name):
     assert all(
         "load" in one or one.startswith("joint") for one in set(with_loads.columns) - set(without.columns)
     )
-    for one, values in without.columns.items():
-        assert np.array_equal(with_loads[one], values), one
+    for column, values in without.columns.items():
+        assert np.array_equal(with_loads[column], values), column
     for field in set(without.impacts.dtype.names) - {"joint_force", "joint"}:
         known = without.impacts[field]
         assert np.array_equal(with_loads.impacts[field], known, equal_nan=known.dtype.kind == "f")
     assert np.isnan(without.impacts["joint_force"]).all()
     assert not without.impacts["joint"].any()
     assert ("loads    at most" in str(with_loads)) == any(
-        one.endswith("peak_force") for one in with_loads.motion
+        output.endswith("peak_force") for output in with_loads.motion
     )
 
 

@@ -15,7 +15,9 @@ def assert_clean(page, where):
     from axe_playwright_python.sync_playwright import Axe  # the quick tier does not need axe
 
     found = Axe().run(page).response["violations"]
-    assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in found] == [], where
+    assert [(violation["id"], [node["html"] for node in violation["nodes"]]) for violation in found] == [], (
+        where
+    )
 
 
 @SCHEMES

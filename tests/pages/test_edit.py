@@ -38,10 +38,10 @@ def assert_as_python(found, scene):
     prepared = PreparedScene(scene)
     record = prepared.new_instance([])
     np.testing.assert_array_equal([int(word) for word in found["words"]], record.view(np.int64))
-    columns = [[one.name, prepared.word(one), one.unit] for one in prepared.outputs]
+    columns = [[output.name, prepared.word(output), output.unit] for output in prepared.outputs]
     assert found["columns"] == columns
-    inputs = [one for one in prepared.inputs if one.record_path[0] != "motion"]
-    assert found["still"] == [one.name for one in prepared.inputs if one not in inputs]
+    inputs = [driven for driven in prepared.inputs if driven.record_path[0] != "motion"]
+    assert found["still"] == [driven.name for driven in prepared.inputs if driven not in inputs]
     known = [
         [one.name, prepared.table_row(one)[-1], float(prepared.start_text(one))]
         for one in (*prepared.parameters, *inputs)
@@ -80,7 +80,7 @@ def test_the_structure_of_a_scene_is_that_of_python(script, source):
     assert lists == {name: [*members] for name, members in structure.lists.items()}
     for kind, row in OWNERS.items():
         found = structure.owners(kind)
-        wanted = [one.values | {name: one.conditions[name] for name in row.conditions} for one in found]
+        wanted = [owner.values | {name: owner.conditions[name] for name in row.conditions} for owner in found]
         assert owners[kind] == wanted, kind
 
 

@@ -34,7 +34,7 @@ def test_an_axis_has_three_to_ten_ticks(script):
         for high in np.linspace(0.1, 9.9, 50)
         for size in (1e-6, 1, 3e3)
     ]
-    found = script.evaluate(BETWEEN, [[float(end) for end in one] for one in ranges])
+    found = script.evaluate(BETWEEN, [[float(end) for end in limits] for limits in ranges])
     for (low, high), ticks in zip(ranges, found, strict=True):
         assert 3 <= len(ticks) <= 10
         assert np.ptp(np.diff(ticks)) == pytest.approx(0.0, abs=1e-6 * (high - low))

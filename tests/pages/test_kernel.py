@@ -223,12 +223,14 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
     for here, there in zip(found["pin"], lines, strict=True):
         np.testing.assert_allclose(here, there, atol=0.01 * size)
     assert set(found["energies"]) == {name for name, energy in known.energies.items() if energy.any()}
-    forces = {(one.point, one.wall) for one in known.touches if one.force is not None and one.force.any()}
+    forces = {
+        (touch.point, touch.wall) for touch in known.touches if touch.force is not None and touch.force.any()
+    }
     assert {(point, wall) for point, wall in found["forces"]} == forces
     loads = [(joint, *force.min(axis=0)[:1], *force.max(axis=0)[1:]) for joint, force in known.loads.items()]
     np.testing.assert_allclose(found["loads"], loads, rtol=0.02)
     assert found["radius"] == pytest.approx(radius, abs=1e-9)
-    assert [one["joint"] for one in found["stops"]] == list(known.stops)
+    assert [stop["joint"] for stop in found["stops"]] == list(known.stops)
     # forces of walls only: moments of stops have their own scale
     peak = known.impacts["peak_force"][~known.at_stops].max(initial=0.0)
     assert found["peakForce"] == pytest.approx(peak, rel=1e-3, abs=1e-200)

@@ -33,6 +33,6 @@ def test_no_label_runs_into_a_control(show, model):
             assert page.evaluate(CLASHES) == [], (size, name)
             page.keyboard.press("Escape")
     page.add_style_tag(content=".main-parameter-label { white-space: nowrap; font-size: 50px; }")
-    assert any("contact.stiffness" in one for one in page.evaluate(CLASHES)), (
+    assert any("contact.stiffness" in clash for clash in page.evaluate(CLASHES)), (
         "what runs into a control is found"
     )

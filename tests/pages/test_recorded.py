@@ -78,12 +78,12 @@ def test_what_is_packed_is_the_recording(recording):
         np.testing.assert_allclose(points, recording.points[:, :, axis], atol=5e-5)
     (energies,) = packed["drawn"]["energies"]
     np.testing.assert_allclose(whole(energies, "total", time), recording.energies["total"], atol=1e-3)
-    forces = {(one.point, one.wall): one.force for one in recording.touches}
+    forces = {(touch.point, touch.wall): touch.force for touch in recording.touches}
     for contact in packed["drawn"]["contacts"]:
         known = forces.pop((contact["n"], contact["name"]))
         np.testing.assert_allclose(whole(contact, "force", time), known, atol=0.5)
     assert not any(force.any() for force in forces.values())
-    assert [one["onset"] for one in packed["impacts"]] == recording.impacts["onset"].tolist()
+    assert [impact["onset"] for impact in packed["impacts"]] == recording.impacts["onset"].tolist()
     assert packed["touching"] == [[point, 0.0] for point in range(5)]
     assert packed["pinned"] is False
 
@@ -93,14 +93,14 @@ def test_friction_and_what_sticks():
     assert first["friction"]["low"] < -2.0
     assert first["sticking"] == second["sticking"]
     joints = data(record_slowly(pendulum()))["drawn"]["joints"]
-    assert [(one["n"], one["name"]) for one in joints] == [(1, ""), (2, "")]
-    assert [set(unpacked(one["columns"]["sticking"])) for one in joints] == [{1.0}, {1.0}]
+    assert [(joint["n"], joint["name"]) for joint in joints] == [(1, ""), (2, "")]
+    assert [set(unpacked(joint["columns"]["sticking"])) for joint in joints] == [{1.0}, {1.0}]
 
 
 def test_forces_in_joints():
     recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
     loads = data(recording)["drawn"]["loads"]
-    packed = {one["n"]: [whole(one, axis, recording.time) for axis in "xy"] for one in loads}
+    packed = {load["n"]: [whole(load, axis, recording.time) for axis in "xy"] for load in loads}
     assert packed.keys() == {1, 2}
     for joint, force in packed.items():
         known = np.transpose([recording[f"joint[{joint}].force.{axis}"] for axis in "xy"])
@@ -110,7 +110,10 @@ def test_forces_in_joints():
 def test_the_page_has_the_ranges_and_tells_stops_from_walls():
     packed = data(simulate(knee()))
     assert packed["stops"] == [{"joint": 2, "arc": (0.0, 2.0), "marks": [0.0, 2.0]}]
-    assert {one["wall"]: one["atStop"] for one in packed["impacts"]} == {"joint_min": True, "x_max": False}
+    assert {impact["wall"]: impact["atStop"] for impact in packed["impacts"]} == {
+        "joint_min": True,
+        "x_max": False,
+    }
     first = packed["impacts"][0]
     assert first["endSpeed"] == 0.5 * first["speed"]
 

@@ -122,7 +122,7 @@ def test_a_law_without_friction_offers_to_take_it_away(show):
     until(page, "document.getElementById('status').hidden")
     values = page.evaluate("chainImpact.parameters")
     frictions = {
-        one for name, one in values.items() if name.startswith(("wall", "contact")) and "friction" in name
+        value for name, value in values.items() if name.startswith(("wall", "contact")) and "friction" in name
     }
     assert frictions == {"0"}
     assert values["contact.model"] == "newton_impact"

@@ -163,9 +163,9 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
         for name, stop in stops.items():
             close(found["rail"]["stops"][name]["offset"], stop["offset"], size=10.0)
     ranges = ranges_of(scene)
-    assert [one["joint"] for one in found["ranges"]] == list(ranges)
-    for one in found["ranges"]:
-        close(one["arc"], ranges[one["joint"]].arc)
+    assert [limits["joint"] for limits in found["ranges"]] == list(ranges)
+    for limits in found["ranges"]:
+        close(limits["arc"], ranges[limits["joint"]].arc)
     known = {name: value for name, value in scene.values.items() if value is not None}
     run = SimpleNamespace(parameters=known, time=np.array([0.0, scene.simulation.stop_time]))
     close(found["rate"], frame_rate(run))
@@ -194,7 +194,7 @@ def test_the_quantities_that_are_drawn(script, source):
     assert known.keys() == set(GROUPS)
     for group, entries in script.evaluate(DRAWN, page_contents(scene)):
         found = {(n, name): set(names) for n, name, names in entries}
-        assert found == {(one["n"], one["name"]): one["columns"].keys() for one in known[group]}
+        assert found == {(owner["n"], owner["name"]): owner["columns"].keys() for owner in known[group]}
 
 
 def test_a_group_that_is_not_drawn_is_an_error(script):

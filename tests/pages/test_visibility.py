@@ -76,7 +76,7 @@ def test_before_the_first_motion_the_page_says_that_it_simulates_and_shows_no_ch
     page.goto(address)
     until(page, "document.getElementById('caption').textContent === 'Simulating…'")
     assert page.locator("#caption").is_visible()
-    assert not any(one.is_visible() for one in page.locator("aside > section, #rate").all())
+    assert not any(section.is_visible() for section in page.locator("aside > section, #rate").all())
     page.close()
 
 

@@ -96,9 +96,11 @@ def test_of_many_parameters_the_most_important_have_colours():
     told = [line.get_label().partition(" + ")[0] for line in curves]
     assert sorted((share[name] for name in told), reverse=True) == pytest.approx(largest[:MOST_COLOURED])
     (band,) = [
-        one for one in page.axes[1].collections if one.get_label()[:1].isdigit()
+        collection for collection in page.axes[1].collections if collection.get_label()[:1].isdigit()
     ]  # the band of the other parameters
-    grey = found.changes("point[1].y")[:, [k for k, one in enumerate(found.parameters) if one not in told]]
+    grey = found.changes("point[1].y")[
+        :, [k for k, parameter in enumerate(found.parameters) if parameter not in told]
+    ]
     ends = band.get_datalim(page.axes[1].transData).intervaly
     np.testing.assert_allclose(ends, (np.nanmin(grey), np.nanmax(grey)))
     (legend,) = page.legends

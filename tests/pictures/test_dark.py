@@ -41,8 +41,10 @@ def test_lines_texts_and_colours_of_time_can_be_seen(page):
         assert all(luminance(line.get_color()) > 0.09 for line in axes.lines)
         texts = [*axes.texts, axes.xaxis.label, axes.yaxis.label, *axes.get_xticklabels()]
         assert all(luminance(text.get_color()) > 0.4 for text in texts)
-    motion, time = (next(one for one in page.axes if one.get_label() == name) for name in ("motion", "time"))
-    path = next(one for one in motion.collections if one.get_label() == "tip")
+    motion, time = (
+        next(panel for panel in page.axes if panel.get_label() == name) for name in ("motion", "time")
+    )
+    path = next(collection for collection in motion.collections if collection.get_label() == "tip")
     assert min(map(luminance, path.get_edgecolor())) > 0.19
     bar = time.images[0].get_cmap()
     assert to_hex(bar(0.0)) == to_hex(path.get_edgecolor()[0])

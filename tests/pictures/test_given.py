@@ -26,7 +26,7 @@ def test_nothing_is_cut_off_or_covers_a_neighbour(shape, size, options):
     axes = page.subplots(*shape)
     recorded("sliding_rod" if "friction" in options.values() else "four_link_box").plot(**options, ax=axes)
     page.draw_without_rendering()
-    boxes = [one.get_tightbbox() for one in np.ravel(axes)]
+    boxes = [panel.get_tightbbox() for panel in np.ravel(axes)]
     for box in boxes:
         assert box.x0 >= 0.0
         assert box.y0 >= 0.0

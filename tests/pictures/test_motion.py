@@ -112,7 +112,7 @@ def test_numbers_stand_off_the_rings(model):
 def test_the_largest_force_in_each_joint_is_an_arrow_where_the_joint_was_then():
     recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
     _, motion, *_ = drawn(recording)
-    (arrows,) = (one for one in motion.collections if isinstance(one, Quiver))
+    (arrows,) = (collection for collection in motion.collections if isinstance(collection, Quiver))
     peaks = [recording[f"joint[{joint}].peak_force"][-1] for joint in (1, 2)]
     assert np.hypot(arrows.U, arrows.V) == pytest.approx(peaks)
     np.testing.assert_array_equal(arrows.XY[0], [0.0, 0.0])
@@ -143,7 +143,7 @@ def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_has_a_path(model):
     (end,) = (line for line in motion.lines if line.get_label().startswith("end"))
     assert end.get_markevery() == [0]
     assert end.get_linewidth() < 1.0
-    (path,) = (one for one in motion.collections if one.get_label() == "path")
+    (path,) = (collection for collection in motion.collections if collection.get_label() == "path")
     np.testing.assert_array_equal(path.get_segments()[0][0], recording.points[0, 0])
 
 

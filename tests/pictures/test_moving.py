@@ -67,7 +67,7 @@ def test_the_chain_stands_in_what_is_free_at_its_time():
     recording = ram()
     _, motion, *_ = drawn(recording)
     at_times, always = (
-        next(one for one in motion.patches if to_hex(one.get_facecolor()) == to_hex(colour))
+        next(patch for patch in motion.patches if to_hex(patch.get_facecolor()) == to_hex(colour))
         for colour in (AT_TIMES_COLOUR, "white")
     )
     assert at_times.get_xy()[:, 0].max() == pytest.approx(START)

@@ -46,7 +46,7 @@ def test_the_hardest_impacts_are_numbered_first():
 @pytest.mark.full("takes long")
 def test_of_many_impacts_at_equal_distances_every_kth_is_numbered():
     page = recorded("bouncing_table").plot(size=(84 / 25.4, None))
-    (axes,) = (one for one in page.axes if one.get_label() == "impacts")
+    (axes,) = (panel for panel in page.axes if panel.get_label() == "impacts")
     assert [text.get_text() for text in axes.texts] == [str(number) for number in range(5, 31, 5)]
     assert any("every 5th" in text.get_text() for text in page.texts)
 
@@ -88,7 +88,7 @@ def test_without_impacts_the_panel_says_so():
 def test_a_contact_that_lasts_has_a_band_to_its_end():
     recording = recorded("sliding_rod")
     axes = drawn(recording)[0].axes
-    (speeds,) = (one for one in axes if one.get_label() == "impacts")
+    (speeds,) = (panel for panel in axes if panel.get_label() == "impacts")
     bands = [line for lines in speeds.collections for line in lines.get_segments() if np.ptp(line[:, 1]) == 0]
     bands = {(round(float(x0), 9), round(float(x1), 9)) for (x0, _), (x1, _) in bands}
     expected = {
@@ -108,7 +108,7 @@ def test_a_contact_that_lasts_has_a_band_to_its_end():
 def test_a_gap_beside_the_potential_energy_is_closed_and_the_added_energy_is_told():
     recording = recorded("controlled_arm")
     page = drawn(recording)[0]
-    (energy,) = (one for one in page.axes if one.get_label() == "energy")
+    (energy,) = (panel for panel in page.axes if panel.get_label() == "energy")
     curves = {line.get_label(): line.get_ydata() for line in energy.get_lines()}
     for name in ("potential", "total"):
         (label,) = (label for label in curves if label.startswith(name))

@@ -215,7 +215,7 @@ def test_texts_fit_a_page_of_any_width(model, width):
     assert tuple(page.get_size_inches()) == (width, height)
     motion, *others = (axes.get_position(original=True) for axes in page.axes)
     beside = width >= 6.0 and broadness(recorded(model)) <= BESIDE
-    assert all((one.x0 >= motion.x1) == beside for one in others)
+    assert all((other.x0 >= motion.x1) == beside for other in others)
     check_texts(page)
     check_rules(page)
 
@@ -263,8 +263,8 @@ def test_panels_are_drawn_into_axes_that_are_there():
     result, page = recorded("sliding_rod"), Figure()
     axes = page.subplots(1, 2)
     assert result.plot(panels=["impacts", "energy"], ax=axes) is axes
-    assert [one.get_ylabel() for one in axes] == ["energy [J]", "impact speed [m/s]"]
-    assert [one.get_xlabel().partition(";")[0] for one in axes] == ["time [s]"] * 2
+    assert [panel.get_ylabel() for panel in axes] == ["energy [J]", "impact speed [m/s]"]
+    assert [panel.get_xlabel().partition(";")[0] for panel in axes] == ["time [s]"] * 2
     one = page.add_subplot()
     assert result.plot(ax=one) is one
     assert one.get_xlabel() == "x [m]"
@@ -275,7 +275,7 @@ def test_legends_have_each_entry_once():
 
     def entries(*axes):
         result.plot(panels=["motion", "friction"], ax=axes)
-        legends = [one.get_legend() for one in axes]
+        legends = [panel.get_legend() for panel in axes]
         return [[text.get_text() for text in legend.get_texts()] if legend else [] for legend in legends]
 
     motion, friction = entries(*(Figure((4.0, 3.0)).add_subplot() for _ in range(2)))
@@ -306,7 +306,7 @@ def test_a_legend_in_two_rows_is_read_row_by_row():
 def test_the_legend_of_a_slim_motion_is_beside_it_on_a_narrow_page():
     page = recorded("bouncing_ball").plot(size=(84 / 25.4, None), panels=["motion", "energy"])
     page.draw_without_rendering()
-    axes = next(one for one in page.axes if one.get_label() == "motion")
+    axes = next(panel for panel in page.axes if panel.get_label() == "motion")
     legend, motion = axes.get_legend().get_window_extent(), axes.get_window_extent()
     assert motion.x1 <= legend.x0 < legend.x1 <= page.bbox.x1
     assert legend.y0 >= motion.y0

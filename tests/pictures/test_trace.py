@@ -29,9 +29,9 @@ def whirl():
 @pytest.mark.parametrize("knows_velocities", [True, False])
 def test_between_rows_the_trace_is_on_the_path(whirl, knows_velocities):
     coarse, fine = whirl
-    parts = {one.name: getattr(coarse, one.name) for one in fields(Recording)}
+    parts = {field.name: getattr(coarse, field.name) for field in fields(Recording)}
     if not knows_velocities:
-        parts["columns"] = {name: one for name, one in parts["columns"].items() if ".v" not in name}
+        parts["columns"] = {name: column for name, column in parts["columns"].items() if ".v" not in name}
     times, path = trace_of(Recording(**parts), 1.0)
     true = np.stack([np.interp(times, fine.time, along) for along in fine.points[:, -1].T], axis=-1)
     straight = np.stack([np.interp(times, coarse.time, along) for along in coarse.points[:, -1].T], axis=-1)

@@ -60,7 +60,7 @@ def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
     way = np.array([[[0.0, 0.0]], [[3.0, 1.0]], [[1.0, 4.0]]])
     points = hanging([-0.5, 0.0, 0.5]) + way
     view, _ = seen(points, {}, pinned=True)
-    lines = np.concatenate([np.concatenate(pin_mark(points)) + one for one in way[:, 0]])
+    lines = np.concatenate([np.concatenate(pin_mark(points)) + place for place in way[:, 0]])
     assert (lines >= view[0]).all()
     assert (lines <= view[1]).all()
 

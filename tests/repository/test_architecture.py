@@ -44,7 +44,11 @@ def imported(file):
 
 def others(file, allowed):
     """Return the other modules that a file imports."""
-    return [m for m in imported(file) if not any(m == one or m.startswith(f"{one}.") for one in allowed)]
+    return [
+        m
+        for m in imported(file)
+        if not any(m == package or m.startswith(f"{package}.") for package in allowed)
+    ]
 
 
 def test_kernel_and_slave_import_only_what_they_may():

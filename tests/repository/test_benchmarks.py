@@ -146,5 +146,5 @@ def test_the_friction_of_a_made_up_arm_is_found_again(charts, tmp_path):
 
 def test_dry_friction_predicts_the_measured_arm_better():
     results = stored("measured_arm")["results"]
-    dry, viscous = (one["rms, unseen"] for one in results.values())
+    dry, viscous = (result["rms, unseen"] for result in results.values())
     assert dry < 0.5 * viscous

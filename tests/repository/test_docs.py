@@ -51,7 +51,7 @@ def fenced(page):
     found = re.finditer(
         r"^```(\w*)(?: title=\"([^\"\n]*)\")?\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S
     )
-    return [Block(one[1], one[2] or "", one[3].rstrip("\n")) for one in found]
+    return [Block(block[1], block[2] or "", block[3].rstrip("\n")) for block in found]
 
 
 def blocks(page, language):

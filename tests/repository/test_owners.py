@@ -36,7 +36,7 @@ def pairs(target, value):
     if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
         return [pair for two in zip(target.elts, value.elts, strict=True) for pair in pairs(*two)]
     if isinstance(target, ast.Tuple):
-        return [(one, None) for one in target.elts]
+        return [(element, None) for element in target.elts]
     return [(target, value)]
 
 
@@ -60,7 +60,7 @@ def way(node):
 
 def writes(function):
     """Yield the (instance, part, field) that a function assigns to."""
-    known = {part: ["d", part] for part in PARTS & {one.arg for one in function.args.args}}
+    known = {part: ["d", part] for part in PARTS & {argument.arg for argument in function.args.args}}
     known |= {"d": ["d"], "t": ["t"]}
     for target, value in sorted(assignments(function), key=lambda pair: pair[0].lineno):
         names = way(target if value is None or not isinstance(target, ast.Name) else value)

@@ -54,7 +54,11 @@ def attributes(exported):
         if base.__module__.startswith("chain_impact"):
             found |= {*vars(base), *getattr(base, "__annotations__", {})}
             code = getattr(vars(base).get("__init__"), "__code__", compile("", "", "exec"))
-            found |= {each.argval for each in dis.get_instructions(code) if each.opname == "STORE_ATTR"}
+            found |= {
+                instruction.argval
+                for instruction in dis.get_instructions(code)
+                if instruction.opname == "STORE_ATTR"
+            }
     return {name for name in found if not name.startswith("_")}
 
 
@@ -62,7 +66,7 @@ def names():
     """Yield every public name as a line."""
     for name in chain_impact.__all__:
         yield f"python: {name}"
-        yield from (f"python: {name}.{each}" for each in attributes(getattr(chain_impact, name)))
+        yield from (f"python: {name}.{attribute}" for attribute in attributes(getattr(chain_impact, name)))
     yield from (f"scene key: {key}" for key, entry in scene_keys())
     yield from (f"contact law: {law.number} {law.id}" for law in CONTACT_LAWS.values())
     yield from command_line()

@@ -32,11 +32,11 @@ def test_what_scripts_import_from_the_package_and_the_tests_is_there():
     trees = [(file, list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))) for file in SCRIPTS]
     # names of older revisions, after a try with those of today
     older = {
-        id(one)
+        id(statement)
         for _, tree in trees
         for node in tree
         if isinstance(node, ast.ExceptHandler)
-        for one in node.body
+        for statement in node.body
     }
     asked = {
         (file.name, node.module, alias.name)
@@ -47,7 +47,9 @@ def test_what_scripts_import_from_the_package_and_the_tests_is_there():
         for alias in node.names
     }
     found = {module: names_of(module) for _, module, _ in asked}
-    assert [one for one in asked if one[2] not in found[one[1]] and not find_spec(".".join(one[1:]))] == []
+    assert [
+        name for name in asked if name[2] not in found[name[1]] and not find_spec(".".join(name[1:]))
+    ] == []
 
 
 def test_the_programs_that_write_generated_files_exist():

@@ -58,7 +58,9 @@ def found(site):
         results = page.locator("ol a")
         results.first.wait_for()
         addresses = results.evaluate_all("links => links.map((link) => link.href)")
-        return [*dict.fromkeys(urlsplit(one).path.strip("/").replace(".html", ".md") for one in addresses)]
+        return [
+            *dict.fromkeys(urlsplit(address).path.strip("/").replace(".html", ".md") for address in addresses)
+        ]
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])

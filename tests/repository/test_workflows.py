@@ -53,7 +53,8 @@ def test_a_workflow_runs_what_there_is_and_may_only_read(name):
 
 def test_each_python_that_is_promised_is_tried():
     heads = (
-        re.fullmatch(r"Programming Language :: Python :: (3\.\d+)", one) for one in PROJECT["classifiers"]
+        re.fullmatch(r"Programming Language :: Python :: (3\.\d+)", classifier)
+        for classifier in PROJECT["classifiers"]
     )
     promised = {head[1] for head in heads if head}
     matrix = read("tests")["jobs"]["quick"]["strategy"]["matrix"]

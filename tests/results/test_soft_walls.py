@@ -19,13 +19,13 @@ def said(scene, **settings):
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         result = simulate(scene, **settings)
-    return [str(one.message) for one in found], result
+    return [str(warning.message) for warning in found], result
 
 
 def test_a_wall_that_is_too_soft_is_told_at_the_line_that_simulates():
     with pytest.warns(SceneWarning) as found:
         result = simulate(load_scene("four_link_box").with_values(SOFT))
-    assert [str(one.message) for one in found] == [f"FourLinkBox: {TOLD}"]
+    assert [str(warning.message) for warning in found] == [f"FourLinkBox: {TOLD}"]
     assert found[0].filename == __file__
     assert result.impacts["max_penetration"].max() > 0.5
     assert f"note     {TOLD}" in str(result).splitlines()

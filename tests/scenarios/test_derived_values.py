@@ -49,13 +49,13 @@ def test_a_chain_that_is_stepped_is_that_of_the_edited_file(changes):
 
 def test_a_stop_follows_the_walls_in_the_middle_of_a_run_until_it_is_set():
     chain, follower = Chain(finger()), Chain(finger())
-    for one in (chain, follower):
-        one.step_to(0.05)
-        one.set("contact.restitution", 0.3)
+    for simulated in (chain, follower):
+        simulated.step_to(0.05)
+        simulated.set("contact.restitution", 0.3)
     assert chain.get("stop.restitution") == 0.3
     follower.set("stop.restitution", 0.3)
-    for one in (chain, follower):
-        one.step_to(0.9)
+    for simulated in (chain, follower):
+        simulated.step_to(0.9)
     assert_same_impacts(chain.impacts, follower.impacts)
     chain.set("contact.restitution", 0.9)
     follower.set("contact.restitution", 0.9)
@@ -76,7 +76,9 @@ def test_a_run_of_a_sweep_forgets_those_before():
     """Also values that earlier runs have set return to the values of the row."""
     lengths = [0.45, 0.55, 0.5]
     swept = sweep(finger(), {"link[1].length": lengths}, outputs=["point[3].x"])
-    ends = [simulate(edited(FINGER, {"link[1].length": one})).columns["point[3].x"][-1] for one in lengths]
+    ends = [
+        simulate(edited(FINGER, {"link[1].length": length})).columns["point[3].x"][-1] for length in lengths
+    ]
     assert swept.rows["point[3].x"].tolist() == ends
 
 
@@ -109,7 +111,7 @@ def test_a_derivative_is_that_of_the_edited_file(name):
     values = {}
     for sign in (1, -1):
         result = simulate(edited(text, {name: value + sign * step}))
-        values[sign] = np.array([result.columns[one] for one in outputs])
+        values[sign] = np.array([result.columns[output] for output in outputs])
     wanted = (values[1] - values[-1]) / (2.0 * step)
     found = DifferentiatedRun(scene, [name], outputs).run(np.array([value]), result.time)
     slopes, until = found.slopes[:, :, 0].T, result.time < 0.12

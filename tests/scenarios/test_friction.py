@@ -122,7 +122,7 @@ def test_redundant_contacts_share_and_hold_through_ten_pushes(body):
     np.testing.assert_allclose(moved, expected, rtol=0.0, atol=1e-13)
     changes = np.unique(np.round([time for time, _ in exact.changes()], 10))
     found = np.unique(
-        np.round([one["start"] for one in result.stick_slip if one["start"] > SETTLED - 1e-3], 10)
+        np.round([phase["start"] for phase in result.stick_slip if phase["start"] > SETTLED - 1e-3], 10)
     )
     assert len(found) == 20
     assert found == pytest.approx(changes, abs=1e-9)

@@ -215,7 +215,7 @@ def test_what_is_symmetric_stays_so(law, tilts):
 @as_both
 def test_a_mirrored_scene_has_a_mirrored_result(law):
     scene = with_values(default_scene(model=law), {("gravity",): (1.5, -9.81)})
-    here, there = (simulate(one, 0.7, tolerance=1e-10) for one in (scene, mirrored(scene)))
+    here, there = (simulate(thrown, 0.7, tolerance=1e-10) for thrown in (scene, mirrored(scene)))
     assert len(here.impacts) >= 2
     np.testing.assert_allclose(there.points * [-1.0, 1.0], here.points, rtol=0, atol=1e-9)
     np.testing.assert_allclose(there.impacts["onset"], here.impacts["onset"], rtol=0, atol=1e-9)
@@ -279,8 +279,8 @@ def test_the_record_holds_everything():
     assert instance.advance(1.5) == 0
     assert instance.record["touch"]["active_count"] > 0
     other.words[:] = instance.words
-    for one in (instance, other):
-        assert one.advance(6.0) == 0
+    for copy in (instance, other):
+        assert copy.advance(6.0) == 0
     assert instance.words.tobytes() == other.words.tobytes()
 
 

@@ -159,8 +159,8 @@ def test_springs_that_are_taken_away_leave_nothing_behind():
     used.advance(0.1)
     used.record["given"]["joint_stiffness"] = 0.0
     used.initialize()
-    for one in (used, fresh):
-        one.advance(0.2)
+    for chain in (used, fresh):
+        chain.advance(0.2)
     np.testing.assert_array_equal(used.record["step"]["state_end"], fresh.record["step"]["state_end"])
 
 

@@ -102,7 +102,7 @@ def test_a_law_that_is_not_that_of_the_scene_is_pointed_at(law, tmp_path):
     with pytest.warns(SceneWarning) as caught:
         found = load_scene(scene)
     said = 'contact.law_file gives the law damped, but contact.model is "zhang_sharf"'
-    assert [str(one.message) for one in caught] == [f"{scene}: {said}"]
+    assert [str(warning.message) for warning in caught] == [f"{scene}: {said}"]
     assert found.with_values({"contact.model": "damped"}).contact.model == "damped"
 
 

@@ -183,7 +183,7 @@ def write_inputs(model):
             rows = list(csv.reader(file))
     chosen = [
         rows[0].index(name)
-        for name in ("time", *(one.name for one in PreparedScene(load_scene(model)).inputs))
+        for name in ("time", *(driven.name for driven in PreparedScene(load_scene(model)).inputs))
     ]
     with (folder / "inputs.csv").open("w", newline="") as file:
         csv.writer(file).writerows([row[column] for column in chosen] for row in rows)

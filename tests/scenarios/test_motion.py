@@ -250,7 +250,7 @@ def test_walls_are_drawn_where_they_are(tmp_path):
 def test_the_reference_results_of_an_fmu_have_motions_that_agree_with_their_velocities(recwarn):
     scene = pendulum(box={"y_min": -1.0}, inputs={"base_motion": True, "wall_motion": True})
     found = reference(PreparedScene(scene))
-    assert not [one for one in recwarn if one.category is SceneWarning]
+    assert not [warning for warning in recwarn if warning.category is SceneWarning]
     assert len(found.times) > 50
     step, inputs = found.times[1], found.inputs
     for position, velocity in (("base.y", "base.vy"), ("wall.y_min.displacement", "wall.y_min.velocity")):

@@ -63,13 +63,13 @@ def test_chosen_scenes(scene):
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_scenes(kind):
     found = [check(kind, seed) for seed in range(FEW)]
-    assert sum(one.compared for one in found) > 1000
-    assert [one.wrong[:3] for one in found] == [[]] * FEW
+    assert sum(comparison.compared for comparison in found) > 1000
+    assert [comparison.wrong[:3] for comparison in found] == [[]] * FEW
 
 
 @pytest.mark.full("more scenes")
 @pytest.mark.parametrize("kind", KINDS)
 def test_more_random_scenes(kind):
     found = {seed: check(kind, seed) for seed in range(FEW, FEW + MANY)}
-    assert sum(one.rows for one in found.values()) > 2_500
-    assert {seed: one.wrong[:3] for seed, one in found.items() if one.wrong} == {}
+    assert sum(comparison.rows for comparison in found.values()) > 2_500
+    assert {seed: comparison.wrong[:3] for seed, comparison in found.items() if comparison.wrong} == {}

@@ -234,9 +234,9 @@ def test_runs_in_threads_leave_the_process_as_it_is(tmp_path_factory, kind):
         found = list(pool.map(run, range(8)))
     assert (sys.stdout, sys.stderr, Path.cwd()) == before
     assert set(seen) == {before}
-    for one in found[::2]:
-        assert equal(one.impacts, alone.impacts)
-        assert all(np.array_equal(one.columns[name], alone.columns[name]) for name in alone.columns)
+    for result in found[::2]:
+        assert equal(result.impacts, alone.impacts)
+        assert all(np.array_equal(result.columns[name], alone.columns[name]) for name in alone.columns)
     assert len(set(found[1::2])) == 1
     assert "a contact point starts beyond a wall" in found[1]
 

@@ -30,7 +30,7 @@ def toml(value) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(toml, value))}]"
     if isinstance(value, dict):
-        return f"{{{', '.join(f'{key} = {toml(one)}' for key, one in value.items())}}}"
+        return f"{{{', '.join(f'{key} = {toml(part)}' for key, part in value.items())}}}"
     return json.dumps(value, ensure_ascii=False)
 
 

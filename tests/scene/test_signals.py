@@ -120,8 +120,12 @@ def test_what_is_driven_is_an_output_of_the_same_name():
     driven = [f"base.{prefix}{axis}" for axis in "yx" for prefix in ("", "v", "a")]
     driven += ["joint[1].target_angle", "joint[1].target_velocity"]
     assert not {one.name for one in prepared.inputs} & {*driven}
-    assert {*driven} <= {one.name for one in prepared.outputs}
-    numbers = {one.name: one.unit for one in prepared.parameters if one.name.startswith("signal.")}
+    assert {*driven} <= {output.name for output in prepared.outputs}
+    numbers = {
+        parameter.name: parameter.unit
+        for parameter in prepared.parameters
+        if parameter.name.startswith("signal.")
+    }
     units = {"signal.a.amplitude": "m", "signal.b.final": "rad", "signal.a.frequency": "Hz"}
     assert units.items() <= numbers.items()
     assert "signals.b.amplitude" not in numbers

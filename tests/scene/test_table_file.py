@@ -85,7 +85,7 @@ def gaps_told(done):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         result = done()
-    return result, [str(each.message) for each in caught if "rows missing" in str(each.message)]
+    return result, [str(warning.message) for warning in caught if "rows missing" in str(warning.message)]
 
 
 def test_a_gap_is_told_once_by_each_reader(tmp_path):

@@ -148,7 +148,7 @@ def test_a_centre_of_mass_beyond_the_link_is_allowed_and_pointed_at():
     hint = "rod.toml: link[1].center_of_mass = 25 m lies beyond the end of the link, which is 2 m long"
     with pytest.warns(SceneWarning) as caught:
         scene = parse_scene(text, "rod.toml")
-    assert [(str(one.message), one.filename) for one in caught] == [(hint, __file__)]
+    assert [(str(warning.message), warning.filename) for warning in caught] == [(hint, __file__)]
     assert scene.chain.links[0].center_of_mass == 25.0
     parse_scene(SCENE, "rod.toml").with_values(
         {"link[1].center_of_mass": 2.0}
@@ -160,7 +160,7 @@ def test_a_step_longer_than_the_simulation_is_allowed_and_pointed_at():
     with pytest.warns(SceneWarning) as caught:
         scene = parse_scene(SCENE, "rod.toml").with_values({"simulation.step_size": 5.0})
     hint += ": there are two rows only, the start and the end"
-    assert [(str(one.message), one.filename) for one in caught] == [(hint, __file__)]
+    assert [(str(warning.message), warning.filename) for warning in caught] == [(hint, __file__)]
     assert scene.simulation.step_size == 5.0
 
 

@@ -295,7 +295,9 @@ def in_first_impact(part, **contact):
 
     The time is after ``part`` of the impact's duration.
     """
-    scene = load_scene("four_link_box").with_values({f"contact.{key}": one for key, one in contact.items()})
+    scene = load_scene("four_link_box").with_values(
+        {f"contact.{key}": number for key, number in contact.items()}
+    )
     first = simulate(scene).impacts[0]
     chain = Chain(scene)
     chain.step_to(first["onset"] + part * (first["end"] - first["onset"]))

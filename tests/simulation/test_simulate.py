@@ -129,7 +129,7 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
 def test_outputs_of_the_state_alone_are_the_same_bits_without_forces(model):
     """The scene has impacts, friction, a motion, a slider, points on links, and signals."""
     whole = simulate(model, 1.0, 7e-3)
-    names = [one.name for one in whole.prepared.motion if one.record_path[1] in STATE_OUTPUTS]
+    names = [output.name for output in whole.prepared.motion if output.record_path[1] in STATE_OUTPUTS]
     some = simulate(model, 1.0, 7e-3, output=names)
     assert some.prepared.indices_named(names).of_state
     assert not some.prepared.indices_named([*names, "link[1].angular_acceleration"]).of_state

@@ -29,7 +29,7 @@ def test_only_what_comes_before_other_impacts_is_compared():
     """Two runs with different restitutions have the same motion until the first impact has begun."""
     run, other = (simulate(default_scene().with_values({"contact.restitution": e}), 1.2) for e in (0.7, 0.1))
     found = differences(run, other)
-    points = [[tuple(one) for one in each.impacts[["point", "wall"]]] for each in (run, other)]
+    points = [[tuple(impact) for impact in each.impacts[["point", "wall"]]] for each in (run, other)]
     assert points[0][: found.impacts] == points[1][: found.impacts]
     assert points[0][found.impacts] != points[1][found.impacts]
     assert found.parted

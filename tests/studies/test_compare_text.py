@@ -46,13 +46,13 @@ def test_the_reach_of_an_impact_that_is_not_free_is_told_over_stiffness():
     """Servos press the tip onto the wall: without losses its rebound has 0.70 of its approach speed."""
     found = compare(driven(), laws=["zhang_sharf", "lee_wang", "newton_impact"])
     assert not found.is_free
-    assert [one.stiffness for one in found.reached] == [1e7, 1e8, 1e9]
-    for one in found.reached:
-        for law, value in (("hertz", one.lossless), ("zhang_sharf", one.exact)):
-            values = {"contact.model": law, "contact.stiffness": one.stiffness}
+    assert [row.stiffness for row in found.reached] == [1e7, 1e8, 1e9]
+    for row in found.reached:
+        for law, value in (("hertz", row.lossless), ("zhang_sharf", row.exact)):
+            values = {"contact.model": law, "contact.stiffness": row.stiffness}
             first = simulate(driven().with_values(values)).impacts[0]
             assert value == pytest.approx(first["separation_speed"] / first["impact_speed"], rel=1e-12)
-    free = [abs(one.lossless - 1.0) for one in found.reached]
+    free = [abs(row.lossless - 1.0) for row in found.reached]
     assert free == sorted(free, reverse=True)
     near, reach = advice(found).splitlines()
     assert near.endswith(": newton_impact; by chance lee_wang")

@@ -12,11 +12,11 @@ from chain_impact.variables.prepared import PreparedScene
 def test_the_words_of_the_outputs_are_those_of_the_variables(name):
     prepared = PreparedScene(load_scene(name))
     motion, stepwise, *_ = prepared.output_indices
-    assert [*motion, *stepwise] == [one.name for one in prepared.outputs]
-    words = {one.name: prepared.word(one) for one in prepared.outputs}
-    assert motion == {one: words[one] for one in motion}
+    assert [*motion, *stepwise] == [output.name for output in prepared.outputs]
+    words = {output.name: prepared.word(output) for output in prepared.outputs}
+    assert motion == {output: words[output] for output in motion}
     assert {one: word for one, (word, _) in stepwise.items()} == {one: words[one] for one in stepwise}
-    assert {one.name for one in prepared.outputs if one.type != "real"} == {
+    assert {output.name for output in prepared.outputs if output.type != "real"} == {
         one for one, (_, is_real) in stepwise.items() if not is_real
     }
 

@@ -34,14 +34,16 @@ def test_what_a_row_names_is_there(kind):
 
 
 def test_all_of_a_kind_are_described_at_once():
-    found = {one.kind.pattern: one.kind_description for one in PreparedScene(EVERYTHING).variables}
+    found = {
+        variable.kind.pattern: variable.kind_description for variable in PreparedScene(EVERYTHING).variables
+    }
     assert found["link[i].length"] == "link i: length; must be > 0"
     assert found["wall.<wall>.x"] == "wall at any angle: x of a point on the wall"
     assert found["contact[k].<wall>.penetration"] == "point k at a wall: penetration, 0 when apart"
     assert found["joint[i].angle"] == "joint i: angle of link i relative to the link before"
     pinned = {
-        one.kind.pattern: one.kind_description
-        for one in PreparedScene(load_scene("triple_pendulum")).variables
+        variable.kind.pattern: variable.kind_description
+        for variable in PreparedScene(load_scene("triple_pendulum")).variables
     }
     assert pinned["joint[i].angle"] == "joint i: angle of link i relative to the link before, or the ground"
 
@@ -51,13 +53,15 @@ def test_the_derivatives_of_a_kind_are_a_kind():
         load_scene("four_link_box").with_values({"outputs.sensitivities": ["link[*].mass"]})
     )
     kinds = {
-        one.kind.pattern: one.kind_description for one in prepared.variables if one.name.startswith("sens")
+        variable.kind.pattern: variable.kind_description
+        for variable in prepared.variables
+        if variable.name.startswith("sens")
     }
     assert (
         kinds["sensitivity.link[i].mass.point[k].x"]
         == "derivative of point[k].x with respect to link[i].mass"
     )
-    assert len(kinds) == len({one.kind.pattern for one in prepared.motion})
+    assert len(kinds) == len({output.kind.pattern for output in prepared.motion})
 
 
 def test_a_name_is_like_its_template_only():

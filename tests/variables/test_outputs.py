@@ -51,12 +51,16 @@ def test_a_group_that_is_not_asked_for_is_not_there(left_out):
 
 
 def test_an_output_has_the_unit_of_its_quantity():
-    found = {(name.split(".")[-1], one.unit) for name, one in all_outputs(BOX).items() if one.type == "real"}
+    found = {
+        (name.split(".")[-1], output.unit)
+        for name, output in all_outputs(BOX).items()
+        if output.type == "real"
+    }
     assert found == {(key, unit) for unit, keys in OF_UNIT.items() for key in keys.split()}
 
 
 def test_a_joint_that_exists_has_its_angle_and_rate():
-    found = {name: one for name, one in all_outputs(BOX).items() if name.startswith("joint[")}
+    found = {name: output for name, output in all_outputs(BOX).items() if name.startswith("joint[")}
     assert list(found) == [f"joint[{i}].{one}" for i in (2, 3, 4) for one in ("angle", "angular_velocity")]
     assert [one.unit for one in found.values()] == 3 * ["rad", "rad/s"]
     assert {"joint[1].angle", "joint[1].angular_velocity"} <= set(all_outputs(ARM))

@@ -212,8 +212,8 @@ def check(kind: str, seed: int) -> Checked:
     found = compare(*case)
     if found.wrong:
         finer = case[0].with_values({"solver.tolerance": 1e-12})
-        again = {one[:3] for one in compare(finer, *case[1:], scale=3.0).wrong}
-        found.wrong = [one for one in found.wrong if one[:3] in again]
+        again = {fault[:3] for fault in compare(finer, *case[1:], scale=3.0).wrong}
+        found.wrong = [fault for fault in found.wrong if fault[:3] in again]
     return found
 
 
@@ -301,8 +301,8 @@ def main() -> None:
     for seed in range(first, first + count):
         found = check(kind, seed)
         rows, compared = rows + found.rows, compared + found.compared
-        for one in found.wrong[:3]:
-            print(kind, seed, *one)
+        for fault in found.wrong[:3]:
+            print(kind, seed, *fault)
     print(f"{kind}: {count} scenes, {rows} rows, {compared} derivatives")
 
 

@@ -39,8 +39,8 @@ Table = dict[str, Any]
 def held_pendulum(draw: Draw, count: int) -> Table:
     """Return a pinned chain whose joints have dry friction, and some of them dampers, springs and limits."""
     links = [dry(draw, link(draw)) for _ in range(count)]
-    for one in links:
-        resist(draw, one)
+    for part in links:
+        resist(draw, part)
     return scene_table(draw, "pinned", links, spin=4.0)
 
 
@@ -58,8 +58,8 @@ def thrown_rod(draw: Draw, slope: float) -> Table:
 def rigid_drop(draw: Draw) -> Table:
     """Return a chain with dry joints that falls on a rigid floor."""
     links = [dry(draw, link(draw)) for _ in range(draw.whole(2, 3))]
-    for one in links:
-        resist(draw, one, share=0.2)
+    for part in links:
+        resist(draw, part, share=0.2)
     table = scene_table(draw, "free", links, spin=3.0)
     drop(draw, table, links, draw.real(-0.3, 0.3) * draw.chance(0.3))
     table["contact"] = rigid(draw)
@@ -69,10 +69,10 @@ def rigid_drop(draw: Draw) -> Table:
 def rigid_pendulum(draw: Draw) -> Table:
     """Return a pinned chain with dry joints that falls on a rigid wall."""
     links = [dry(draw, link(draw)) for _ in range(draw.whole(1, 2))]
-    for one in links:
-        resist(draw, one, share=0.2)
+    for part in links:
+        resist(draw, part, share=0.2)
     table = scene_table(draw, "pinned", links, spin=3.0)
-    reach, turn = sum(one["length"] for one in links), draw.real(-0.5, 0.5)
+    reach, turn = sum(part["length"] for part in links), draw.real(-0.5, 0.5)
     # the wall is below all points, which start above the base
     table["initial"]["angles"] = [draw.real(0.2, 2.9) for _ in links]
     table["walls"] = [{"name": "wall", "point": [0.0, -reach * draw.real(0.1, 0.9)], "angle": turn}]
@@ -95,7 +95,7 @@ def stopped(draw: Draw, damped: bool) -> Table:
             one["joint_stiffness"] = moment(one) * draw.power(0.01, 1000.0)
             one["joint_damping"] = moment(one) * draw.power(0.001, 1.0) * draw.chance(0.5)
     table = scene_table(draw, base, links, spin=4.0)
-    bends = [draw.real(0.9 * one.get("joint_min", -3.4), 0.9 * one.get("joint_max", 3.4)) for one in links]
+    bends = [draw.real(0.9 * part.get("joint_min", -3.4), 0.9 * part.get("joint_max", 3.4)) for part in links]
     table["initial"]["angles"] = np.cumsum(bends).tolist()
     if base == "free":
         table["gravity"] = [0.0, 0.0]
@@ -108,9 +108,9 @@ def stopped(draw: Draw, damped: bool) -> Table:
 def sprung(draw: Draw) -> Table:
     """Return a pinned chain with springs and dry friction in its joints."""
     links = [dry(draw, link(draw)) for _ in range(draw.whole(1, 4))]
-    for one in links:
-        one["joint_stiffness"] = moment(one) * draw.power(0.01, 1000.0)
-        one["joint_damping"] = moment(one) * draw.power(0.001, 1.0) * draw.chance(0.5)
+    for part in links:
+        part["joint_stiffness"] = moment(part) * draw.power(0.01, 1000.0)
+        part["joint_damping"] = moment(part) * draw.power(0.001, 1.0) * draw.chance(0.5)
     return scene_table(draw, "pinned", links, spin=4.0)
 
 
@@ -178,7 +178,7 @@ def law(draw: Draw) -> Table:
 
 def drop(draw: Draw, table: Table, links: list[Table], slope: float) -> None:
     """Let a free chain fall on a wall with a slope [rad]."""
-    table["initial"]["position"] = [0.0, sum(one["length"] for one in links) * draw.real(1.2, 2.0)]
+    table["initial"]["position"] = [0.0, sum(part["length"] for part in links) * draw.real(1.2, 2.0)]
     table["initial"]["velocity"] = [draw.real(-1.0, 1.0), draw.real(-1.0, 1.0)]
     if draw.chance(0.2):
         table["initial"]["velocity"] = [0.0, 0.0]
@@ -244,7 +244,7 @@ def run(kind: str, seed: int, lasting: float) -> Run:
         reached += instance.trajectory(times[reached:], rows[reached:])
         instance.collect()
     late = rows[: max(reached, 1)][reached // 2 :]
-    size = max(each.length for each in one.chain.links)
+    size = max(part.length for part in one.chain.links)
     speeds = max(np.abs(late["angular_velocity"]).max() * size, np.abs(late["point_velocity"]).max())
     settled = late[len(late) // 2 :]  # the step in which the chain comes to rest may be long
     balance = settled["total"] + settled["dissipated"] - settled["supplied"]
@@ -290,7 +290,7 @@ def main() -> None:
             slow = one if slow is None or one.seconds > slow.seconds else slow
         took = time.perf_counter() - began
         print(f"{kind}: {dict(ends)}, {still} at rest, drift {worst:.1e}, {took:.0f} s", flush=True)
-        print(*(f"  {one}" for one in early[:20]), f"  slowest {slow}", sep="\n", flush=True)
+        print(*(f"  {seed}" for seed in early[:20]), f"  slowest {slow}", sep="\n", flush=True)
 
 
 if __name__ == "__main__":

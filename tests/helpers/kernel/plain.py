@@ -83,7 +83,9 @@ def as_plain_python() -> Iterator[None]:
     """Choose functions of the kernel that exist for complex numbers, too, by their arguments."""
 
     def by_type(function: Callable[..., Any], of_complex: Callable[..., Any], *arguments: Any) -> Any:
-        return (of_complex if any(isinstance(one, complex) for one in arguments) else function)(*arguments)
+        return (of_complex if any(isinstance(argument, complex) for argument in arguments) else function)(
+            *arguments
+        )
 
     with ExitStack() as stack:
         for function, of_complex in response.COMPLEX_RULES.items():

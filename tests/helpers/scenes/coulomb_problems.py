@@ -261,7 +261,7 @@ class Pushed:
         """Return the times [s] at which "slip" begins, and at which "stick" begins after motion."""
         legs, found = self.legs(), []
         for before, leg in itertools.pairwise(legs):
-            moved, moves = (any((one.velocity, one.acceleration)) for one in (before, leg))
+            moved, moves = (any((state.velocity, state.acceleration)) for state in (before, leg))
             if moved != moves:
                 found.append((leg.time, "slip" if moves else "stick"))
         return found

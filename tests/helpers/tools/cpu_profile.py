@@ -38,7 +38,7 @@ def pytest_terminal_summary(terminalreporter):
     """List the tests and the files with the most CPU seconds."""
     tests, files = Counter(), Counter()
     reports = chain.from_iterable(terminalreporter.stats.values())
-    for report in (one for one in reports if hasattr(one, "cpu")):
+    for report in (outcome for outcome in reports if hasattr(outcome, "cpu")):
         tests[f"{report.when:8} {report.nodeid}"] += report.cpu
         files[report.nodeid.split("::")[0]] += report.cpu
     for table in (tests, files):

@@ -31,6 +31,8 @@ def impacts(result, names, noise=0.0, seed=0):
     random = np.random.default_rng(seed)
     rows = result.impacts
     values = {name: rows["end"] - rows["onset"] if name == "duration" else rows[name] for name in names}
-    noisy = {name: one * (1.0 + noise * random.standard_normal(len(rows))) for name, one in values.items()}
+    noisy = {
+        name: value * (1.0 + noise * random.standard_normal(len(rows))) for name, value in values.items()
+    }
     walls = [result.scene.wall_names[wall] for wall in rows["wall"]]
     return {"impact": np.arange(len(rows)) + 1, "wall": walls, **noisy}

@@ -35,7 +35,11 @@ def make_environment(folder: Path, *names: str) -> None:
             if not (packages / part).exists():
                 (packages / part).symlink_to(Path(found.locate_file(part)))
         needed = [Requirement(text) for text in found.requires or ()]
-        wanted += [one.name for one in needed if not one.marker or one.marker.evaluate({"extra": ""})]
+        wanted += [
+            requirement.name
+            for requirement in needed
+            if not requirement.marker or requirement.marker.evaluate({"extra": ""})
+        ]
 
 
 class Processes:

@@ -14,7 +14,7 @@ from tests.fmu.zig import zig
 
 USUAL, FLUSH, ROUNDING = 0x1F80, 0x8040, 0x2000
 ROUNDINGS = [USUAL + way * ROUNDING for way in range(4)]
-WITHOUT_TRAPS = [*ROUNDINGS, *(one | FLUSH for one in ROUNDINGS)]
+WITHOUT_TRAPS = [*ROUNDINGS, *(rounding | FLUSH for rounding in ROUNDINGS)]
 # the traps of Fortran's -ffpe-trap=invalid,zero,overflow; a trap for inexact results would end Python itself
 TRAPS = USUAL & ~(0x80 | 0x200 | 0x400)
 ON_X86 = pytest.mark.skipif(

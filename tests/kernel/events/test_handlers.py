@@ -229,7 +229,7 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d.inputs.joint_damping[:], d.model.has_springs_or_dampers = 1e12, 1
     d.model.joint_rate_bound = joint_rate_bound(d)
     choose_size(d, C, False)
-    sizes = [control.at_onset(d, C, one) for one in (EXPLICIT, method)]
+    sizes = [control.at_onset(d, C, method_number) for method_number in (EXPLICIT, method)]
     assert d.step.method == method
     beside = control.at_onset_beside(d, C)
     assert d.step.next_size == (min(*sizes, beside) if method == EXPLICIT else min(sizes))

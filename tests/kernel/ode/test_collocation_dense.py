@@ -97,14 +97,14 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
 
     monkeypatch.setattr(collocation, "project_coordinates", project_coordinates)
     collocation.keep_clearances(d)
-    assert [one[0] for one in asked] == [0, 1, 0, 1]
+    assert [call[0] for call in asked] == [0, 1, 0, 1]
     for k in range(2):
         wanted = [
             collocation.interpolated(d, gap_at(d, k) + 2 * derivative, part / 3)
             for part in (1, 2)
             for derivative in (0, 1)
         ]
-        assert [one[1][k] for one in asked] == pytest.approx(wanted, abs=1e-15)
+        assert [call[1][k] for call in asked] == pytest.approx(wanted, abs=1e-15)
     y, end = np.zeros(len(d.step.state)), dissipated_at(LINKS)
     for theta, moved in ((0.0, ()), (1 / 3, (1, 2)), (2 / 3, (3, 4)), (1.0, ())):
         dense.interpolate(d.step, theta, y)

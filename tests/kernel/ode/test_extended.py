@@ -64,7 +64,7 @@ def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at
     assert rate[:FIRST].tolist() == d.work.rate_start[:FIRST].tolist()
     assert start[FIRST : FIRST + 4] == pytest.approx(np.transpose(gaps).ravel(), rel=1e-12)
     assert start[FIRST + 4 : FIRST + 6].tolist() == [3.0, 4.0]
-    assert rate[FIRST : FIRST + 2] == pytest.approx([one[1] for one in gaps], rel=1e-12)
+    assert rate[FIRST : FIRST + 2] == pytest.approx([gap[1] for gap in gaps], rel=1e-12)
     bends = normal_accelerations(scene, d, y, d.work.rate_start, touched)
     assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
     assert rate[FIRST + 4 : FIRST + 6].tolist() == [30.0, 40.0]

@@ -65,7 +65,9 @@ def jacobian(d, turn):
 
 def solutions(d, size, h):
     """Return, for all shifts s of a step, a right-hand side r and the solution x of (1 − s A) x = r."""
-    for pair, shift in enumerate([complex(*one) * h for one in COMPLEX_EIGENVALUES] + [complex(0.16 * h)]):
+    for pair, shift in enumerate(
+        [complex(*eigenvalue) * h for eigenvalue in COMPLEX_EIGENVALUES] + [complex(0.16 * h)]
+    ):
         rng = np.random.default_rng(6)
         r = rng.uniform(-1.0, 1.0, size) + 1j * rng.uniform(-1.0, 1.0, size) * (shift.imag != 0.0)
         x, y = r.real.copy(), r.imag.copy()

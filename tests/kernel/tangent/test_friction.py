@@ -170,8 +170,8 @@ def test_what_has_stopped_has_no_speed_left(monkeypatch, t):
     monkeypatch.setattr(friction, "locate_points", lambda _t, y: called.append(y is t.step.state_end))
     friction.stop_speeds(t)
     slopes = [(2.0, 3.0), (2.0, 3.0), (0.0, 3.0), (2.0, 0.0)]
-    assert [tuple(one.slope) for one in t.step.state_end] == slopes
-    assert [one.value for one in t.step.state_end] == [1.0, 2.0, 3.0, 4.0]
+    assert [tuple(number.slope) for number in t.step.state_end] == slopes
+    assert [number.value for number in t.step.state_end] == [1.0, 2.0, 3.0, 4.0]
     assert called == ["all", 1, "stop", True]
 
 

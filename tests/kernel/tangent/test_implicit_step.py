@@ -146,8 +146,8 @@ def slopes(start, end, parts):
     none = np.array([[dual(), dual()] for _ in range(RADAU_STAGES)], object)
     own = SimpleNamespace(start=[dual(*one) for one in start], stages=none.copy(), parts=none)
     own.stages[RADAU_STAGES - 1] = [dual(*one) for one in end]
-    for (i, j), one in parts.items():
-        own.parts[i, j] = dual(*one)
+    for (i, j), part in parts.items():
+        own.parts[i, j] = dual(*part)
     d = SimpleNamespace(friction=SimpleNamespace(stuck_count=0), step=SimpleNamespace(size=0.1))
     d.implicit, d.model = SimpleNamespace(weight=[2.0, 10.0]), None
     return d, SimpleNamespace(implicit=own)
@@ -183,7 +183,7 @@ def test_stages_have_the_values_of_the_run_and_their_own_slopes():
     d.implicit.last = np.arange(2.0 * RADAU_STAGES).reshape(RADAU_STAGES, 2)
     replay.take_stages(d, t, 2)
     assert [[one.value for one in row] for row in t.implicit.stages] == d.implicit.last.tolist()
-    assert [one.slope[:2].tolist() for one in t.implicit.stages[-1]] == [[1.0, 2.0], [3.0, 4.0]]
+    assert [stage.slope[:2].tolist() for stage in t.implicit.stages[-1]] == [[1.0, 2.0], [3.0, 4.0]]
 
 
 def test_the_linear_system_is_that_of_the_run():

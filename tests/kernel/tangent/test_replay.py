@@ -111,7 +111,9 @@ def calls(monkeypatch):
     called = []
 
     def note(name, *arguments):
-        called.append((name, *(one for one in arguments if not isinstance(one, SimpleNamespace))))
+        called.append(
+            (name, *(argument for argument in arguments if not isinstance(argument, SimpleNamespace)))
+        )
 
     names = (
         "copy_modes apply_pending_events copy_values choose_variable set_first_stage check_turns mark_jump"
@@ -180,10 +182,10 @@ def test_a_step_that_is_made_is_accepted(monkeypatch, calls, method, active, stu
 
 def test_values_are_those_of_the_run_and_slopes_stay():
     d, t = instances()
-    slopes = [one.slope.tolist() for one in t.step.state_end]
+    slopes = [number.slope.tolist() for number in t.step.state_end]
     replay.take_values(d, t)
-    assert [one.value for one in t.step.state_end] == d.step.state_end.tolist()
-    assert [one.slope.tolist() for one in t.step.state_end] == slopes
+    assert [number.value for number in t.step.state_end] == d.step.state_end.tolist()
+    assert [number.slope.tolist() for number in t.step.state_end] == slopes
     assert parts(t.step.end) == (1.5, [3.0, 4.0])
 
 
@@ -236,7 +238,7 @@ def test_what_a_jump_brings_about_has_the_time_of_the_jump(calls, events):
 def test_the_end_of_a_step_moves_along_the_motion(calls):
     """y moves by ẏ, the end of the step by the time itself, and a quadrature by its rate."""
     _, t = instances()
-    before = [parts(one) for one in t.step.state_end]
+    before = [parts(number) for number in t.step.state_end]
     step_ends.move_along(t, dual(0.0, 2.0, -3.0))
     moved = np.array([2.0, -3.0])
     for j, (value, slopes) in enumerate(before):

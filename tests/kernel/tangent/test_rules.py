@@ -33,8 +33,13 @@ def test_a_rule_is_called_as_the_function_that_it_stands_for(function):
 def test_the_functions_with_a_rule_are_marked_and_no_others(mark):
     package = chain_impact.kernel
     names = [module.name for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")]
-    values = {one for name in names for one in vars(importlib.import_module(name)).values() if callable(one)}
-    assert {one for one in values if getattr(one, mark, False)} == set(RULES[mark])
+    values = {
+        member
+        for name in names
+        for member in vars(importlib.import_module(name)).values()
+        if callable(member)
+    }
+    assert {value for value in values if getattr(value, mark, False)} == set(RULES[mark])
 
 
 @pytest.mark.parametrize("varies", [EXPONENT, [0.0, 0.0, 0.0]])

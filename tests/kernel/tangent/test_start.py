@@ -71,7 +71,7 @@ def values(numbers):
 
 
 def slopes(numbers):
-    return np.array([one.slope for one in np.ravel(numbers)])
+    return np.array([number.slope for number in np.ravel(numbers)])
 
 
 def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):

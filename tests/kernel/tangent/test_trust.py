@@ -110,7 +110,7 @@ def instance(events=(), speeds=(3.0, 4.0)):
     t.law.minimum_impact_speed, t.law.static_friction = [dual(LEAST)] * 4, [Dual(0.0, [0.0, 0.0])] * 4
     t.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
     t.step = SimpleNamespace(start=dual(TIME - 1.0), end=dual(TIME), time=dual(TIME), state_end="state")
-    x, y = (np.array([dual(0.0), dual(one)], object) for one in speeds)
+    x, y = (np.array([dual(0.0), dual(speed)], object) for speed in speeds)
     t.work = SimpleNamespace(velocity=SimpleNamespace(x=x, y=y), at_end=1)
     t.trust = SimpleNamespace(reason=trust.TRUSTED, time=0.0, point=9, wall=9)
     return t

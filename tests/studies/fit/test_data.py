@@ -64,7 +64,10 @@ def test_an_impact_is_found_by_its_number_and_place():
     impacts["point"], impacts["wall"] = [0, 4, 0, 4], [2, 2, 3, 2]
 
     def rows(**columns):
-        return [one.find(impacts) for one in read({**columns, "onset": [0.1] * len(columns["wall"])}).impacts]
+        return [
+            impact.find(impacts)
+            for impact in read({**columns, "onset": [0.1] * len(columns["wall"])}).impacts
+        ]
 
     assert rows(impact=[1, 3, 5], wall=[None] * 3) == [0, 2, None]
     assert rows(impact=[2, 3], wall=["y_min", "y_min"]) == [1, None]

@@ -101,8 +101,11 @@ def test_an_estimated_standard_deviation_widens_the_intervals():
     given, estimated = fit(scene(), columns, FREE, sigma=SIGMA), fit(scene(), columns, FREE)
     assert estimated.estimated == TIP
     assert estimated.reduced_chi_squared == pytest.approx(1.0, rel=0.02)
-    width = {one: np.ptp(np.log(one.intervals[FREE[0]])) for one in (given, estimated)}
-    error = {one: one.standard_errors[FREE[0]] / one.values[FREE[0]] for one in (given, estimated)}
+    width = {estimate: np.ptp(np.log(estimate.intervals[FREE[0]])) for estimate in (given, estimated)}
+    error = {
+        estimate: estimate.standard_errors[FREE[0]] / estimate.values[FREE[0]]
+        for estimate in (given, estimated)
+    }
     assert width[estimated] / error[estimated] > 1.02 * width[given] / error[given]
 
 

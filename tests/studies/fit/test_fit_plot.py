@@ -20,7 +20,7 @@ def found():
 
 def test_data_model_residuals_and_impacts(found):
     axes = found.plot().axes
-    assert [one.get_ylabel().split(" ")[0] for one in axes[::2]] == [*TIP, "onset"]
+    assert [panel.get_ylabel().split(" ")[0] for panel in axes[::2]] == [*TIP, "onset"]
     values, rest = axes[:2]
     _, curve, points = values.get_lines()  # the first is the white rim of the curve
     columns, _ = motion(0.7)

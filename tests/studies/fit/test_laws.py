@@ -18,29 +18,31 @@ def found():
 
 
 def test_every_law_is_ranked_the_best_first(found):
-    assert {one.law for one in found.ranking} == set(CONTACT_LAWS)
-    laws = [one.law for one in found.ranking]
+    assert {entry.law for entry in found.ranking} == set(CONTACT_LAWS)
+    laws = [entry.law for entry in found.ranking]
     assert laws[0] == found.scene.contact.model == found.ranking[0].fit.scene.contact.model
     full = [
-        round(one.fit.aic, 1) for one in found.ranking if one.fit and not one.note.endswith("not comparable")
+        round(entry.fit.aic, 1)
+        for entry in found.ranking
+        if entry.fit and not entry.note.endswith("not comparable")
     ]
     assert full == sorted(full)
 
 
 def test_the_law_of_the_data_is_among_the_best_and_others_are_not(found):
-    ranked = {one.law: one.fit.aic - found.aic for one in found.ranking if one.fit}
+    ranked = {entry.law: entry.fit.aic - found.aic for entry in found.ranking if entry.fit}
     assert ranked["zhang_sharf"] < 5.0
     for law in ("kelvin_voigt", "hertz", "kuwabara_kono", "gharib_hurmuzlu"):
         assert ranked[law] > 50.0
 
 
 def test_starts_are_those_of_the_user(found):
-    assert [one.start for one in found.parameters] == [5e7, 0.6, 1.5]
+    assert [parameter.start for parameter in found.parameters] == [5e7, 0.6, 1.5]
 
 
 def test_a_law_that_cannot_tell_what_was_measured_is_noted(found):
     """An impulse has no peak force."""
-    newton = next(one for one in found.ranking if one.law == "newton_impact")
+    newton = next(entry for entry in found.ranking if entry.law == "newton_impact")
     assert newton.fit is None
     assert "newton_impact, has no peak_force" in newton.note
     assert found.ranking[-1] == newton
@@ -53,7 +55,7 @@ def test_a_law_that_does_not_allow_the_restitution_is_noted():
     result = simulate(ball, stop_time=1.0, output_step=0.02)
     columns = {"time": result.time, "point[0].y": result["point[0].y"]}
     found = fit(ball, columns, ["initial.vy"], sigma={"point[0].y": 1e-3}, laws=True)
-    noted = {one.law: one.note for one in found.ranking if one.fit is None}
+    noted = {entry.law: entry.note for entry in found.ranking if entry.fit is None}
     assert "zhang_sharf" in noted
     assert "contact.restitution" in noted["zhang_sharf"]
     assert np.isfinite(found.aic)

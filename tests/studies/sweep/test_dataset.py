@@ -324,7 +324,7 @@ def test_what_is_not_of_the_sweep_stays_and_what_a_kill_has_left_goes(tmp_path):
     first = sweep(SCENE, vary, path=folder)
     (folder / "runs-mean.parquet").write_bytes(b"mine")
     again = sweep(SCENE, vary, path=folder)
-    names = {one.name for one in folder.iterdir()}
+    names = {file.name for file in folder.iterdir()}
     assert "runs-mean.parquet" in names
     assert not any("killed" in name for name in names)
     assert again["peak_force"].tolist() == first["peak_force"].tolist()

@@ -137,7 +137,7 @@ def test_a_sweep_goes_on_without_a_kernel_of_its_own_where_a_compiler_fails(monk
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.missing_compilers", list)
     found = sweep(SCENE, {"contact.restitution": "0.3:0.7:40"}, threads=2)
     assert (found["solver.status"] == OK).all()
-    (told,) = [one.getMessage() for one in caplog.records if one.levelname == "WARNING"]
+    (told,) = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
     assert "zig said no" in told
     assert SCENE.name in told
 

@@ -67,7 +67,7 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     page = found.plot(size=(width / 25.4, 16.0))
     assert page.get_figwidth() == width / 25.4
     told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title().partition(":")[0]) for axes in page.axes]
-    labels = {label for each in told for label in each}
+    labels = {label for texts in told for label in texts}
     assert {quantity.label for quantity in results_of(found).every} <= labels
 
 
@@ -101,7 +101,10 @@ def test_a_scene_with_stops_has_panels_for_them():
     page, changing = drawn(found), [name for name in outputs if np.ptp(found[name]) > 0.0]
     labels = [axes.get_ylabel() for axes in page.axes]
     # joint forces are unknown without loads
-    assert labels[:6] == [one.label for one in results_of(found).every if one.column != "joint_force"][:6]
+    assert (
+        labels[:6]
+        == [quantity.label for quantity in results_of(found).every if quantity.column != "joint_force"][:6]
+    )
     assert len(labels) == 6 + len(changing)
     assert all(name in page.texts[1].get_text() for name in {*outputs} - {*changing})
     assert "kN, peak moment of stops" in page.get_suptitle()
@@ -157,7 +160,7 @@ def test_colours_of_a_wide_range_are_logarithmic_and_counts_have_a_colour_each()
     force, impacts = (axes.collections[0] for axes in page.axes if axes.get_xlabel())
     assert [type(one.norm).__name__ for one in (force, impacts)] == ["LogNorm", "BoundaryNorm"]
     counts = np.unique(impacts.get_array())
-    assert len({tuple(impacts.to_rgba(one)) for one in counts}) == len(counts) > 1
+    assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
 
 
 @pytest.mark.parametrize(("least", "most"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
@@ -202,7 +205,7 @@ def test_a_force_over_a_logarithmic_stiffness_is_logarithmic():
         text.get_text() for text in axes.get_yticklabels(minor=True) + axes.get_yticklabels()
     }
     vary = {"contact.stiffness": "1e6,1e8", "contact.exponent": "1.2,1.5"}
-    (label,) = {one.get_xlabel() for one in drawn(sweep(SCENE, vary)).axes} - {""}
+    (label,) = {panel.get_xlabel() for panel in drawn(sweep(SCENE, vary)).axes} - {""}
     assert label == "contact.stiffness [N/m$^{exponent}$]"
 
 
