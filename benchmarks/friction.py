@@ -26,7 +26,7 @@ from benchmarks.looks import OURS, strong
 from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, race, seconds_at
 from chain_impact import simulate
-from chain_impact.pictures.style import BLUE, GREEN, INK, PURPLE, SKY, headline
+from chain_impact.pictures.style import BLUE, GREEN, INK, PLUM, PURPLE, headline
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from tests.helpers.scenes.friction import SLOPE, sled, thrown
@@ -248,9 +248,9 @@ LOOKS = {
     "ours": (OURS, "o"),
     CREEPS: (BLUE, "s"),
     "MuJoCo Euler, defaults, noslip": (GREEN, "v"),
-    "MuJoCo Euler, defaults, impratio 100": (SKY, "^"),
+    "MuJoCo Euler, defaults, impratio 100": (PLUM, "^"),
     "MuJoCo Euler, stiffest, impratio 100": (INK, "D"),
-    "MuJoCo RK4, defaults": (SKY, "s", "--"),
+    "MuJoCo RK4, defaults": (PLUM, "s", "--"),
     "MuJoCo Euler, duration of ours": (PURPLE, "v"),
     "MuJoCo RK4, duration of ours": (INK, "D", "--"),
 }

@@ -21,7 +21,8 @@ from matplotlib.patches import Patch
 from benchmarks import common
 from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.peers.scipy import Scipy
-from chain_impact.pictures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, headline
+from chain_impact.pictures.dark import ORANGE, SKY
+from chain_impact.pictures.style import BLUE, GREEN, PURPLE, VERMILLION, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
 

@@ -229,7 +229,7 @@ def main() -> None:
     for page in ("README.md", "docs/benchmarks.md", "docs/computation.md"):
         fill(page)
     for module in CHARTS if "--charts" in sys.argv else ():
-        common.picture(module.__name__, module.draw, module.SIZE)
+        common.picture(module.__name__.rpartition(".")[2], module.draw, module.SIZE)
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ KINDS = {
 }
 TITLE = "Effect of 1 % of each parameter: on the tip [m] and on peak forces [%]"
 CONDITIONS = "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most"
-COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
+COLOURS = dict(zip(KINDS, (*PALETTE, "0.5"), strict=True))
 LEAST = 1e-6  # m, lower limit of the axis
 DARK, WHOLE = 30.0, 100.0  # %, above which numbers are white, and have three digits
 

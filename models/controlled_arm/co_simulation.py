@@ -41,8 +41,8 @@ def draw(path, columns, parameters):
     from chain_impact.pictures.style import (
         BLUE,
         DPI,
+        GREEN,
         INK,
-        ORANGE,
         STYLE,
         TIME_COLOURS,
         VERMILLION,
@@ -78,7 +78,7 @@ def draw(path, columns, parameters):
         motion.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
 
         shoulder = columns["link[1].angle"]
-        joints = (("shoulder", BLUE, shoulder), ("elbow", ORANGE, columns["link[2].angle"] - shoulder))
+        joints = (("shoulder", BLUE, shoulder), ("elbow", GREEN, columns["link[2].angle"] - shoulder))
         for i, (name, colour, angle) in enumerate(joints, 1):
             angles.plot(time, angle, color=colour, label=name)
             angles.axhline(parameters[f"joint[{i}].target"], color=colour, linestyle=":", linewidth=1)

@@ -4,6 +4,7 @@ import functools
 import itertools
 
 import numpy as np
+from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
@@ -24,6 +25,17 @@ MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
 def recorded(model):
     """Return the recording of a model with its usual inputs."""
     return simulate(load_scene(model), inputs=inputs_of(model))
+
+
+def lab(colour, sight=((1, 0, 0), (0, 1, 0), (0, 0, 1))):
+    """Return lightness L*, a* and b* of a colour (CIE 15:2004, white point D65).
+
+    ``sight`` gives the linear red, green and blue that a reader sees.
+    """
+    linear = np.clip(np.array(sight) @ np.array(to_rgb(colour)) ** 2.2, 0.0, 1.0)
+    matrix = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    x, y, z = np.cbrt(np.array(matrix) @ linear / [0.9505, 1.0, 1.089])
+    return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
 
 
 def write(recording, path):

@@ -6,13 +6,13 @@ import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_hex, to_rgb
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from chain_impact.pictures import style
 from chain_impact.pictures.dark import Ground, contrast, is_dark, lighter, luminance
 from chain_impact.pictures.style import PALETTE, suit_figure
-from tests.pictures.pictures import recorded
+from tests.pictures.pictures import lab, recorded
 
 
 def pixels(page):
@@ -85,14 +85,6 @@ def test_a_map_keeps_its_colours_and_cells_without_value_get_dark():
         suit_figure(page)
     assert luminance(mesh.get_cmap().get_bad()) < 0.1
     assert mesh.get_cmap()(0.3) == before
-
-
-def lab(colour):
-    """Return lightness L*, a* and b* of a colour (CIE 15:2004, white point D65)."""
-    linear = np.array(to_rgb(colour)) ** 2.2
-    matrix = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
-    x, y, z = np.cbrt(np.array(matrix) @ linear / [0.9505, 1.0, 1.089])
-    return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
 
 
 def test_the_colours_of_curves_differ_on_a_dark_ground():

@@ -1,10 +1,54 @@
 """The style of all pictures: distinguishable colours, and a headline over the panels."""
 
+import itertools
+
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.dark import contrast
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.style import broken, headline, number
+from chain_impact.pictures.over_time import ENERGIES
+from chain_impact.pictures.style import LOAD, PALETTE, broken, headline, number
+from tests.pictures.pictures import lab
+
+# what readers without one kind of cones see (Machado, Oliveira and Fernandes 2009, severity 1)
+SIGHTS = {
+    "all cones": np.eye(3),
+    "no long waves": np.array(
+        [
+            [0.152286, 1.052583, -0.204868],
+            [0.114503, 0.786281, 0.099216],
+            [-0.003882, -0.048116, 1.051998],
+        ]
+    ),
+    "no middle waves": np.array(
+        [
+            [0.367322, 0.860646, -0.227968],
+            [0.280085, 0.672501, 0.047413],
+            [-0.011820, 0.042940, 0.968881],
+        ]
+    ),
+    "no short waves": np.array(
+        [
+            [1.255528, -0.076749, -0.178779],
+            [-0.078411, 0.930809, 0.147602],
+            [0.004733, 0.691367, 0.303900],
+        ]
+    ),
+}
+
+
+@pytest.mark.parametrize("colour", sorted({*PALETTE, *ENERGIES.values(), LOAD}))
+def test_a_line_on_white_has_the_contrast_of_graphical_objects(colour):
+    assert contrast("white", colour) >= 3.0  # WCAG 2.1, 1.4.11
+
+
+@pytest.mark.parametrize("sight", SIGHTS)
+def test_the_colours_of_curves_differ_for_each_kind_of_sight(sight):
+    """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
+    for one, other in itertools.combinations(PALETTE, 2):
+        assert np.linalg.norm(lab(one, SIGHTS[sight]) - lab(other, SIGHTS[sight])) > 15.0
 
 
 @pytest.mark.parametrize("conditions", ["", "4 links"])

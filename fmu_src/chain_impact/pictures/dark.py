@@ -12,7 +12,7 @@ from matplotlib.artist import Artist
 from matplotlib.axis import Axis
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import Collection
-from matplotlib.colors import Colormap, ListedColormap, to_rgb, to_rgba
+from matplotlib.colors import Colormap, ListedColormap, to_hex, to_rgb, to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -31,6 +31,10 @@ GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 STEPS, MOST = 41, 0.999  # the number of mixtures that are tried; a mixture with this luminance is white
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
+UMBER, PLUM = "#6b4c00", "#5c1a6e"
+ORANGE, SKY = "#e69f00", "#56b4e9"  # too pale for lines on white
+# colours of curves that are too dark for a dark ground → their replacements; mixtures with white are alike
+REPLACED = {UMBER: ORANGE, PLUM: SKY}
 COLOURED = 0.15  # a colour with less saturation counts as a grey
 # on a dark ground, the exponent for the distance of a grey from the ground, from 0 to 1: it makes the
 # distance larger, because greys near black are hard to see
@@ -143,8 +147,12 @@ def least_luminance(ground: Any, ratio: float) -> float:
 
 
 def lighter(colour: Any, least: float = 0.0) -> Colour:
-    """Return a colour of the same hue with a luminance of at least LEAST, and of at least ``least``."""
-    red, green, blue, alpha = to_rgba(colour)
+    """Return a colour with a luminance of at least LEAST, and of at least ``least``.
+
+    It has the same hue, except for the colours in REPLACED.
+    """
+    alpha = to_rgba(colour)[3]
+    red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))
     shares = np.linspace(0.0, 1.0, STEPS)
     mixed = [(*(part + share * (1.0 - part) for part in (red, green, blue)), alpha) for share in shares]
     r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= min(max(LEAST, least), MOST))

@@ -28,7 +28,7 @@ from chain_impact.pictures.style import (
     GREY,
     INK,
     LINE,
-    ORANGE,
+    OCHRE,
     PALETTE,
     PURPLE,
     TIME_COLOURS,
@@ -42,7 +42,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 from chain_impact.recording.text import speed_unit
 
-ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VIOLET}
+ENERGY_COLOURS = {"kinetic": GREEN, "potential": OCHRE, "total": BLACK, "dissipated": VIOLET}
 ENERGY_COLOURS |= {"supplied": PURPLE}
 # an energy is dashed if its curve is closer to an earlier one than ALIKE, relative to the range of all
 # energies, in the part MOSTLY of the rows
@@ -58,8 +58,6 @@ ENERGIES = ENERGY_COLOURS | {"elastic": BLUE} | PARTS
 BAR, NAME = 0.42, 0.5
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 MOST_COLOURED = 5  # the largest number of points with individual colours, so that the legend has room
-# points are not orange, because the potential energy is orange in the panel above
-POINT_COLOURS = tuple(colour for colour in PALETTE if colour != ORANGE)
 # impacts have equal distances if there are more than REGULAR of them, and the distances differ at most by
 # EQUAL, relative to the mean distance
 REGULAR, EQUAL = 5, 0.2
@@ -329,7 +327,7 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
     coloured = sorted(hit if len(hit) <= MOST_COLOURED else hit[: MOST_COLOURED - 1])
     groups = [
         (member[-1], colour, np.array([other == member for other in members]))
-        for member, colour in zip(coloured, POINT_COLOURS, strict=False)
+        for member, colour in zip(coloured, PALETTE, strict=False)
     ]
     others = np.array([member not in coloured for member in members], bool)
     groups = [("others", GREY, others), *groups] if others.any() else groups

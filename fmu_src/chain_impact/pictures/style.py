@@ -21,17 +21,18 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, MaxNLocator
 
-from chain_impact.pictures.dark import TIME, Ground
+from chain_impact.pictures.dark import PLUM, TIME, UMBER, Ground
 from chain_impact.pictures.lines import in_lines
 from chain_impact.system import written_whole
 
-BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
-BLUE, VERMILLION, PURPLE, BROWN, VIOLET = "#0072b2", "#d55e00", "#cc79a7", "#7a4b2a", "#7a3fa8"
+BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
+OCHRE, BROWN, VIOLET = "#c07f00", "#7a4b2a", "#7a3fa8"
 LOAD = "#0b7285"  # the forces in joints, also in films and pages
-PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
+PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.
 
-Okabe and Ito, Color Universal Design (2008), without yellow, which is too pale on white, and without black.
+The first four are of Okabe and Ito, Color Universal Design (2008). Their other colours are too pale for lines
+on white; the last two are dark, so that colour-blind readers can tell them from the others.
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
 """The greys: of curves in the background, of a grid's lines, and of text and outlines."""
