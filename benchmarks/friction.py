@@ -26,7 +26,8 @@ from benchmarks.looks import OURS, strong
 from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, race, seconds_at
 from chain_impact import simulate
-from chain_impact.pictures.style import BLUE, GREEN, INK, PLUM, PURPLE, headline
+from chain_impact.pictures.dark import PLUM
+from chain_impact.pictures.style import BLUE, GREEN, INK, PURPLE, headline
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from tests.helpers.scenes.friction import SLOPE, sled, thrown
