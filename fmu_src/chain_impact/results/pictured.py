@@ -105,13 +105,8 @@ class Pictured(Recording):
         from chain_impact import pictures  # this import takes a second
 
         if curves:
-            curves_to_draw = self.curves([curves] if isinstance(curves, str) else curves, around)
-            if ax is None:
-                fill = partial(pictures.fill_curves, recording=self, curves=curves_to_draw, title=title)
-                return pictures.draw_figure(fill, path, size, pictures.curves_size(curves_to_draw))
-            pictures.check_alone(path, size)
-            pictures.fill_curve_axes(np.ravel(ax).tolist(), self, curves_to_draw)
-            return ax
+            drawn = self.curves([curves] if isinstance(curves, str) else curves, around)
+            return self._plot_curves(drawn, path, size, title, ax)
         if around is not None:
             raise ValueError(f"around = {around!r}: only curves are drawn around an impact")
         given = [name for name, value in (("kind", kind), ("panels", panels)) if value]
@@ -128,6 +123,24 @@ class Pictured(Recording):
             return pictures.draw_figure(fill, path, size, pictures.usual_size(self, shown, size))
         pictures.check_alone(path, size)
         pictures.fill_axes(ax, self, shown or ["motion"])
+        return ax
+
+    def _plot_curves(
+        self,
+        curves: Curves,
+        path: str | os.PathLike[str] | None,
+        size: Size | None,
+        title: str | None,
+        ax: Any,
+    ) -> Any:
+        """Draw curves in place of panels; the arguments and the result are those of ``plot``."""
+        from chain_impact import pictures
+
+        if ax is None:
+            fill = partial(pictures.fill_curves, recording=self, curves=curves, title=title)
+            return pictures.draw_figure(fill, path, size, pictures.curves_size(curves))
+        pictures.check_alone(path, size)
+        pictures.fill_curve_axes(np.ravel(ax).tolist(), self, curves)
         return ax
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chain_impact.kernel.forces.inputs import CONTINUES, REINITIALIZE
-from chain_impact.scene.names import AXES, DataPath, input_asked
+from chain_impact.scene.names import AXES, INPUTS_OF, DataPath, input_asked
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.table_file import TIME, TableSource, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
@@ -295,8 +295,8 @@ def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.nda
 def inputs_text(inputs: Iterable[str]) -> str:
     """Return a sentence on the inputs of a scene: the names of the inputs, or how to make inputs."""
     names = list(inputs)
-    how = "[inputs] joint_torques, joint_targets, slider_force, tip_force, base_motion and wall_motion"
-    how += " in the scene"
+    *keys, last = INPUTS_OF
+    how = f"[inputs] {', '.join(keys)} and {last} in the scene"
     if not names:
         return f"it has none, {how} make them"
     shown = names if len(names) <= LISTED_NAMES else [*names[: LISTED_NAMES - 2], "…", names[-1]]

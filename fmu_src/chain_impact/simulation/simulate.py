@@ -110,31 +110,26 @@ def simulate(
             the scene cannot start.
         BuildError: when the kernel cannot be compiled.
     """
+    whole = output_step == math.inf
     settings = {
         "simulation.stop_time": stop_time,
-        "simulation.step_size": None if output_step == math.inf else output_step,
+        "simulation.step_size": None if whole else output_step,
         "solver.method": method,
         "solver.tolerance": tolerance,
     }
     changes = {name: value for name, value in settings.items() if value is not None}
-    scene = with_values(scene, changes) if changes else scene_of(scene)
-    stop = scene.simulation.stop_time
-    step = stop if output_step == math.inf else scene.simulation.step_size
-    prepared = PreparedScene(scene)
+    prepared = PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
     varied = prepared.varied if sensitivities is None else varied_by(prepared, sensitivities)
     indices = prepared.output_indices if output is None else prepared.indices_named(output)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
-    check_result_size(scene.name, stop, step, columns)
-    course = input_course(prepared, {} if inputs is None else inputs, interpolation, _times(stop, step))
-    if course.paths and not _size(len(course.times), columns) <= MOST_BYTES:
-        raise _too_large(f"{scene.name}: the simulation with its inputs has", len(course.times), columns)
+    course = _course(prepared, {} if inputs is None else inputs, interpolation, whole, columns)
     differentiated = DifferentiatedInstance(prepared, varied, course) if varied else None
     instance = differentiated or Instance(prepared, course, ())
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
     rows = WordRows(len(course.times), wanted, of_state=indices.of_state and not differentiated)
     done, impacts = instance.run(course, rows, progress or silent)
-    order, sorted_impacts = in_order([*impacts, instance.open_contacts()], scene.wall_names)
+    order, sorted_impacts = in_order([*impacts, instance.open_contacts()], prepared.scene.wall_names)
     every = not course.paths or course.asked.all()
     asked = slice(done) if every else np.flatnonzero(course.asked[:done])
     numbers = rows.numbers[asked]
@@ -160,14 +155,41 @@ def simulate(
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(prepared, course),
     )
-    # ``hints`` is called only for a penetration so deep that it can give a warning, which is rare
-    if sorted_impacts["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
-        warn(scene.name, hints(scene, sorted_impacts))
-    if prepared.sizes.channels and instance.record["moved"]["contradiction"]:
-        warn(scene.name, instance.contradictions)
+    _warn(instance, result)
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result, instance.reason)
     return result
+
+
+def _course(
+    prepared: PreparedScene, inputs: Given, interpolation: Interpolation, whole: bool, columns: int
+) -> InputCourse:
+    """Return the inputs over time, with the times of the rows; refuse a result that would be too large.
+
+    Args:
+        prepared: the scene.
+        inputs: as for ``simulate``.
+        interpolation: as for ``simulate``.
+        whole: whether only the start and the end have rows, in place of each communication step.
+        columns: number of outputs and derivatives.
+    """
+    name, stop = prepared.scene.name, prepared.scene.simulation.stop_time
+    step = stop if whole else prepared.scene.simulation.step_size
+    check_result_size(name, stop, step, columns)
+    course = input_course(prepared, inputs, interpolation, _times(stop, step))
+    if course.paths and not _size(len(course.times), columns) <= MOST_BYTES:
+        raise _too_large(f"{name}: the simulation with its inputs has", len(course.times), columns)
+    return course
+
+
+def _warn(instance: Instance, result: Result) -> None:
+    """Warn of points deep beyond walls, and of motions that contradict themselves."""
+    scene = result.scene
+    # ``hints`` is called only for a penetration so deep that it can give a warning, which is rare
+    if result.impacts["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
+        warn(scene.name, hints(scene, result.impacts))
+    if result.prepared.sizes.channels and instance.record["moved"]["contradiction"]:
+        warn(scene.name, instance.contradictions)
 
 
 def check_result_size(source: str, stop: float, step: float, columns: int) -> None:
