@@ -26,6 +26,7 @@ RECORDING = (
     "base/ticks.js",
     "explore/map/map_scales.js",
     "player/impact_list.js",
+    "scene/words.js",
 )
 """Further modules that need no browser to be run."""
 MODULES = ("solver/motion.js", "base/base64.js", *SCENE)

@@ -1,6 +1,6 @@
 """Texts and ticks of numbers on the pages."""
 
-# Tests: pages/browser/base/format.js, pages/browser/base/ticks.js, pages/browser/explore/map/map_scales.js
+# Tests: pages/browser/base/format.js, pages/browser/base/ticks.js, pages/browser/explore/map/map_scales.js, pages/browser/scene/words.js
 
 import numpy as np
 import pytest
@@ -68,3 +68,22 @@ def test_an_axis_by_decades_has_two_ticks_or_more_however_narrow_it_is(script):
 )
 def test_the_list_of_impacts_shortens_the_names_of_stops_only(script, wall, text):
     assert script.evaluate("wall => wallText({ wall })", wall) == text
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("joint[12].torque", "Torque of joint 12"),
+        ("joint[2].target_velocity", "Target velocity of joint 2"),
+        ("slider.force", "Force on the slider"),
+        ("slider.target_position", "Target position of the slider"),
+        ("tip.force.x", "Force on the tip, x"),
+        ("base.y", "Position of the base, y"),
+        ("base.vx", "Velocity of the base, x"),
+        ("base.ay", "Acceleration of the base, y"),
+        ("wall.y_min.belt_speed", "Belt speed of y_min"),
+        ("wall.ramp.displacement", "Displacement of ramp"),
+    ],
+)
+def test_an_input_has_words(script, name, text):
+    assert script.evaluate("name => inputText(name)", name) == text

@@ -1,24 +1,16 @@
 // The words for inputs and for the numbers of signals, in place of their names.
 
-const INPUTS = [
-  [/^joint\[(\d+)\]\.torque$/, "Torque of joint $1"],
-  [/^joint\[(\d+)\]\.target_(angle|velocity)$/, "Target $2 of joint $1"],
-  [/^slider\.force$/, "Force on the slider"],
-  [/^slider\.target_(position|velocity)$/, "Target $1 of the slider"],
-  [/^tip\.force\.([xy])$/, "Force on the tip, $1"],
-  [/^base\.([xy])$/, "Position of the base, $1"],
-  [/^base\.v([xy])$/, "Velocity of the base, $1"],
-  [/^base\.a([xy])$/, "Acceleration of the base, $1"],
-  [/^wall\.(.+)\.displacement$/, "Displacement of $1"],
-  [/^wall\.(.+)\.velocity$/, "Velocity of $1"],
-  [/^wall\.(.+)\.acceleration$/, "Acceleration of $1"],
-  [/^wall\.(.+)\.belt_speed$/, "Belt speed of $1"],
-];
+// the quantities of a base by the first letter of their names: x, vx, ax
+const OF_BASE = { x: "position", y: "position", v: "velocity", a: "acceleration" };
 
-/** Return the words for an input: "Force on the tip, x" for tip.force.x. */
+/** Return the words for an input: "Force on the tip, x" for tip.force.x, "Target angle of joint 2" for joint[2].target_angle. */
 export function inputText(name) {
-  const [pattern, words] = INPUTS.find(([one]) => one.test(name)) ?? [name, name];
-  return name.replace(pattern, words);
+  const [head, ...rest] = name.split(".");
+  const inHead = { base: [OF_BASE[rest[0][0]], rest[0].at(-1)], wall: [rest[1]] }[head];
+  const [key, axis] = inHead ?? rest;
+  const owner = head === "wall" ? rest[0] : head.includes("[") ? head.replace(/\[(\d+)\]/, " $1") : `the ${head}`;
+  const words = `${key.replaceAll("_", " ")} ${key === "force" ? "on" : "of"} ${owner}${axis ? `, ${axis}` : ""}`;
+  return words[0].toUpperCase() + words.slice(1);
 }
 
 /** Return the words for a number of a signal: "push: value 1" for the key value[1] of the signal push. */

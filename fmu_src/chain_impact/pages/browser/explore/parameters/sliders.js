@@ -128,14 +128,15 @@ function slider(changes, entry, field, now, unit) {
 
 /**
  * Return the sliders of the inputs, from −x to x: x is the value that the weight of the chain needs, half a turn, the length of
- * the chain, or the speed after a fall through this length.
+ * the chain, or the speed after a fall through this length; in other units it is 1.
  */
 function inputSliders({ scene, starts }) {
   const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
   const [weight, length] = [10 * sum("mass"), sum("length")]; // [N] and [m], of the chain
   const ends = { "N.m": weight * length, N: weight, rad: Math.PI, "rad/s": 10, m: length, "m/s": Math.sqrt(2 * 10 * length) };
   return scene.inputs.map((name) => {
-    const end = Number(ends[scene.parameters.find((parameter) => parameter.name === name).unit].toPrecision(3));
+    const { unit } = scene.parameters.find((parameter) => parameter.name === name);
+    const end = Number((ends[unit] ?? 1).toPrecision(3));
     return { name, label: inputText(name), ends: [-end, end], isInput: true };
   });
 }
