@@ -23,6 +23,8 @@ RULER = """() => [...document.querySelectorAll('.ruler-text')].map((text) =>
   [text.textContent, text.x.baseVal[0].value - document.querySelector('.ruler').x1.baseVal.value])"""
 ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
+DISTANCES = function_of("drawing", "distancesOfNumbers")
+"""The distances of the visible numbers from their points [pixels]."""
 SLIDES, STICKS = 0.5, 1.5  # s, of the sled
 WEIGHT = 1.2 * 9.81  # N
 
@@ -202,6 +204,17 @@ def test_numbers_and_forces_are_on_no_other_text_and_no_dot(show_recording, mode
             assert page.evaluate(ON_OTHERS) == []
             numbers |= set(page.locator(".ring-number").all_text_contents())
     assert {"#1", "#2", "#3"} <= numbers
+
+
+def test_a_number_stays_beside_its_point_also_of_a_body_that_is_small_on_a_phone(show_recording):
+    recording = record_slowly("thrown_brick")
+    page, seen = show_recording(recording, viewport=PHONE), 0
+    for impact in recording.impacts[:4]:
+        go_to(page, impact["onset"] + 1e-3)
+        distances = page.evaluate(DISTANCES)
+        seen += len(distances)
+        assert max(distances, default=0.0) < 32.0
+    assert seen > 4
 
 
 def test_ruler_and_scale_bar_are_apart_on_a_phone(show_recording):

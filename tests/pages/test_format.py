@@ -1,6 +1,6 @@
 """Texts and ticks of numbers on the pages."""
 
-# Tests: pages/browser/base/format.js, pages/browser/base/ticks.js, pages/browser/explore/map/map_scales.js, pages/browser/scene/words.js
+# Tests: pages/browser/base/format.js, pages/browser/base/ticks.js, pages/browser/scene/words.js
 
 import numpy as np
 import pytest

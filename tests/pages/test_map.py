@@ -1,6 +1,6 @@
 """The map of two parameters: preview, values, colours, the keyboard, and runs that a click opens."""
 
-# Tests: pages/browser/explore/map/map.js
+# Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_scales.js
 
 import math
 import re

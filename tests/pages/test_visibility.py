@@ -145,3 +145,11 @@ def test_runs_of_a_map_that_are_not_simulated_yet_have_no_colour(show):
       const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
       return Array.from({ length: canvas.height }, (_, row) => data[4 * row * canvas.width + 3]); }""")
     assert opaque == [0] * 6 + [255] * 3
+
+
+def test_three_impacts_are_in_sight_beside_a_chart_of_inputs(show):
+    page = show("cart_pole", viewport={"width": 1366, "height": 800})
+    lowest = page.locator("footer").bounding_box()["y"]
+    rows = [row.bounding_box() for row in page.locator("#impacts tbody tr").all()[:3]]
+    assert len(rows) == 3
+    assert all(row["y"] + row["height"] < lowest for row in rows)

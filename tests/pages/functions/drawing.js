@@ -15,3 +15,13 @@ export const onOthers = () => {
   return texts.flatMap((one, k) => others.slice(k + 1).filter((other) => meet(one, other))
     .map((other) => [one[0], other[0]]));
 };
+
+export const distancesOfNumbers = () => {
+  const dots = [...document.querySelectorAll("circle.joint, circle.tip, circle.site")];
+  const middleOf = ({ x, y, width, height }) => [x + width / 2, y + height / 2];
+  const at = new Map(dots.map((dot, k) => [String(k), middleOf(dot.getBBox())]));
+  return [...document.querySelectorAll(".point-number")]
+    .filter((number) => getComputedStyle(number).visibility === "visible")
+    .map((number) => [number.textContent, middleOf(number.getBBox())])
+    .map(([name, [x, y]]) => Math.hypot(x - at.get(name)[0], y - at.get(name)[1]));
+};

@@ -141,6 +141,7 @@ export class ForceChart extends Chart {
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
     const legend = rubs ? "; dotted: friction" : "";
-    this.title.textContent = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
+    const text = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
+    Object.assign(this.title, { textContent: text, title: text }); // it may be cut
   }
 }

@@ -29,6 +29,7 @@ const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
 // a stop, relative to the radius
 const { ARC, CORNERS: ARC_CORNERS, TICK } = SHARED.jointStops;
 const BESIDE = 18; // [pixels] distance from a point to its number
+const NAME_MULTIPLES = [1, 1.4]; // distances that are tried, relative to BESIDE: farther away, a number would belong to no point
 const NUMBERED = 12; // largest number of links with which points have numbers
 const MANY_LINKS = 60; // number of links from which on the chain is one line, without joints
 
@@ -206,7 +207,7 @@ export class ChainDrawing {
       const corners = bodies[this.bodyOf[point]];
       const outward = corners ? outOfBody(all[point], corners) : outOfChain(all.slice(0, links + 1), point);
       const text = name.text();
-      const around = positionsAround(all[point], outward, BESIDE);
+      const around = positionsAround(all[point], outward, BESIDE, NAME_MULTIPLES);
       const beside = corners ? around : around.map((candidate) => ({ ...candidate, anchor: "middle" }));
       const position = this.labelSpace.findPosition(text, NUMBER_TEXT, beside);
       name.css("visibility", position ? "visible" : "hidden");

@@ -4,7 +4,7 @@
 const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
 const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
 const BESIDE_TEXT = 4; // [pixels] distance between two texts side by side, at which they do not read as one
-const HALF = 8; // [pixels] half the side of the square that stands for a mark, with the outline of a text beside it
+const HALF = 7; // [pixels] half the side of the square that stands for a mark, with the outline of a text beside it
 
 /** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
 function boxOf(text, [x, y], size, anchor) {

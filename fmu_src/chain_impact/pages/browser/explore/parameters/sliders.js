@@ -182,13 +182,13 @@ export function mainParametersOf(changes) {
 }
 
 /**
- * Fill an element with signals, main parameters and inputs of the scene, and again when another scene is opened. `now` returns
+ * Fill an element with main parameters, inputs and signals of the scene, and again when another scene is opened. `now` returns
  * the present time, and whether the motion plays; call the returned function when they change.
  */
 export function showMainParameters(element, changes, now) {
   let rows;
   const fill = () => {
-    rows = [...signalSliders(changes), ...mainParametersOf(changes)].map((entry) => mainParameter(changes, entry, now));
+    rows = [...mainParametersOf(changes), ...signalSliders(changes)].map((entry) => mainParameter(changes, entry, now));
     element.replaceChildren(...rows.map(({ row }) => row));
   };
   const refresh = () => rows.forEach((row) => row.refresh());
