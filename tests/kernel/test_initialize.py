@@ -9,7 +9,6 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.events.marks import NONE
 from chain_impact.kernel.initialize import (
     OVERLAP,
-    check_links,
     check_parameters,
     check_start,
     clear_run,
@@ -192,8 +191,8 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
             else:
                 d[record][name][i] = value
         assert check_parameters(d) == (OK if good else PARAMETER_OUT_OF_RANGE)
-        if record == "model" and field != "wall":
-            assert check_links(d) == check_parameters(d)
+        of_link = record == "model" and field != "wall"
+        assert d.fault.part == (1 + d.candidates + i if of_link and not good else d.fault.part)
         if not good:
             assert initialize(d, 0.0) == d.statistics.status == PARAMETER_OUT_OF_RANGE
 
@@ -217,9 +216,9 @@ def test_a_method_is_one_of_the_list(number):
 def test_links_that_can_turn_without_moving_mass_are_refused():
     _, d = prepared()
     d.model.inertia[1] = 0.0
-    assert check_links(d) == OK
+    assert check_parameters(d) == OK
     d.model.inertia[:], d.model.center_of_mass[:] = 0.0, 0.0
-    assert check_links(d) == check_parameters(d) == MASS_MATRIX_SINGULAR
+    assert check_parameters(d) == MASS_MATRIX_SINGULAR
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from llvmlite import ir
@@ -24,12 +25,13 @@ from chain_impact.compilation.record_type import (
 )
 from chain_impact.kernel import functions
 from chain_impact.kernel.chain import inputs
+from chain_impact.kernel.record import ranges
 from chain_impact.kernel.record.fields import SETTABLE
 from chain_impact.kernel.tangent import duals
 
 FUNCTIONS: set[Any] = {
     *(duals.block, duals.as_words, duals.copy_values, duals.copy_given),
-    *(functions.clear, functions.copy_row, inputs.input_field),
+    *(functions.clear, functions.copy_row, inputs.input_field, ranges.ranged_field),
 }
 """The functions for which this module gives numba the code."""
 
@@ -54,15 +56,65 @@ def _input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     instance, given = arguments
     part, kind = signature.args
     number = context.cast(builder, given, kind, types.intp)
-    first, *others = _inputs(part)
-    address = address_of(context, builder, instance, first)
-    shape = [built(size, builder, instance) for size in first.shape]
-    for k, field in enumerate(others, 1):
-        is_meant = builder.icmp_signed("==", number, cgutils.intp_t(k))
-        address = builder.select(is_meant, address_of(context, builder, instance, field), address)
+    fields = _inputs(part)
+
+    def place_of(field: Field) -> list[ir.Value]:
         sizes = [built(size, builder, instance) for size in field.shape]
-        shape = [builder.select(is_meant, *pair) for pair in zip(sizes, shape, strict=True)]
-    return array_at(context, builder, first.kind, address, shape)
+        return [address_of(context, builder, instance, field), *sizes]
+
+    address, *shape = _chosen(builder, number, [partial(place_of, field) for field in fields])
+    return array_at(context, builder, fields[0].kind, address, shape)
+
+
+def _chosen(
+    builder: ir.IRBuilder, number: ir.Value, makers: Sequence[Callable[[], list[ir.Value]]]
+) -> list[ir.Value]:
+    """Return the values of the maker with a number, counted from 0."""
+    blocks = [builder.append_basic_block() for _ in makers]
+    end = builder.append_basic_block()
+    choice = builder.switch(number, blocks[0])
+    made = []
+    for k, (block, make) in enumerate(zip(blocks, makers, strict=True)):
+        choice.add_case(cgutils.intp_t(k), block)
+        builder.position_at_end(block)
+        made.append((make(), builder.block))
+        builder.branch(end)
+    builder.position_at_end(end)
+    chosen = []
+    for values in zip(*(values for values, _ in made), strict=True):
+        chosen.append(builder.phi(values[0].type))
+        for value, (_, block) in zip(values, made, strict=True):
+            chosen[-1].add_incoming(value, block)
+    return chosen
+
+
+def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types.Type) -> None:
+    """Give the code of a function of (instance, k) that returns field ``paths[k]`` as an array."""
+
+    @type_callable(function)
+    def _type_of_field(_context: Any) -> Any:
+        def typer(instance: types.Type, _number: types.Type) -> types.Type | None:
+            return types.Array(kind, 1, "C") if isinstance(instance, Record) else None
+
+        return typer
+
+    @lower_builtin(function, Record, types.Integer)
+    def _field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+        instance, number = arguments
+        number = context.cast(builder, number, signature.args[1], types.intp)
+
+        def place_of(path: Path) -> list[ir.Value]:
+            field = signature.args[0].field(*path)
+            assert field.kind == kind
+            assert not field.stride, f"{'.'.join(path)} is a column of a table"
+            count = builder.udiv(built(field.size, builder, instance), cgutils.intp_t(WORD))
+            return [address_of(context, builder, instance, field), count]
+
+        address, count = _chosen(builder, number, [partial(place_of, path) for path in paths])
+        return array_at(context, builder, kind, address, [count])
+
+
+_give_field(ranges.ranged_field, ranges.RANGED, types.float64)
 
 
 @type_callable(duals.block)

@@ -40,6 +40,15 @@ from chain_impact.kernel.ode.control import (
 from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable
+from chain_impact.kernel.record.ranges import (
+    OF_LINKS,
+    OF_SITES,
+    OF_STOPS,
+    RANGE_OWNERS,
+    RANGED,
+    in_range,
+    ranged_field,
+)
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
 from chain_impact.kernel.rows.geometry import OVERLAP, at_joint, clearance, place_walls
 from chain_impact.kernel.status import (
@@ -234,86 +243,41 @@ def check_parameters(d):
 
     Returns a status.
     """
-    status = check_links(d)
+    status = check_ranges(d)
     if status != OK:
         return status
-    for value in (
-        d.solver.tolerance,
-        d.solver.work_limit,
-        d.contact.minimum_impact_speed,
-        d.contact.exponent,
-    ):
-        if not (value > 0.0 and math.isfinite(value)):
-            return PARAMETER_OUT_OF_RANGE
-    invalid = (d.slides and not slider_is_valid(d)) or (d.signals > 0 and not signals_are_valid(d))
-    if not (d.contact.radius >= 0.0 and walls_are_finite(d)) or invalid:
+    if (d.slides and not d.slider.min < d.slider.max) or (d.signals > 0 and not signals_are_valid(d)):
         return PARAMETER_OUT_OF_RANGE
-    status = check_stops(d) if d.model.has_stops else OK
-    if status != OK:
-        return status
+    first, _ = loose_links(d.model, d.slides and d.slider.mass == 0.0)
+    if first >= 0:
+        return refuse_link(d, first, MASS_MATRIX_SINGULAR)
+    for i in range(d.links if d.model.has_stops else 0):
+        if not d.model.joint_min[i] < d.model.joint_max[i]:
+            return refuse_link(d, i, STOPS_REVERSED)
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
 
 
-def slider_is_valid(d):
-    """Return whether the parameters of the slider are in their ranges."""
-    slider = d.slider
-    positive = (
-        slider.mass >= 0.0 and slider.damping >= 0.0 and slider.stiffness >= 0.0 and slider.friction >= 0.0
-    )
-    total = slider.mass + slider.damping + slider.stiffness + slider.friction + slider.angle
-    total += d.given.slider_target_position[0] + d.initial.slider_velocity
-    return positive and slider.force_limit >= 0.0 and slider.min < slider.max and math.isfinite(total)
-
-
-def walls_are_finite(d):
-    """Return whether the positions of the walls and the radius of the points are finite numbers."""
-    total = d.contact.radius
-    for w in range(len(d.model.wall)):
-        total += d.model.wall[w]
-    for w in range(len(d.walls.angle)):
-        total += d.walls.x[w] + d.walls.y[w] + d.walls.angle[w]
-    return math.isfinite(total)
-
-
-def check_stops(d):
-    """Check the parameters of the stops in joints, and return a status."""
-    for value in (d.stops.exponent, d.stops.minimum_impact_speed):
-        if not (value > 0.0 and math.isfinite(value)):
-            return PARAMETER_OUT_OF_RANGE
-    for i in range(d.links):
-        if not d.model.joint_min[i] < d.model.joint_max[i]:
-            return refuse_link(d, i, STOPS_REVERSED)
+def check_ranges(d):
+    """Check that each real that the scene gives is in its range (record/fields.py); return a status."""
+    for k in range(len(RANGED)):
+        if RANGE_OWNERS[k] == OF_STOPS and not d.model.has_stops:
+            continue
+        values = ranged_field(d, k)
+        for i in range(len(values)):
+            if not in_range(values[i], k):
+                return refuse_value(d, k, i)
     return OK
 
 
-def check_links(d):
-    """Check the parameters of the links and their joints, and return a status."""
-    for i in range(d.links):
-        for value in (d.model.length[i], d.model.mass[i]):
-            if not (value > 0.0 and math.isfinite(value)):
-                return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
-        for value in (
-            d.model.inertia[i],
-            d.model.height[i],
-            d.given.joint_damping[i],
-            d.given.joint_stiffness[i],
-            d.model.joint_friction[i],
-            d.model.joint_armature[i],
-        ):
-            if not (value >= 0.0 and math.isfinite(value)):
-                return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
-        if not d.model.joint_torque_limit[i] >= 0.0:
-            return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
-        center = d.model.center_of_mass[i] + d.model.center_of_mass_offset[i]
-        if not math.isfinite(d.given.joint_target_angle[i] + center):
-            return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
-    for s in range(d.sites):
-        if not (d.site.radius[s] >= 0.0 and math.isfinite(d.site.x[s] + d.site.y[s] + d.site.radius[s])):
-            return refuse_link(d, d.site.link[s], PARAMETER_OUT_OF_RANGE)
-    first, _ = loose_links(d.model, d.slides and d.slider.mass == 0.0)
-    return OK if first < 0 else refuse_link(d, first, MASS_MATRIX_SINGULAR)
+def refuse_value(d, k, i):
+    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED; store its link as the reason."""
+    if RANGE_OWNERS[k] == OF_LINKS:
+        return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
+    if RANGE_OWNERS[k] == OF_SITES:
+        return refuse_link(d, d.site.link[i], PARAMETER_OUT_OF_RANGE)
+    return PARAMETER_OUT_OF_RANGE
 
 
 def first_size(d):

@@ -298,11 +298,10 @@ def integrate(d, j, time):
 
 
 def signals_are_valid(d):
-    """Return whether the given numbers of signals are in their ranges."""
+    """Return whether the knots of all signals are finite and in order, and integrals of sines exist."""
     signal = d.signal
     for j in range(d.signals):
-        i = signal.source[j]
-        total = signal.amplitude[i] + signal.phase[i] + signal.frequency[i] + signal.frequency_rate[i]
+        i, total = signal.source[j], 0.0
         for k in range(signal.first[j], signal.last[j] + 1):
             if k > signal.first[j] and not d.knot.time[k] >= d.knot.time[k - 1]:
                 return False
@@ -311,6 +310,6 @@ def signals_are_valid(d):
                 total += d.knot.powers[k, p]
         # a sine with frequency 0 has no integral in sines.py, whose formulas divide by the frequency
         still = signal.form[j] == SINE and signal.frequency[i] == 0.0 and signal.frequency_rate[i] == 0.0
-        if not math.isfinite(total) or (still and signal.order[j] > 0) or signal.rise[i] < 0.0:
+        if not math.isfinite(total) or (still and signal.order[j] > 0):
             return False
     return True

@@ -3,6 +3,29 @@
 import numpy as np
 
 REAL, INTEGER, COMPLEX = np.float64, np.int64, np.complex128
+LARGEST, SMALLEST = float(np.finfo(REAL).max), 5e-324  # the largest and the smallest positive double
+
+
+def real(least: float, most: float) -> np.dtype:
+    """Return a real with a range, which ``check_ranges`` in kernel/initialize.py checks.
+
+    Other reals that the scene gives have their own checks: values of contact laws, limits of stops, initial
+    values and gravity.
+    """
+    return np.dtype(REAL, metadata={"range": (least, most)})
+
+
+POSITIVE, NOT_NEGATIVE, FINITE = real(SMALLEST, LARGEST), real(0.0, LARGEST), real(-LARGEST, LARGEST)
+LIMIT = real(0.0, float("inf"))  # infinite: no limit
+
+
+def index(least: int, most: int) -> np.dtype:
+    """Return an integer that the kernel uses as an index or as a number of iterations, with its bounds.
+
+    ``within_bounds`` in kernel/entry.py checks the fields of such integers. A bound is an affine function of
+    the counts, as are all sizes.
+    """
+    return np.dtype(INTEGER, metadata={"least": least, "most": most})
 
 
 OWNERS: dict[str, dict[str, tuple[str, ...]]] = {}

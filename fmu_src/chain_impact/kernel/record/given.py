@@ -2,12 +2,16 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import EACH_JOINT, FIELDS
+from chain_impact.kernel.chain.inputs import EACH_JOINT, FIELDS, is_target
 from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.record.fields import (
     AT_ANY_TIME,
     AT_START,
+    FINITE,
     INTEGER,
+    LIMIT,
+    NOT_NEGATIVE,
+    POSITIVE,
     REAL,
     record,
     settable,
@@ -23,23 +27,23 @@ def model_dtype(links: int) -> np.dtype:
     """Return the layout of the chain and its box."""
     return record(
         ("gravity", REAL, (2,)),  # m/s²
-        ("length", REAL, (links,)),  # m
-        ("mass", REAL, (links,)),  # kg
+        ("length", POSITIVE, (links,)),  # m
+        ("mass", POSITIVE, (links,)),  # kg
         # given_center_of_mass: m, from the proximal joint; given_inertia: kg·m², about the centre of mass;
         # DERIVED if not given
         ("given_center_of_mass", REAL, (links,)),
         ("given_inertia", REAL, (links,)),
-        ("height", REAL, (links,)),  # m, height of a link that is a box; 0 for other links
+        ("height", NOT_NEGATIVE, (links,)),  # m, height of a link that is a box; 0 for other links
         # m, distance of the centre of mass to the left of the link's line
-        ("center_of_mass_offset", REAL, (links,)),
-        ("joint_friction", REAL, (links,)),  # N·m, dry friction at the proximal joint
+        ("center_of_mass_offset", FINITE, (links,)),
+        ("joint_friction", NOT_NEGATIVE, (links,)),  # N·m, dry friction at the proximal joint
         # kg·m², inertia of the drive's rotor, which acts on the relative rotation in the joint
-        ("joint_armature", REAL, (links,)),
+        ("joint_armature", NOT_NEGATIVE, (links,)),
         # N·m, limit of motor, spring and damper together; ∞: no limit
-        ("joint_torque_limit", REAL, (links,)),
+        ("joint_torque_limit", LIMIT, (links,)),
         ("joint_min", REAL, (links,)),  # rad, lower stop of the joint's own angle; −∞: no stop
         ("joint_max", REAL, (links,)),  # rad, upper stop of the joint's own angle; ∞: no stop
-        ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
+        ("wall", FINITE, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
         # 1: the chain has inputs other than motions of walls; they act in flight, too
@@ -47,8 +51,8 @@ def model_dtype(links: int) -> np.dtype:
         ("has_servos", INTEGER),  # 1: all joints, and a slider, have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
         # ---- derived at initialization
-        ("center_of_mass", REAL, (links,)),  # m from the proximal joint
-        ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
+        ("center_of_mass", FINITE, (links,)),  # m from the proximal joint
+        ("inertia", NOT_NEGATIVE, (links,)),  # kg·m² about the centre of mass
         ("has_joint_springs", INTEGER),  # 1: some joint has a spring
         ("has_springs_or_dampers", INTEGER),  # 1: some joint, or the slider, has damping or a spring
         ("has_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
@@ -80,9 +84,9 @@ def model_dtype(links: int) -> np.dtype:
 def contact_dtype() -> np.dtype:
     """Return the layout of the contact data that all walls share; the rest of the law is in `given`."""
     return record(
-        ("exponent", REAL),
-        ("radius", REAL),  # m
-        ("minimum_impact_speed", REAL),  # m/s, lower limit of v₀, which is latched at the onset
+        ("exponent", POSITIVE),
+        ("radius", NOT_NEGATIVE),  # m
+        ("minimum_impact_speed", POSITIVE),  # m/s, lower limit of v₀, which is latched at the onset
         # ---- derived at initialization
         ("any_force", INTEGER),  # 1: some candidate has a law with a force
         ("any_rigid", INTEGER),  # 1: some candidate has a law with impulses instead of a force
@@ -100,9 +104,9 @@ def stops_dtype() -> np.dtype:
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: the law of the walls
         ("given_exponent", REAL),  # exponent; DERIVED: the exponent of `contact`
-        ("minimum_impact_speed", REAL),  # rad/s
+        ("minimum_impact_speed", POSITIVE),  # rad/s
         # ---- derived at initialization
-        ("exponent", REAL),
+        ("exponent", POSITIVE),
         # restitution in use, only for readers of the record: `law` has the restitution of each candidate
         ("restitution", REAL),
     )
@@ -113,14 +117,14 @@ def stops_dtype() -> np.dtype:
 def slider_dtype() -> np.dtype:
     """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py."""
     return record(
-        ("angle", REAL),  # rad, direction of the line from +x
-        ("mass", REAL),  # kg, mass of the carriage
-        ("damping", REAL),  # N·s/m
-        ("stiffness", REAL),  # N/m
-        ("friction", REAL),  # N, dry friction
+        ("angle", FINITE),  # rad, direction of the line from +x
+        ("mass", NOT_NEGATIVE),  # kg, mass of the carriage
+        ("damping", NOT_NEGATIVE),  # N·s/m
+        ("stiffness", NOT_NEGATIVE),  # N/m
+        ("friction", NOT_NEGATIVE),  # N, dry friction
         ("min", REAL),  # m, lower stop; −∞: no stop
         ("max", REAL),  # m, upper stop; ∞: no stop
-        ("force_limit", REAL),  # N, limit of motor, spring and damper together; ∞: no limit
+        ("force_limit", LIMIT),  # N, limit of motor, spring and damper together; ∞: no limit
         # ---- derived at initialization
         ("ux", REAL),  # x of u, the unit vector along the line
         ("uy", REAL),
@@ -138,7 +142,7 @@ def initial_dtype(links: int) -> np.dtype:
         ("velocity", REAL, (2,)),  # m/s, of the base
         ("angle", REAL, (links,)),  # rad, absolute angle of a link
         ("angular_velocity", REAL, (links,)),  # rad/s
-        ("slider_velocity", REAL),  # m/s, velocity along the line of a slider
+        ("slider_velocity", FINITE),  # m/s, velocity along the line of a slider
     )
 
 
@@ -148,14 +152,20 @@ def solver_dtype() -> np.dtype:
     """Return the layout of the settings of the solver."""
     return record(
         ("method", INTEGER),  # index into SOLVER_METHODS of kernel/ode/control.py, from 1
-        ("tolerance", REAL),
-        ("work_limit", REAL),  # 1/s, largest number of evaluations per second of simulated time
+        ("tolerance", POSITIVE),
+        ("work_limit", POSITIVE),  # 1/s, largest number of evaluations per second of simulated time
     )
 
 
-def input_fields(links: int, *rows: int) -> list[tuple[object, ...]]:
-    """Return a field for each input: an array of its values, or a table with ``rows`` of them."""
-    return [(name, REAL, (*rows, links if size == EACH_JOINT else size)) for name, size in FIELDS.items()]
+def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[object, ...]]:
+    """Return a field for each input: an array of its values, or a table with ``rows`` of them.
+
+    ``target`` is the type of the targets of springs.
+    """
+    return [
+        (name, target if is_target(k) else REAL, (*rows, links if size == EACH_JOINT else size))
+        for k, (name, size) in enumerate(FIELDS.items())
+    ]
 
 
 def piece_dtype(links: int) -> np.dtype:
@@ -191,9 +201,9 @@ def given_dtype(links: int) -> np.dtype:
         ("static_friction", REAL),
         ("stop_stiffness", REAL),  # N·m/rad^exponent
         ("stop_restitution", REAL),  # restitution of stops; DERIVED: the restitution of the walls
-        ("joint_damping", REAL, (links,)),  # N·m·s/rad, as in `inputs`
-        ("joint_stiffness", REAL, (links,)),
-        *input_fields(links),
+        ("joint_damping", NOT_NEGATIVE, (links,)),  # N·m·s/rad, as in `inputs`
+        ("joint_stiffness", NOT_NEGATIVE, (links,)),
+        *input_fields(links, target=FINITE),
         ("piece", piece_dtype(links)),
     )
 
@@ -268,11 +278,11 @@ def site_dtype(sites: int) -> np.dtype:
         ("link", INTEGER, (sites,)),  # index of the link, from 0
         # 1 to 4: the site is a corner of a box, which determines its position; 0: not a corner
         ("corner", INTEGER, (sites,)),
-        ("x", REAL, (sites,)),  # m, along the link from the proximal joint
-        ("y", REAL, (sites,)),  # m, to the left of the link's line
+        ("x", FINITE, (sites,)),  # m, along the link from the proximal joint
+        ("y", FINITE, (sites,)),  # m, to the left of the link's line
         ("given_radius", REAL, (sites,)),  # m; DERIVED: the radius of `contact`
         # ---- derived at initialization
-        ("radius", REAL, (sites,)),  # m
+        ("radius", NOT_NEGATIVE, (sites,)),  # m
         ("along", REAL, (sites,)),  # x divided by the link's length
         ("beside", REAL, (sites,)),  # y divided by the link's length
     )
@@ -302,9 +312,9 @@ def walls_dtype(candidates: int) -> np.dtype:
     An importer may set the values of the materials at any time.
     """
     return record(
-        ("x", REAL, (candidates,)),  # m, x of a point on each wall
-        ("y", REAL, (candidates,)),
-        ("angle", REAL, (candidates,)),  # rad, direction of each wall from +x; the free side is to the left
+        ("x", FINITE, (candidates,)),  # m, x of a point on each wall
+        ("y", FINITE, (candidates,)),
+        ("angle", FINITE, (candidates,)),  # rad, direction of each wall from +x; the free side is to the left
         # N/m^exponent; 0: the stiffness of `contact`. The walls of the box come first.
         ("stiffness", REAL, (len(WALLS) + candidates,)),
         # restitution; −1: the restitution of `contact`. Friction is given in the same way.

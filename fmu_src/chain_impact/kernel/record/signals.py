@@ -3,7 +3,16 @@
 import numpy as np
 
 from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
-from chain_impact.kernel.record.fields import AT_START, INTEGER, REAL, record, settable, written_by
+from chain_impact.kernel.record.fields import (
+    AT_START,
+    FINITE,
+    INTEGER,
+    NOT_NEGATIVE,
+    REAL,
+    record,
+    settable,
+    written_by,
+)
 
 
 @settable(AT_START)
@@ -28,12 +37,12 @@ def signal_dtype(signals: int) -> np.dtype:
         ("gain", REAL, (signals,)),  # growth of an integral in a period of the table
         ("value", REAL, (signals,)),  # value of a constant, in the unit of the input
         ("mean", REAL, (signals,)),
-        ("amplitude", REAL, (signals,)),
-        ("frequency", REAL, (signals,)),  # Hz
-        ("frequency_rate", REAL, (signals,)),  # Hz/s
-        ("phase", REAL, (signals,)),  # rad
+        ("amplitude", FINITE, (signals,)),
+        ("frequency", FINITE, (signals,)),  # Hz
+        ("frequency_rate", FINITE, (signals,)),  # Hz/s
+        ("phase", FINITE, (signals,)),  # rad
         ("start", REAL, (signals,)),  # s
-        ("rise", REAL, (signals,)),  # s
+        ("rise", NOT_NEGATIVE, (signals,)),  # s
         ("initial", REAL, (signals,)),
         ("final", REAL, (signals,)),
         ("duration", REAL, (signals,)),  # s

@@ -1,0 +1,47 @@
+"""The fields with a range or with bounds, from the layouts (record/fields.py).
+
+The compiled versions of the functions on instances are in compilation/built_in.py.
+"""
+
+import numpy as np
+
+from chain_impact.kernel.record.counts import Counts
+from chain_impact.kernel.record.instance import instance_dtype
+
+
+def marked(layout, mark):
+    """Return the fields that have a mark: path → layout of the field."""
+    found: dict[tuple[str, ...], np.dtype] = {}
+    for name in layout.names:
+        field = layout[name]
+        if field.base.names:
+            found |= {(name, *path): inner for path, inner in marked(field.base, mark).items()}
+        elif mark in (field.base.metadata or {}):
+            found[name,] = field
+    return found
+
+
+_SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links in (2, 3))
+RANGED = tuple(_SMALL)
+"""The paths of the reals with a range."""
+RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
+# the owner of each of these fields
+OF_LINKS, OF_SITES, OF_STOPS, OF_ALL = 0, 1, 2, 3
+_OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS}
+RANGE_OWNERS = tuple(
+    OF_LINKS if _SMALL[path].shape != _LARGE[path].shape else _OWNER_OF_PART.get(path[0], OF_ALL)
+    for path in RANGED
+)
+
+
+def ranged_field(d, k):
+    """Return the values of field k of RANGED, an array; of a number, an array with one entry."""
+    part = d
+    for name in RANGED[k]:
+        part = getattr(part, name)
+    return np.ravel(part)
+
+
+def in_range(value, k):
+    """Return whether a value is in the range of field k of RANGED."""
+    return RANGE_LEAST[k] <= value <= RANGE_MOST[k]

@@ -1,0 +1,89 @@
+"""The ranges of parameters in the kernel's record, against the ranges of their keys in the scene."""
+
+# Tests: kernel/record/ranges.py
+
+import math
+
+import pytest
+
+from chain_impact.kernel.record.fields import LARGEST, SMALLEST
+from chain_impact.kernel.record.ranges import RANGE_LEAST, RANGE_MOST, RANGED
+from chain_impact.kernel.status import PARAMETER_OUT_OF_RANGE
+from chain_impact.scene.names import STOPS
+from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.variables.parameters import PARAMETERS
+from tests.helpers.scenes.derivative_scenes import table
+
+RANGES = dict(zip(RANGED, zip(RANGE_LEAST, RANGE_MOST, strict=True), strict=True))
+KINDS = {
+    kind.name: kind
+    for of, kinds in PARAMETERS
+    for kind in kinds
+    if of not in ("material", "step") and not kind.choices
+}
+"""The parameters that are reals, without materials, which laws check, and without steps of signals."""
+OTHER_CHECKS = {
+    ("model", "gravity"),  # the state and its energy at the start are finite
+    *(("initial", name) for name in ("position", "velocity", "angle", "angular_velocity")),
+    *(("model", stop) for stop in STOPS),  # one stop is below the other
+    *(("slider", stop) for stop in ("min", "max")),
+    *(("given", name) for name in ("stiffness", "restitution", "friction", "static_friction")),  # by the law
+    *(("given", "stop_stiffness"), ("stops", "restitution")),
+    # the knots of a signal are finite and in order
+    *(("signal", name) for name in ("value", "mean", "initial", "final", "start", "duration")),
+}
+WIDER = {
+    ("model", "height"): (0.0, LARGEST),  # 0: the link is no box
+    ("signal", "frequency"): (-LARGEST, LARGEST),
+}
+"""Ranges in the kernel that are wider than those of the keys."""
+
+
+def expected(kind):
+    """Return the range in the kernel that follows from the metadata of a parameter's key.
+
+    The kernel has no other bounds than 0, and a limit may be missing.
+    """
+    least = -LARGEST if kind.minimum is None else 0.0
+    if kind.above is not None or (kind.minimum or 0.0) > 0.0:
+        least = SMALLEST
+    return least, math.inf if kind.if_missing == math.inf else LARGEST
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_parameter_has_the_range_of_its_key(name):
+    kind = KINDS[name]
+    path = tuple(map(str, kind.record_path[:2]))
+    assert RANGES.get(path) == (None if path in OTHER_CHECKS else WIDER.get(path, expected(kind)))
+
+
+def test_no_other_field_has_a_range():
+    assert set(RANGED) <= {tuple(map(str, kind.record_path[:2])) for kind in KINDS.values()}
+
+
+def test_the_compiled_kernel_refuses_what_is_out_of_a_range_and_names_its_link():
+    rod = {"length": 0.3, "mass": 1.0, "joint_max": 1.0}
+    still = {"position": [0.0, 0.0], "angles": [0.0] * 3}
+    links = [rod | {"points": [{"x": 0.1, "y": 0.05}]}, rod, rod]
+    instance = Instance(table(links, base="slider", initial=still, box={"y_min": -9.0}))
+    d, start = instance.record, instance.words.copy()
+    of_links = 0
+    for (part, field), (least, _) in RANGES.items():
+        given = f"given_{field}"
+        own = d[part][[given if given in d[part].dtype.names else field]]
+        name, shape = own.dtype.names[0], own[0].shape
+        for value in (math.nan, -1.0) if least >= 0.0 else (math.nan,):
+            if 0 in shape:
+                continue  # no signals
+            instance.words[:] = start
+            if shape:
+                d[part][name][-1] = value
+            else:
+                d[part][name] = value
+            with pytest.raises(SimulationError) as caught:
+                instance.initialize()
+            assert caught.value.status == PARAMETER_OUT_OF_RANGE, (part, field)
+            if shape == (len(links),) and part != "walls":
+                of_links += 1
+                assert d["fault"]["part"] == 1 + d["candidates"] + len(links) - 1
+    assert of_links > 10
