@@ -10,32 +10,53 @@ length.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.record.counts import COUNTS
+from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import AT, INPUTS_OF, DataPath
+from chain_impact.scene.scene import Scene
+from chain_impact.scene.signals import driven_by
 from chain_impact.variables.kind import ALWAYS
 
+
+class Fact(NamedTuple):
+    """A fact of a scene: its meaning, and the function that returns it for a scene."""
+
+    meaning: str
+    of: Callable[[Scene], int]
+
+
 FACTS = {
-    ALWAYS: "all scenes have this",
-    "free": "no base holds the chain",
-    "pinned": "the base is pinned",
-    "slider": "the base is on a slider",
-    "skewed": "the centre of mass of some link lies beside the link's line",
-    "contact_friction": "a contact may have dry friction",
-    "joint_friction": "a joint has dry friction",
-    "slider_friction": "the slider has dry friction",
-    "own_stop_law": "stops have another law than walls",
-    "has_limits": "a drive has a largest torque or force",
-    "pairs": "the number of pairs of a point and a wall that can touch",
-    "stops": "the number of stops in joints",
-    "slider_stops": "the number of stops of the slider",
-    "knots": "the number of knots of all signals",
+    ALWAYS: Fact("all scenes have this", lambda _: True),
+    "free": Fact("no base holds the chain", lambda scene: scene.chain.base == "free"),
+    "pinned": Fact("the base is pinned", lambda scene: scene.chain.base == "pinned"),
+    "slider": Fact("the base is on a slider", lambda scene: scene.chain.base == "slider"),
+    "skewed": Fact(
+        "the centre of mass of some link lies beside the link's line", lambda scene: scene.chain.is_skewed
+    ),
+    "contact_friction": Fact("a contact may have dry friction", lambda scene: scene.has_contact_friction),
+    "joint_friction": Fact("a joint has dry friction", lambda scene: bool(scene.friction_joints)),
+    "slider_friction": Fact(
+        "the slider has dry friction",
+        lambda scene: scene.chain.slider is not None and scene.chain.slider.friction > 0.0,
+    ),
+    "own_stop_law": Fact("stops have another law than walls", lambda scene: scene.stops.model is not None),
+    "has_limits": Fact("a drive has a largest torque or force", lambda scene: scene.chain.has_limits),
+    "pairs": Fact(
+        "the number of pairs of a point and a wall that can touch",
+        lambda scene: len(candidates(scene)) - len(scene.chain.stops) - len(scene.slider_stops),
+    ),
+    "stops": Fact("the number of stops in joints", lambda scene: len(scene.chain.stops)),
+    "slider_stops": Fact("the number of stops of the slider", lambda scene: len(scene.slider_stops)),
+    "knots": Fact(
+        "the number of knots of all signals", lambda scene: sum(driven.knots for driven in driven_by(scene))
+    ),
 }
-"""Name → meaning of each fact of a scene. The keys of [inputs] and [outputs] are facts, too, as
+"""Name → each fact of a scene. The keys of [inputs] and [outputs] are facts, too, as
 ``inputs.tip_force``; a list of names counts as its length."""
 LISTS = {
     "links": "jointed: a joint holds it; dry: this joint has dry friction",

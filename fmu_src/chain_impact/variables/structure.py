@@ -14,8 +14,7 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import Driven, driven_by
 from chain_impact.scene.tables import Inputs, Outputs
-from chain_impact.variables.kind import ALWAYS
-from chain_impact.variables.owners import Owner, owners_of, with_conditions
+from chain_impact.variables.owners import FACTS, Owner, owners_of, with_conditions
 
 
 @dataclass(frozen=True)
@@ -65,24 +64,12 @@ def structure_of(scene: Scene) -> Structure:
     """Return the structure of a scene."""
     chain, pairs, signals = scene.chain, candidates(scene), driven_by(scene)
     joints, dry = chain.joints, scene.friction_joints
-    stops, ends = len(chain.stops), len(scene.slider_stops)
-    at_walls = len(pairs) - stops - ends
     facts = {
         **_flags("inputs", scene.inputs),
         **_flags("outputs", scene.outputs),
-        ALWAYS: True,
-        **{base: chain.base == base for base in ("free", "pinned", "slider")},
-        "skewed": chain.is_skewed,
-        "contact_friction": scene.has_contact_friction,
-        "joint_friction": bool(dry),
-        "slider_friction": chain.slider is not None and chain.slider.friction > 0.0,
-        "own_stop_law": scene.stops.model is not None,
-        "has_limits": chain.has_limits,
-        "pairs": at_walls,
-        "stops": stops,
-        "slider_stops": ends,
-        "knots": sum(signal.knots for signal in signals),
+        **{name: fact.of(scene) for name, fact in FACTS.items()},
     }
+    at_walls = facts["pairs"]
     lists: dict[str, list[dict[str, Any]]] = {
         "links": [{"jointed": n in joints, "dry": n in dry} for n in range(1, len(chain.links) + 1)],
         "sites": [
@@ -90,7 +77,7 @@ def structure_of(scene: Scene) -> Structure:
             for i, link in enumerate(chain.links)
             for j, site in enumerate(link.points)
         ],
-        "candidates": _candidates(scene.wall_names, pairs, range(at_walls, at_walls + stops)),
+        "candidates": _candidates(scene.wall_names, pairs, range(at_walls, at_walls + facts["stops"])),
         "walls": _walls(scene, pairs[:at_walls]),
         "lines": [{"name": wall.name} for wall in scene.walls],
         "moving_walls": [{"name": name} for name in scene.moving_walls],
