@@ -52,10 +52,10 @@ def found(site):
     from playwright.sync_api import sync_playwright  # the quick tier does not need playwright
 
     def found(query):
-        page.goto(f"{site}index.html")
-        page.keyboard.press("/")
-        page.get_by_role("combobox").fill(query)
+        page.get_by_role("combobox").fill("")
         results = page.locator("ol a")
+        results.first.wait_for(state="detached")  # those of the query before
+        page.get_by_role("combobox").fill(query)
         results.first.wait_for()
         addresses = results.evaluate_all("links => links.map((link) => link.href)")
         return [
@@ -65,6 +65,8 @@ def found(site):
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         page = browser.new_page()
+        page.goto(f"{site}index.html")
+        page.keyboard.press("/")
         yield found
         browser.close()
 
