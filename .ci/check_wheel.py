@@ -1,6 +1,6 @@
-"""The wheel, installed outside of the repository by pip and, in every supported Python that is here, by uv.
+"""The wheel, installed outside of the repository by uv in every supported Python that is here.
 
-Also as a tool, by ``uv tool`` and pipx.
+Also as a tool, by ``uv tool`` and by pipx, which calls pip.
 
 ``python .ci/check_wheel.py SCRATCH``, in the repository. A wheel takes its kernels from the cache that
 ``CHAIN_IMPACT_CACHE`` names, or compiles them.
@@ -30,14 +30,10 @@ def pythons() -> list[str]:
     return [python for python in found if python]
 
 
-def install(tool: str, python: str, wheel: Path, venv: Path) -> None:
-    """Install the wheel with pip or uv in a new environment."""
-    if tool == "uv":
-        run(UV, "venv", "--quiet", "--python", python, venv)
-        run(UV, "pip", "install", "--quiet", "--python", venv / "bin" / "python", wheel)
-    else:
-        run(python, "-m", "venv", venv)
-        run(venv / "bin" / "pip", "install", "--quiet", wheel)
+def install(python: str, wheel: Path, venv: Path) -> None:
+    """Install the wheel with uv in a new environment."""
+    run(UV, "venv", "--quiet", "--python", python, venv)
+    run(UV, "pip", "install", "--quiet", "--python", venv / "bin" / "python", wheel)
 
 
 def install_tool(tool: str, source: Path, place: Path) -> Path:
@@ -54,7 +50,7 @@ def use(programs: Path, folder: Path) -> None:
     folder.mkdir()
     unused = folder / "cache"
     environment = {**os.environ, "CHAIN_IMPACT_CACHE": str(unused), "MPLBACKEND": "Agg"}
-    if (programs / "python").exists():
+    if (programs / "python").exists():  # a tool has none there
         run(programs / "python", "-c", CHECK, cwd=folder, env=environment)
     command: list[str | Path] = [programs / "chain-impact", "build", "--simulate"]
     run(*command, cwd=folder, env=environment, stdout=subprocess.DEVNULL)
@@ -68,12 +64,12 @@ def main(scratch: Path) -> None:
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", scratch / "dist", ".")
     (wheel,) = (scratch / "dist").glob("chain_impact-*.whl")
     # Each environment is deleted here, while other checks run: .ci/run would delete all of them at its end.
-    for tool, python in [("pip", pythons()[0]), *(("uv", python) for python in pythons())]:
-        place = scratch / f"{Path(python).name}-{tool}"
-        install(tool, python, wheel, place)
+    for python in pythons():
+        place = scratch / Path(python).name
+        install(python, wheel, place)
         use(place / "bin", scratch / f"{place.name}-folder")
         shutil.rmtree(place)
-        print(f"{wheel.name}: works with {Path(python).name}, installed by {tool}")
+        print(f"{wheel.name}: works with {Path(python).name}, installed by uv")
     for tool, source in [("uv", Path.cwd()), ("pipx", wheel)]:
         place = scratch / f"{tool}-tool-{source.name}"
         use(install_tool(tool, source, place), scratch / f"{place.name}-folder")
