@@ -11,10 +11,12 @@ from collections import Counter
 from functools import cache
 from importlib.util import find_spec
 from itertools import chain
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+import chain_impact
 from chain_impact.system import cores
 
 MOST_WORKERS = 8
@@ -38,6 +40,7 @@ GROUPS = {
 }
 """Extra of the package → its modules that ``pytest --full`` needs."""
 
+TESTS, PACKAGE = Path(__file__).parent, Path(chain_impact.__file__).parent
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
 
@@ -56,7 +59,10 @@ IMPORTING = {
 
 
 def pytest_addoption(parser):
-    """Add the options that choose a tier."""
+    """Add the options that choose a tier, or a module of the package."""
+    parser.addoption(
+        "--of", metavar="MODULE", help="run only the files that test a module, such as kernel/advance.py"
+    )
     parser.addoption("--full", action="store_true", help="run all tests; needs the extra dev, and browsers")
     parser.addoption(
         "--without-quick", action="store_true", help="with --full: leave out the tests that pytest has run"
@@ -74,6 +80,8 @@ def pytest_cmdline_main(config):
 
 def pytest_configure(config):
     """Declare the marker, refuse impossible options, and fix the random examples of the quick tier."""
+    if config.option.of and not (PACKAGE / config.option.of).is_file():
+        raise pytest.UsageError(f"--of {config.option.of} must be a module of the package: kernel/advance.py")
     config.addinivalue_line("markers", "full(reason, but=0): only in pytest --full, but for the first cases")
     if config.option.without_quick and not config.option.full:
         raise pytest.UsageError("--without-quick needs --full")
@@ -101,9 +109,19 @@ def pytest_report_header(config):
     return "all tests" if config.option.full else "the quick tier of the tests; all of them: pytest --full"
 
 
-def pytest_ignore_collect(collection_path):
-    """Leave out files that cannot be imported; refuse ``--full`` without them."""
+def pytest_ignore_collect(collection_path, config):
+    """Leave out files that cannot be imported, and those that do not test the module of ``--of``."""
+    module, is_test = config.option.of, collection_path.match("test_*.py")
+    if module and is_test and module not in subjects(collection_path):
+        return True
     return collection_path.name in not_importable() or None
+
+
+def subjects(file):
+    """Return the modules that a file tests: the one of its name, and those of its lines ``# Tests:``."""
+    lines = re.findall(r"^# Tests: (.+)$", file.read_text(encoding="utf-8"), re.MULTILINE)
+    own = file.relative_to(TESTS).with_name(file.name.removeprefix("test_")).as_posix()
+    return [name for line in lines for name in line.split(", ")] + [own] * (PACKAGE / own).is_file()
 
 
 @cache

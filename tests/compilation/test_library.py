@@ -71,7 +71,7 @@ def test_every_function_that_it_offers_computes_with_the_usual_registers():
         assert re.search(rf"^attributes {attributes[0]} = {{[^}}]*noinline", module, re.M)
 
 
-def test_a_kernel_for_any_number_of_links_gives_the_same_bits_as_one_for_four():
+def test_kernels_for_any_and_for_four_links_give_equal_bits():
     scene = load_scene("four_link_box")
     outputs = []
     for path in (kernel_library(4), kernel_library(ready.LARGEST_EXACT + 1)):

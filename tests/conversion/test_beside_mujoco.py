@@ -178,7 +178,7 @@ def test_a_robot_moves_as_in_mujoco(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", OTHERWISE)
-def test_what_moves_otherwise_is_told_first(tmp_path, name):
+def test_the_first_difference_of_motion_is_reported(tmp_path, name):
     text, told = OTHERWISE[name]
     assert beside(tmp_path, text).cause.startswith(told)
 

@@ -216,7 +216,7 @@ def test_a_range_of_controls_of_a_servo_is_told(tmp_path):
     assert scene.inputs.joint_targets
 
 
-def test_nothing_is_told_of_what_is_held(tmp_path):
+def test_a_held_joint_has_no_remark(tmp_path):
     text = arm(
         b='stiffness="3 4 0" range="-1 1" frictionloss="2"',
         rest=drives('<damper joint="b" kv="1" ctrlrange="0 1"/>'),

@@ -63,7 +63,7 @@ def test_an_arm_is_drawn_as_it_hangs():
     assert {"θ1 = −90°", "θ2 = 180°"} <= set(labels(picture))
 
 
-def test_equal_scenes_have_equal_pictures_whatever_the_settings_of_matplotlib():
+def test_settings_of_matplotlib_change_no_picture_of_a_scene():
     prepared = PreparedScene(load_scene("ramp"))
     before = page(prepared, 2), icon(prepared.scene)
     with mpl.rc_context({"font.size": 20.0, "savefig.facecolor": "black", "lines.linewidth": 9.0}):
@@ -82,7 +82,7 @@ def test_the_documentation_page_has_the_author_and_a_row_for_each_kind():
 
 
 @pytest.mark.parametrize(("model", "changes"), [("four_link_box", {}), ("pinned_arm", DRIVEN)])
-def test_terminals_are_valid_and_group_the_inputs_and_outputs_of_their_owners(model, changes):
+def test_terminals_are_valid_and_group_variables_of_owners(model, changes):
     variables = PreparedScene(load_scene(model).with_values(changes)).variables
     content = terminals_and_icons(variables)
     schema = etree.XMLSchema(etree.parse(str(SCHEMA)))

@@ -128,7 +128,7 @@ def test_states_with_an_odd_head_are_refused(fmu):
 
 
 @calling("rod_drop", kinds="fmus")
-def test_clocks_may_differ_by_round_off_and_no_step_goes_beyond_the_stop_time(fmu):
+def test_clocks_may_differ_by_rounding_errors(fmu):
     """The times are sums of steps that are no binary fractions, up to a stop time."""
     library = Library(fmu)
     for size in (1e-3, 1e-2, 0.1, 0.3, 1.0 / 3.0):

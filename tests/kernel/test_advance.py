@@ -146,9 +146,7 @@ def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, c
     ("rigid", "compliant", "events", "right"),
     [(1, 0, 1, True), (0, 0, 1, False), (1, 1, 1, False), (1, 0, 0, False)],
 )
-def test_after_an_impact_on_a_rigid_wall_a_step_is_not_longer_than_in_flight(
-    monkeypatch, rigid, compliant, events, right
-):
+def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, compliant, events, right):
     d = at_end_of_a_step()
     if compliant:
         touch(d, [0])

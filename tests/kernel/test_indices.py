@@ -108,7 +108,7 @@ def test_no_index_is_negative(name):
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
-def test_nor_where_inputs_and_parameters_change(model):
+def test_no_index_is_negative_where_inputs_and_parameters_change(model):
     """A tip is pressed onto the floor, its law changes, a torque follows a polynomial, the tip is raised."""
     scene = pressed_tip(model).scene.with_values({"outputs.impacts": 5, "solver.tolerance": 1e-4})
     d = record_of(scene)

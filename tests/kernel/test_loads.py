@@ -114,7 +114,7 @@ def test_forces_and_moments_are_those_of_the_laws_of_newton_and_euler(name):
     assert_laws_hold(links_of(name))
 
 
-def test_they_hold_in_random_scenes():
+def test_loads_balance_in_random_scenes():
     """The scenes have walls at any angle, stops, springs, dry friction and rigid walls."""
     complete = 0
     for seed in (*range(4), *(first + k for first in (SLANTED, STOPPED, RUBBED, DRIVEN) for k in range(8))):
@@ -313,7 +313,7 @@ def test_derivatives_are_those_of_differences(name, output):
         ("held", "ramp", "link[1].mass", 0.36),
     ],
 )
-def test_derivatives_of_the_load_of_a_wall_in_an_impact_are_those_of_differences(name, wall, parameter, stop):
+def test_derivatives_of_a_walls_load_equal_differences(name, wall, parameter, stop):
     scene, change = loaded(name, **{"solver.tolerance": 1e-11}), 1e-5
     value, inputs = scene.values[parameter], PUSHED if scene.inputs.tip_force else {}
     asked = {"stop_time": stop, "output_step": 1e-4, "inputs": inputs}

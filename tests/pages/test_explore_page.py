@@ -132,7 +132,7 @@ def test_nothing_stands_out_of_the_screen(show, size, scheme):
     page.get_by_role("button", name="Pause").wait_for()
 
 
-def test_keys_move_the_grips_and_the_scene_is_described_with_numbered_points(show):
+def test_keys_move_grips_and_points_are_numbered(show):
     page = show()
     assert page.locator("#description").inner_text() == load_scene("four_link_box").description
     assert page.locator(".point-number").all_text_contents() == ["0", "1", "2", "3", "4"]

@@ -180,7 +180,7 @@ def test_a_slider_that_is_dragged_back_to_its_value_follows_the_motion_again(sho
     until(page, f"document.querySelector('input[aria-label=\"{ITS_WORDS}\"][type=range]').value === '200'")
 
 
-def test_a_map_says_that_inputs_keep_their_start_values_and_a_run_of_it_opens_so(show):
+def test_a_map_and_its_runs_keep_inputs_at_their_starts(show):
     page = show("pinned_arm")
     page.evaluate("location.hash = '#simulation.stop_time=0.1&joint[1].torque@=0.05:3'")
     page.wait_for_function(HELD)

@@ -95,7 +95,7 @@ def test_the_view_fits_again_when_a_wall_is_let_go(show):
     until(page, f"{aspect} !== '{before}'")
 
 
-def test_a_wall_beyond_the_view_has_its_grip_at_the_edge_and_is_dragged_into_it(show):
+def test_a_wall_beyond_the_view_has_its_grip_at_the_edge(show):
     page = show("four_link_box", {"box.y_max": 40.0})
     box = page.locator("#view").bounding_box()
     x, y = reachable(page, "wall y_max")
@@ -126,7 +126,7 @@ def test_a_dragged_arrow_ends_at_the_pointer_and_rests_at_its_stem(show):
     assert (after["initial.vx"], after["initial.vy"]) == (0.0, 0.0)
 
 
-def test_there_are_handles_at_the_start_only_and_the_right_button_drags_nothing(show):
+def test_handles_exist_at_the_start_only(show):
     page = show()
     before = parameters(page)
     page.mouse.move(*middle(page, "joint 4"))
@@ -153,7 +153,7 @@ def test_no_number_of_a_point_lies_on_an_arrow_of_a_velocity(show, model):
     assert page.evaluate(STEMS) == []
 
 
-def test_a_closed_box_is_drawn_closed_unless_it_is_much_larger_than_the_motion(show):
+def test_a_closed_box_is_drawn_unless_it_is_much_larger(show):
     page = show("four_link_box", {"box.x_min": -9.0, "box.y_max": 12.0})
     walls = page.locator("#scene polyline.wall")
     assert walls.count() == 2

@@ -70,7 +70,7 @@ def test_the_largest_force_is_below_the_edge_of_its_chart(show):
     assert min(page.evaluate(ROWS, ["force", "force"])) > edge + 3
 
 
-def test_before_the_first_motion_the_page_says_that_it_simulates_and_shows_no_chart(browser, address):
+def test_before_its_first_motion_a_page_shows_no_chart(browser, address):
     page = browser.new_page(viewport=DESK)
     page.add_init_script("window.Worker = class { postMessage() {} terminate() {} };")
     page.goto(address)
@@ -91,7 +91,7 @@ def test_a_bar_for_scrolling_hides_no_control(show, width):
     assert page.evaluate(CUT, width - 16) == 0
 
 
-def test_a_low_phone_has_all_controls_and_most_of_its_height_shows_the_motion(show):
+def test_a_low_phone_shows_all_controls_and_the_motion(show):
     page = show(viewport=LOW, has_touch=True)
     for size in (LOW, {"width": 844, "height": 390}):
         page.set_viewport_size(size)

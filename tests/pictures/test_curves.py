@@ -107,7 +107,7 @@ def test_more_curves_of_a_unit_than_colours_have_a_panel_for_each_quantity(resul
         assert len(colours) == len({*colours}) == 5
 
 
-def test_an_owner_has_one_look_in_all_panels_although_a_panel_leaves_out_others():
+def test_an_owner_has_one_look_in_all_panels():
     places: dict[str, int] = {}
     assert looks_of(["link[1].angle", "link[2].angle", "link[3].angle"], places) == [0, 1, 2]
     assert looks_of(["link[3].angular_velocity", "point[1].vx"], places) == [2, 0]

@@ -134,9 +134,7 @@ def test_a_driving_sine_has_eight_frames_in_a_period(drawn, shaken, tmp_path):
 
 
 @pytest.mark.parametrize("options", [{"speed": 0.5}, {"speed": 0.5, "impact_time": 0.0}])
-def test_a_speed_that_is_given_is_kept_and_a_sine_that_is_too_fast_for_it_is_told(
-    drawn, shaken, tmp_path, options
-):
+def test_a_given_speed_is_kept_with_a_warning_for_a_fast_sine(drawn, shaken, tmp_path, options):
     with pytest.warns(
         SceneWarning, match=r"only 1 frames in a period of its sine of 40 Hz.* speed = 0\.062 "
     ):

@@ -152,7 +152,7 @@ def test_a_label_on_pale_lines_is_better_than_a_line_across_a_link():
     assert Text.get_window_extent(text).transformed(axes.transData.inverted()).x1 < link
 
 
-def test_a_line_to_a_label_neither_passes_the_rim_of_a_mark_on_a_link_nor_crosses_another_line():
+def test_leaders_avoid_rims_of_marks_and_other_leaders():
     page = Figure((4.0, 4.0), dpi=100)
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
     axes.axis("off")
@@ -182,7 +182,7 @@ def test_a_text_with_several_parts_is_folded(words, expected):
     assert folded(words) == expected
 
 
-def test_no_leader_leads_to_a_place_inside_a_strong_body_whose_mark_would_not_be_seen():
+def test_no_leader_ends_inside_a_strong_body():
     page = Figure((4.0, 4.0), dpi=100)
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
     axes.axis("off")

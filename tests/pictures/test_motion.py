@@ -83,7 +83,7 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
     assert texts(motion) == ["1", "2", "3"]
 
 
-def test_impacts_at_one_place_share_a_ring_with_ranges_or_with_the_strongest():
+def test_impacts_at_one_place_share_a_ring():
     walls = {"y_min": 0.0, "y_max": 1.0}
     floor = [hit(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
     _, motion, *_ = drawn(swing([*floor[:2], hit(0.9, 1, "y_max", 9.0)], walls))
@@ -109,7 +109,7 @@ def test_numbers_stand_off_the_rings(model):
         assert not any(box.contains(*ring) for ring in rings)
 
 
-def test_the_largest_force_in_each_joint_is_an_arrow_where_the_joint_was_then():
+def test_a_joints_largest_force_is_an_arrow_at_its_place():
     recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
     _, motion, *_ = drawn(recording)
     (arrows,) = (collection for collection in motion.collections if isinstance(collection, Quiver))

@@ -44,7 +44,7 @@ def upright_lines(axes, x):
 
 
 @pytest.mark.parametrize("row", [0, -1])
-def test_a_wall_that_moves_is_where_it_starts_and_ends_in_the_colours_of_time(row):
+def test_a_moving_wall_has_the_colours_of_start_and_end(row):
     recording = ram()
     _, motion, *_ = drawn(recording)
     at = START - recording["wall.x_max.position"][row]

@@ -105,7 +105,7 @@ def test_a_contact_that_lasts_has_a_band_to_its_end():
     assert max(rows) < speeds.transData.transform((0.0, recording.impacts["impact_speed"].max()))[1]
 
 
-def test_a_gap_beside_the_potential_energy_is_closed_and_the_added_energy_is_told():
+def test_a_gap_of_energy_is_closed_and_reported():
     recording = recorded("controlled_arm")
     page = drawn(recording)[0]
     (energy,) = (panel for panel in page.axes if panel.get_label() == "energy")

@@ -43,7 +43,7 @@ def test_a_rest_is_found(when, expected):
         ("between", 0.0, 10.0, "shaded: at rest"),
     ],
 )
-def test_an_axis_of_time_leaves_out_most_of_a_long_rest_at_its_ends_and_says_so(when, start, end, told):
+def test_an_axis_of_time_leaves_out_long_rests_at_its_ends(when, start, end, told):
     recording = paused(when)
     np.testing.assert_allclose(shown_time(recording)[:2], (start, end), atol=0.05)
     _, motion, clock, energy = drawn(recording)

@@ -89,7 +89,7 @@ def single_line(page):
 
 
 @pytest.mark.parametrize("width", [4.0, 6.0, 10.0])
-def test_a_headline_and_its_conditions_are_broken_into_lines_that_fit_the_page(width):
+def test_a_headline_and_its_conditions_fit_the_page(width):
     page = Figure(figsize=(width, 5.0), layout="constrained")
     axes = page.subplots()
     headline(
@@ -111,7 +111,7 @@ def test_a_headline_and_its_conditions_are_broken_into_lines_that_fit_the_page(w
     assert boxes[1].height > 1.5 * single_line(page)
 
 
-def test_what_fits_stays_in_a_line():
+def test_a_text_that_fits_stays_in_one_line():
     page = Figure(figsize=(10.0, 5.0))
     headline(page, "Box: 14 impacts", SEPARATOR.join(LONG[:3]))
     assert [text.get_text() for text in page.texts] == ["Box: 14 impacts", SEPARATOR.join(LONG[:3])]

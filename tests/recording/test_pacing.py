@@ -44,7 +44,7 @@ def test_without_impacts_or_slow_motion_the_frames_are_even(spans, impact_time):
     assert (times[0], times[-1]) == (0.5, 2.0)
 
 
-def test_a_contact_without_duration_and_one_that_lasts_are_slowed_for_a_while():
+def test_short_and_lasting_contacts_are_slowed_for_a_while():
     for span, shown in (((0.7, 0.7), SHORTEST), ((0.7, 1.9), LONGEST)):
         times, per_second = frame_times(0.0, 2.0, [span])
         assert seen(times, per_second, 0.7, 0.7 + shown) == pytest.approx(0.6, rel=0.1)

@@ -8,7 +8,7 @@ from tests.helpers.scenes.problems import default_scene
 
 
 @pytest.mark.parametrize("points", [[1], [0, 1, 2, 3, 4]])
-def test_points_that_pass_through_a_wall_are_told_in_the_text_and_in_the_picture(points):
+def test_points_that_pass_through_a_wall_are_reported(points):
     """A chain that falls onto the floor: points that may not touch it fall through it."""
     result = simulate(default_scene().with_values({"contact.points": points}), stop_time=0.8)
     through = [

@@ -52,7 +52,7 @@ def test_the_words_of_a_phase():
     assert phase_cells(rows[1], WALLS, {}) == ("0.500000", "", "joint 3", "stick")
 
 
-def test_each_contact_with_friction_has_its_phases_from_its_onset_to_its_end():
+def test_contacts_with_friction_have_phases_from_onset_to_end():
     result = simulate("sliding_rod", output_step=math.inf)
     for impact in result.impacts:
         own = result.stick_slip[

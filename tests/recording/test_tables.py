@@ -79,7 +79,7 @@ def test_without_the_package_the_extra_is_named(result, monkeypatch, package, me
 
 
 @needs_interop
-def test_a_dataset_of_a_scene_with_dry_friction_has_the_friction_of_each_contact():
+def test_a_dataset_has_the_friction_of_each_contact():
     result = simulate(sled(), 0.5)
     data = result.to_xarray()
     force = data["friction_force"].sel(contact="contact[1].slope")

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.scheduling import SLOWEST, WITH
-from tests.tiers import IMPORTING
+from tests.tiers import IMPORTING, subjects
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "fmu_src" / "chain_impact"
@@ -89,7 +89,7 @@ def test_no_files_need_each_other_not_even_for_types():
     graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
 
 
-def test_no_folders_of_the_pages_need_each_other_and_each_script_says_what_it_is_for():
+def test_folders_of_pages_have_no_cycle_and_scripts_a_heading():
     """oxlint finds circles of files."""
     found = {}
     for file in SCRIPTS:
@@ -175,17 +175,11 @@ def test_every_module_stands_in_a_layer():
     assert {name for name in top - {PACKAGE.name} if f"chain_impact.{name}" not in layers} == set()
 
 
-def subjects(file):
-    """Return what a file of tests tests: the module of its name, and the files in its lines ``# Tests:``."""
-    lines = re.findall(r"^# Tests: (.+)$", file.read_text("utf-8"), re.MULTILINE)
-    own = file.relative_to(ROOT / "tests").with_name(file.name.removeprefix("test_"))
-    named = [PACKAGE / name for line in lines for name in line.split(", ")]
-    return named + [PACKAGE / own] * (PACKAGE / own).is_file()
-
-
-def test_each_module_has_a_file_of_tests_and_each_file_of_tests_says_what_it_tests():
+def test_each_module_has_tests_and_each_test_file_a_module():
     rooms = {file.parent.name for file in PACKAGE.glob("*/__init__.py")}
-    files = {file: subjects(file) for file in (ROOT / "tests").rglob("test_*.py")}
+    files = {
+        file: [PACKAGE / name for name in subjects(file)] for file in (ROOT / "tests").rglob("test_*.py")
+    }
     named = {*itertools.chain(*files.values())}
     assert {str(file) for file in named if not file.is_file()} == set()
     assert {str(file) for file in MODULES if file.name != "__init__.py"} - {
@@ -193,6 +187,13 @@ def test_each_module_has_a_file_of_tests_and_each_file_of_tests_says_what_it_tes
     } == set()
     mirrored = [file for file in files if file.relative_to(ROOT / "tests").parts[0] in rooms]
     assert [str(file) for file in mirrored if not files[file]] == []
+
+
+def test_the_modules_of_a_test_file_come_from_its_name_and_its_lines():
+    tests = ROOT / "tests"
+    assert "kernel/advance.py" in subjects(tests / "kernel" / "test_advance.py")
+    assert "kernel/advance.py" in subjects(tests / "kernel" / "test_indices.py")
+    assert subjects(tests / "scenarios" / "test_random_scenes.py") == []
 
 
 def test_the_order_and_the_tiers_of_the_tests_name_files_that_exist():

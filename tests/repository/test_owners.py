@@ -133,7 +133,7 @@ def test_derivatives_change_nothing_in_the_run_itself(writers):
     assert "step.state_end" in tangent
 
 
-def test_a_write_is_seen_wherever_it_is_hidden():
+def test_every_form_of_a_write_is_found():
     source = """
 def f(d, law, y):
     own, n = d.touch, d.links

@@ -125,7 +125,7 @@ ON_LINUX = pytest.mark.skipif(
 
 @ON_LINUX
 @pytest.mark.full("takes long")
-def test_the_smoke_suite_passes_in_a_process_that_traps_floating_point_exceptions():
+def test_the_smoke_suite_passes_with_floating_point_traps():
     done = run_python(PACKAGING / "smoke.py", "--traps")
     assert done.stdout.splitlines()[-1].startswith("0 of "), done.stdout + done.stderr
     assert done.returncode == 0

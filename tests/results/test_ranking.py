@@ -21,7 +21,7 @@ def result():
     return simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}), sensitivities=NAMES)
 
 
-def test_parameters_stand_in_the_order_of_their_effect_and_those_without_apart(result):
+def test_parameters_are_in_the_order_of_their_effect(result):
     found = result.ranking("peak_force")
     assert found.value == result.impacts["peak_force"].max()
     for is_zero in (False, True):

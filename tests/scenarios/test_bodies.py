@@ -229,7 +229,7 @@ def test_derivatives_by_what_a_slider_is_are_those_of_differences(name):
         assert run.sensitivity(output, name)[-1] == pytest.approx(differences, rel=1e-5, abs=1e-6)
 
 
-def test_derivatives_of_a_carriage_at_its_limit_are_those_of_an_even_acceleration():
+def test_derivatives_of_a_limited_carriage_have_a_closed_form():
     """The position is s = F t²/(2 m) with the limit F; a larger force has no effect."""
     limit, mass = 3.0, 2.5
     push = {"input": "slider.force", "form": "constant", "value": 10.0}

@@ -50,7 +50,7 @@ def test_the_rocking_block_keeps_the_share_of_its_speed_that_housner_gives():
     assert off[2] < 1e-4
 
 
-def test_the_cart_follows_the_equations_of_lagrange_and_meets_its_stop_with_them():
+def test_the_cart_meets_its_stop_as_lagranges_equations_say():
     scene = load_scene("cart_pole")
     slider, (link,) = scene.chain.slider, scene.chain.links
     reach, gravity = link.center_of_mass, 9.81

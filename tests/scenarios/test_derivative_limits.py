@@ -202,7 +202,7 @@ def test_a_joint_friction_that_is_zero(links):
 @pytest.mark.full("more cases", but=5)
 @pytest.mark.parametrize("early", [1e-3, 1e-7])
 @pytest.mark.parametrize("name", ["stops on a slope", "swings, static", "two dry joints"])
-def test_a_change_of_a_parameter_just_before_a_mode_ends_changes_nothing_else(name, early):
+def test_a_parameter_changed_before_a_mode_ends_acts_alone(name, early):
     """The end of the mode, found beyond the communication point, is found once more."""
     case = DRY[name]
     scene = case.scene.with_values({"solver.tolerance": 1e-10, "outputs.sensitivities": ["gravity.y"]})

@@ -9,7 +9,7 @@ from chain_impact import Chain, SceneWarning, load_scene, simulate
 from tests.helpers.scenes.moving_scenes import pendulum, room, shaken, stepped
 
 
-def test_a_constant_acceleration_is_followed_exactly_from_communication_points():
+def test_a_constant_acceleration_is_followed_exactly():
     time, x, _, angle = stepped(pendulum(), 0.01, 100, lambda t: (0.1 + 0.65 * t * t, 1.3 * t, 1.3))
     still = simulate(pendulum().with_values({"gravity.x": -1.3}))
     assert np.abs(x - 0.1 - 0.65 * time**2).max() < 1e-14

@@ -92,9 +92,7 @@ def test_a_body_that_sticks_stays_for_an_hour(stiffness):
         (0.6, 6.490642e-3, 0.064075, 2.1297e8),
     ],
 )
-def test_a_rod_that_rocks_on_two_rough_ends_comes_to_rest_at_a_loose_tolerance(
-    friction, tolerance, restitution, stiffness
-):
+def test_a_rocking_rod_comes_to_rest_at_a_loose_tolerance(friction, tolerance, restitution, stiffness):
     """Both ends stick, although the rotating rod would need a shorter distance between them."""
     values = {"friction": friction, "restitution": restitution, "stiffness": stiffness}
     still = {"initial.vx": 0.0, "initial.vy": 0.0, "solver.tolerance": tolerance}
@@ -157,7 +155,7 @@ def test_a_motor_breaks_a_joint_loose_and_friction_holds_it():
 
 
 @pytest.mark.parametrize(("law", "off"), [("newton_impact", 1e-12), ("zhang_sharf", 1e-4)])
-def test_two_links_that_lean_on_each_other_stop_where_their_energy_is_used_up(law, off):
+def test_two_leaning_links_stop_where_their_energy_is_used_up(law, off):
     """Both feet slide on a floor, without friction at the floor and gravity: m ℓ² ω²/3 = 2 M (θ₀ − θ)."""
     mass, length, moment, angle, speed = 0.5, 0.4, 1.5, 0.8, 3.0
     link = {"length": length, "mass": mass, "joint_friction": moment}

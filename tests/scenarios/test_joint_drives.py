@@ -76,7 +76,7 @@ def test_nothing_moves_without_targets():
         chain.set("link[1].joint_rest_angle", 0.1)
 
 
-def test_a_spring_that_is_no_servo_and_a_servo_with_constant_targets_move_alike():
+def test_a_spring_equals_a_servo_with_constant_targets():
     scene = random_chain(3, "pinned")
     servo = with_values(scene, {"inputs.joint_targets": True})
     spring, follower = simulate(scene), simulate(servo)
@@ -113,7 +113,7 @@ def test_without_targets_stiffness_and_damping_are_fixed():
         chain.set("link[2].joint_stiffness", 1.0)
 
 
-def test_a_stiff_servo_is_implicit_and_its_communication_step_does_not_matter():
+def test_a_stiff_servo_ignores_the_communication_step():
     scene = one_servo(joint_stiffness=1e8, joint_damping=1e5)
     scene = with_values(scene, {"solver.tolerance": 1e-6, "initial.angular_velocities": [0.0]})
     target = {"joint[1].target_angle": lambda t: 0.7 + 0.2 * math.sin(t) ** 2}
@@ -154,7 +154,7 @@ def test_motor_and_servo_saturate_together():
 
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
-def test_a_target_that_moves_fast_while_the_drive_is_at_its_limit_is_followed(method):
+def test_a_fast_target_is_followed_at_a_drives_limit(method):
     """The torque is at its limit in every row; the steps are much longer than the target's oscillations."""
     limit, stiffness = 0.08, 22.0
     link = ROD | {"joint_stiffness": stiffness, "joint_torque_limit": limit}
@@ -202,7 +202,7 @@ def test_a_chain_of_limited_servos_moves_as_the_textbook_says(count, base, metho
     check_against_the_textbook(scene, 1.0, method, functions_of(scene))
 
 
-def test_the_arm_of_a_real_robot_moves_as_the_textbook_says_until_its_impact():
+def test_a_real_arm_moves_as_the_textbook_says():
     """All drives of the arm reach their limits."""
     check_against_the_textbook(load_scene("ur5e"), 0.2, "explicit")
 
@@ -305,7 +305,7 @@ def test_targets_need_their_key():
             Chain(scene).set(name, 1.0)
 
 
-def test_an_accelerated_base_is_as_gravity_for_limited_servos_with_armatures():
+def test_an_accelerated_base_acts_as_gravity_on_limited_servos():
     scene = random_chain(3, "pinned", limits=True, **FOLLOWS)
     scene = with_values(scene, {f"link[{i}].joint_stiffness": 40.0 for i in (1, 2, 3)})
     inputs = {name: f for name, f in functions_of(scene).items() if "target" in name}

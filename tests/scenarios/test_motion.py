@@ -247,7 +247,7 @@ def test_walls_are_drawn_where_they_are(tmp_path):
     assert floors == pytest.approx([0.0, height(0.4)])
 
 
-def test_the_reference_results_of_an_fmu_have_motions_that_agree_with_their_velocities(recwarn):
+def test_reference_results_have_velocities_of_their_motions(recwarn):
     scene = pendulum(box={"y_min": -1.0}, inputs={"base_motion": True, "wall_motion": True})
     found = reference(PreparedScene(scene))
     assert not [warning for warning in recwarn if warning.category is SceneWarning]

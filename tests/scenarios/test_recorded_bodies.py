@@ -140,7 +140,7 @@ def test_what_sticks_is_marked_where_it_is():
     np.testing.assert_allclose(mark.get_xydata(), cart.points[-1:, 0])
 
 
-def test_numbers_of_impacts_at_the_stops_of_a_slider_stand_beyond_their_marks():
+def test_numbers_at_a_sliders_stops_are_beyond_their_marks():
     """A short pendulum on the cart leaves room for the numbers."""
     cart = simulate(bodies.cart().with_values({"link[1].length": 0.1}), stop_time=2.0, output_step=0.01)
     axes = cart.plot(panels=["motion"]).axes[0]

@@ -59,7 +59,7 @@ def test_the_share_of_friction_has_no_derivative_after_an_open_choice():
     assert found > 0
 
 
-def test_the_open_part_of_friction_is_told_relative_to_the_largest_derivative():
+def test_open_friction_is_relative_to_the_largest_derivative():
     runs = [simulate(thrown(seed), sensitivities=PARAMETERS) for seed in range(FEW)]
     shares = [share for run in runs for share in shares_left_open(run)]
     assert shares

@@ -31,7 +31,7 @@ def test_our_result_is_that_of_the_second_solution(problem):
 
 
 @pytest.mark.full("more cases", but=2)
-def test_the_published_figures_differ_from_the_second_solution_as_documented(problem):
+def test_published_figures_differ_as_documented(problem):
     for figure in problem.figures:
         if figure.published is None:
             continue

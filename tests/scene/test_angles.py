@@ -74,7 +74,7 @@ def test_degrees_are_radians(text, degrees):
 
 
 @pytest.mark.parametrize("value", ["90", "90 grad", "deg", "1_0 deg", "nan deg", "90 deg/s", 90, 1.5, None])
-def test_all_else_stays_as_it_is(value):
+def test_other_values_do_not_change(value):
     assert in_radians(value, "rad") is value
 
 

@@ -98,5 +98,5 @@ def test_what_is_derived_is_no_key():
     assert message.startswith("f: derived_paths is unknown")
 
 
-def test_of_what_is_no_path_nothing_lies_above():
+def test_a_name_that_is_no_path_has_no_parent():
     assert above([("a", 1, "b"), 3, None, ("a", [])]) == {("a",), ("a", 1)}

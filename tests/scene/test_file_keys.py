@@ -32,7 +32,7 @@ def test_a_key_of_the_file_is_the_name_of_the_fmu(key):
 @pytest.mark.parametrize(
     "name", ["", ".", "walls[1].point[1]", "initial.position[9]", "a" * 99, "x[" + "9" * 5000]
 )
-def test_what_is_no_key_stays(name):
+def test_names_that_are_no_keys_do_not_change(name):
     assert fmu_name(name) == name
 
 

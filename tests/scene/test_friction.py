@@ -64,7 +64,7 @@ def test_a_wall_with_sliding_friction_of_its_own_has_its_own_static_friction(own
     assert coefficients(contact, Material(**own)) == found
 
 
-def test_what_has_friction():
+def test_parts_with_friction_are_listed():
     assert sled().has_contact_friction
     assert sled(**{"contact.friction": 0.0, "wall.slope.friction": 0.0}).has_contact_friction, "to be tuned"
     assert sled(**{"contact.friction": 0.0, "contact.static_friction": 0.1}).has_friction

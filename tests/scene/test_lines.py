@@ -93,7 +93,7 @@ def test_what_is_no_toml_is_told_what_to_write(before, after, hint):
         parse_scene(TEXT.replace(before, after), "ball.toml")
 
 
-def test_an_error_about_a_point_of_a_box_has_the_number_and_the_line_of_the_point():
+def test_an_error_names_number_and_line_of_a_boxs_point():
     box = TEXT.replace("length = 0.2", 'length = 0.2\nshape = "box"\nheight = 0.1')
     text = box.replace("x = 0.2", "x = 0.2\ny = 0.0\nradius = -1.0")
     with pytest.raises(

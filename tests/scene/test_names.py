@@ -39,7 +39,7 @@ def test_a_path_has_a_name_and_a_text(path, name, text):
     assert path_text(path) == text
 
 
-def test_only_what_is_alike_is_near():
+def test_only_similar_names_are_proposed():
     names = ["contact.stiffness", "contact.restitution"]
     assert nearest("contact.stifness", names) == "contact.stiffness"
     assert nearest("mass", names) is None

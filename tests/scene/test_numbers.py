@@ -17,7 +17,7 @@ def slow(scene, changes, monkeypatch):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_every_number_is_as_if_all_were_read_anew(model, monkeypatch):
+def test_a_changed_number_gives_the_scene_of_a_full_read(model, monkeypatch):
     scene, quick = load_scene(model), 0
     for name, value in scene.values.items():
         if isinstance(value, float):
@@ -62,7 +62,7 @@ def test_an_inertia_that_is_derived_follows_the_mass():
     ],
     ids=str,
 )
-def test_what_is_not_so_simple_is_left_to_who_reads_all(changes):
+def test_changes_beyond_numbers_are_left_to_the_reader(changes):
     assert with_numbers(load_scene("four_link_box"), changes) is None
 
 

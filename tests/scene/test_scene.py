@@ -269,7 +269,7 @@ def test_a_message_is_one_line_even_for_a_file_name_of_two():
     assert refusal(parse_scene, "", "two\nlines.toml") == "two lines.toml: name is missing (model name)"
 
 
-def test_a_name_that_windows_reserves_is_refused_and_one_that_resembles_it_is_not():
+def test_only_names_that_windows_reserves_are_refused():
     def named(name):
         return parse_scene(MINIMAL.replace(MINIMAL.splitlines()[0], f'name = "{name}"'), SOURCE)
 

@@ -78,7 +78,7 @@ def test_a_wall_that_nothing_can_touch_does_not_move():
 
 
 @pytest.mark.parametrize("column", ["base.y", "base.vy"])
-def test_a_table_beside_a_signal_for_the_same_motion_is_refused_with_both_names(tmp_path, column):
+def test_a_table_and_a_signal_of_one_motion_are_refused(tmp_path, column):
     path = tmp_path / "table.csv"
     path.write_text(f"time,{column}\n0,0\n1,0.001\n", encoding="utf-8")
     with pytest.raises(SceneError) as caught:

@@ -35,7 +35,7 @@ def test_a_pattern_stands_for_all_that_are_like_it():
     ]
 
 
-def test_a_name_counts_once():
+def test_a_repeated_name_counts_once():
     assert names_of(CASE.scene, "link[1].mass", "link[*].mass") == ["link[1].mass", "link[2].mass"]
 
 

@@ -88,7 +88,7 @@ def test_noise_has_no_pieces():
 
 
 @pytest.mark.full("takes long")
-def test_a_long_run_of_a_smooth_function_and_many_held_pieces_are_not_refused():
+def test_long_smooth_functions_and_many_pieces_are_allowed():
     long = Follower(lambda times: np.sin(10.0 * times)[:, np.newaxis], 1000.0, 1e-11)
     assert len(long.pieces(0.0, 1000.0)) > 1000
     held = joined_points(np.linspace(0.0, 1.0, 5001), np.arange(10002.0).reshape(5001, 2), lines=False)

@@ -89,7 +89,7 @@ def test_a_parameter_that_is_set_back_leaves_no_trace():
     assert bits(tried, list(tried.names)) == bits(alone, list(alone.names))
 
 
-def test_static_friction_below_that_of_sliding_is_refused_wherever_it_is_set():
+def test_static_friction_below_sliding_friction_is_refused():
     name, value = "wall.y_min.static_friction", 0.01
     with pytest.raises(SceneError, match=r"static_friction .*0\.01"):
         load_scene("sliding_rod").with_values({name: value})

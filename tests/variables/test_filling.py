@@ -93,7 +93,7 @@ def test_a_scene_finds_what_is_kept_of_an_earlier_one():
     assert len(filling._cache) == filling.MOST_CACHED
 
 
-def test_a_record_is_ones_own():
+def test_each_new_instance_has_its_own_memory():
     scene = load_scene("four_link_box")
     first = PreparedScene(scene).new_instance()
     first.view(np.uint8)[:] = 1

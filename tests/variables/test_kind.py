@@ -21,7 +21,7 @@ KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.ki
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.pattern)
-def test_what_a_row_names_is_there(kind):
+def test_owner_conditions_and_texts_of_a_row_exist(kind):
     """Its owner, conditions, texts, limits, magnitude and the variable whose derivative it is."""
     structure = structure_of(CART if kind.of == "slider" else EVERYTHING)
     (owner, *_) = structure.owners(kind.of)

@@ -26,7 +26,7 @@ from chain_impact.variables.selection import columns_named, varied_by
 BUFFER = 64 * 1024  # bytes, the upper limit for an instance of four links in a box
 
 
-def test_the_record_holds_no_pointers_and_names_point_and_wall_of_each_candidate():
+def test_the_record_has_no_pointers_and_knows_its_candidates():
     for scene in map(load_scene, model_names()):
         instance = PreparedScene(scene).new_instance()
         assert not instance.dtype.hasobject
@@ -121,7 +121,7 @@ def test_a_run_with_derivatives_and_an_fmu_work_each_part_out_once(monkeypatch, 
     assert made == once
 
 
-def test_the_start_of_a_prepared_scene_is_that_of_a_new_instance_and_stays_so():
+def test_the_start_of_a_prepared_scene_does_not_change():
     prepared = PreparedScene(load_scene("rod_drop"))
     assert prepared.start.tobytes() == prepared.new_instance().tobytes()
     with pytest.raises(ValueError, match="read-only"):
@@ -171,7 +171,7 @@ def test_walls_that_no_point_can_touch_need_no_room():
     assert (d["candidate"]["wall"].tolist(), d["walls"]["angle"].tolist()) == ([5], [0.0])
 
 
-def test_a_name_that_is_no_text_is_refused_and_selections_of_outputs_are_kept():
+def test_a_name_that_is_no_text_is_refused():
     prepared = PreparedScene(load_scene("rod_drop"))
     for refuse in (prepared.indices_named, partial(varied_by, prepared), partial(columns_named, prepared)):
         with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is no "):

@@ -90,7 +90,7 @@ def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
     assert known["has_base_joint"] == scene.chain.has_base_joint
 
 
-def test_both_stops_of_a_joint_are_one_owner_and_a_stop_of_a_slider_has_no_friction():
+def test_joint_stops_are_one_owner_and_sliders_have_no_friction():
     stopped = CART.with_values({"link[3].joint_min": -2.0, "link[3].joint_max": 2.0, "slider.max": 0.1})
     structure = structure_of(stopped)
     pairs = structure.known["pairs"]

@@ -24,7 +24,7 @@ LEGAL = {("parameter", "fixed", "exact"), ("parameter", "tunable", "exact"), ("i
 LEGAL |= {("output", "continuous", "calculated"), ("output", "discrete", "calculated")}
 
 
-def test_variables_have_legal_names_words_of_their_own_units_and_descriptions():
+def test_variables_have_legal_names_units_and_descriptions():
     """Structured names, none twice; parameters, inputs and outputs in this order."""
     part = r"[a-z_]\w*(\[\d+\])?"
     for scene in SCENES.values():

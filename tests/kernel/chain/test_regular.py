@@ -56,7 +56,7 @@ def chain_of(shapes, pinned):
 @pytest.mark.full("more cases", but=5)
 @pytest.mark.parametrize("pinned", [False, True])
 @pytest.mark.parametrize("count", [1, 2, 3])
-def test_it_tells_every_chain_whose_mass_matrix_is_singular_somewhere(count, pinned):
+def test_chains_with_singular_mass_matrices_are_found(count, pinned):
     """The chains have up to three links, each with or without inertia, with four places of the mass."""
     found = set()
     for shapes in itertools.product(itertools.product(PLACES, (0.0, 0.1)), repeat=count):

@@ -354,7 +354,7 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
             assert (d.touch.speed[c], d.touch.force_rate[c]) == (77.0, -5.0)
 
 
-def test_a_due_force_contact_begins_if_its_point_moves_inward_after_the_impact():
+def test_a_force_contact_begins_if_its_point_moves_inward():
     found = set()
     for seed in range(12):
         d, y, jacobian, _, w, (rigid, soft) = touching(seed, (1, 6))

@@ -128,7 +128,7 @@ def bounded():
     return d, rate_bounds(d.step, first), rate_bounds(d.step, first + 1)
 
 
-def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(bounded):
+def test_a_joint_is_bounded_by_the_relative_turn_of_its_link(bounded):
     d, along_x, along_y = bounded
     at, joints = omega_at(LINKS), set()
     for c in stops_of(d):

@@ -319,7 +319,7 @@ def test_a_wall_pulls_from_there_on(theta, expected):
     assert not np.delete(d.touch.event, c).any()
 
 
-def test_a_pull_by_round_off_is_none():
+def test_a_pull_below_the_rounding_error_is_no_release():
     for times in (0.5, 2.0):
         limit = sampled.pull_limit(released()[0])
         d, c = released(force=(-times * limit,))

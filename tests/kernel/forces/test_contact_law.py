@@ -164,7 +164,7 @@ def test_a_changed_law_or_restitution_is_derived_also_for_lasting_contacts():
 # --- walls and stops of their own --------------------------------------------------------------------------
 
 
-def test_a_wall_may_give_its_own_stiffness_or_restitution_and_a_stop_those_of_stops(given):
+def test_walls_and_stops_may_have_their_own_stiffness(given):
     """A depth of round-off is harmless; a rigid wall has no depth."""
     d, (first, *_) = given
     kinds, harmless = list(given[1]), own_law.HARMLESS * SIZE

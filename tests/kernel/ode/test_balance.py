@@ -218,7 +218,7 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
     assert balance.round_off(d, y) == pytest.approx(1e-15 * known, rel=1e-13)
 
 
-def test_contacts_add_the_work_of_their_forces_over_the_error_of_their_depth():
+def test_contacts_add_the_work_of_forces_over_depth_errors():
     d, y = moving()
     without = balance.scales(d, y)
     touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (1, 3)]

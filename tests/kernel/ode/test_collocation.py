@@ -216,7 +216,7 @@ def last_polynomial(d, degree, end=1.0):
 
 @pytest.mark.parametrize("end", [1.0, 0.4])
 @pytest.mark.parametrize(("branch", "degree"), [(0, 5), (1, 4), (2, 3), (3, 1)])
-def test_stages_far_beyond_the_last_step_follow_a_polynomial_of_lower_degree(branch, degree, end):
+def test_far_stages_follow_a_polynomial_of_lower_degree(branch, degree, end):
     """The polynomial is the last step's own if its degree is not higher."""
     bounds = (0.0, *collocation.FORETOLD, 9.0)
     # at the end of the branch, and slightly beyond the end of the previous branch

@@ -100,7 +100,7 @@ def test_stages_use_earlier_ones_only_and_the_last_stands_at_the_end():
     assert (C <= 1.0 + 1e-14).all()
 
 
-def test_the_errors_of_all_components_up_to_the_dissipated_energy_are_controlled():
+def test_errors_of_all_components_are_controlled():
     """The errors of the supplied energy and of impulses are not controlled."""
     _, d = chain(np.random.default_rng(0), 3)
     errors, stages = [], d.work.stage
@@ -302,7 +302,7 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
     assert toward_end(d, 1.01 * min(left) / UNRESOLVED_END) == 1.01 * min(left) / UNRESOLVED_END
 
 
-def test_in_its_own_variable_a_step_passes_the_end_of_a_contact_that_is_near():
+def test_a_regularized_step_passes_the_end_of_a_contact():
     """u + u′ s + ½ u″ s² = 0."""
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)

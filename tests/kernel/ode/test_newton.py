@@ -165,7 +165,7 @@ def test_infinitely_stiff_component_is_damped_at_once(rate):
     assert abs(1.0 + d.implicit.stages[-1, 0]) < max(10.0 / rate, 1e-9)
 
 
-def test_it_is_given_up_when_it_does_not_converge_or_is_not_finite():
+def test_an_iteration_without_convergence_is_given_up():
     """Without a Jacobian, h λ = 100 makes the corrections grow."""
     step, _ = problem(decay, lambda y: np.zeros((2, 2)))
     d = record(np.array([1.0, 1e2]))

@@ -83,7 +83,7 @@ def assert_loads(scene, d, angles, added, work):
 @CASES
 @pytest.mark.parametrize("time", [0.0, 0.3])
 @pytest.mark.parametrize("resist", [False, True])
-def test_it_gives_way_as_assembled(case, resist, time):
+def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     """K = s C + s² S, with impulses μ in the joints; for s = 0 dampers and springs do not resist.
 
     Also the loads and impedances: the virtual work is Jᵀ p, and the energy of impedances ½ Σ D (n·v)².
@@ -128,7 +128,7 @@ def test_the_effective_mass_is_what_an_impulse_along_the_normal_has_to_move(case
         assert compliance.effective_mass(d, c) == pytest.approx(expected, rel=1e-10)
 
 
-def test_where_nothing_moves_a_point_it_is_a_million_times_the_chain():
+def test_a_point_that_cannot_move_has_a_million_chains_mass():
     """The tip of a stretched, pinned chain does not move along the chain."""
     scene, d = chain(np.random.default_rng(0), 3, "pinned")
     angle = 0.3

@@ -73,7 +73,7 @@ def test_a_damped_spring_before_and_behind_its_kink():
 
 
 @pytest.mark.parametrize("law", ["kelvin_voigt", "jankowski", "gharib_hurmuzlu"])
-def test_where_one_looks_does_not_matter(law):
+def test_derivatives_do_not_depend_on_output_times(law):
     """An observation within a step divides the replay into pieces, before and behind its kinks."""
     case = struck_twice(law, restitution=0.4)
     case = Case(case.scene, ("contact.restitution", "link[1].mass"), case.times)

@@ -184,7 +184,7 @@ def test_what_has_stopped_has_no_speed_left(monkeypatch, t):
         ((-2.1, False, True), [(trust.SLOW_CHANGE, 2)]),
     ],
 )
-def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, t, ended, given, reasons):
+def test_elements_that_stop_together_do_so_for_each_parameter(monkeypatch, t, ended, given, reasons):
     """Element 2 stops too if its speed after the delay of 0.5 per unit is zero: slope + 0.5 · 4 m/s²."""
     slope, small, slow = given
     t.element.event[1:] = SLIDING_ENDS, SLIDING_ENDS

@@ -257,9 +257,7 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
     ("limit", "events", "fixed"),
     [(0, (NONE, NONE), False), (1, (NONE, NONE), True), (1, (NONE, ONSET), False)],
 )
-def test_the_step_after_the_limit_of_a_drive_starts_at_a_time_without_derivatives(
-    monkeypatch, calls, limit, events, fixed
-):
+def test_a_step_after_a_drives_limit_starts_at_a_plain_time(monkeypatch, calls, limit, events, fixed):
     d, t = instances()
     t.drive.event, t.touch.event, t.element.event = limit, list(events), [NONE] * 3
     monkeypatch.setattr(step_ends, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))

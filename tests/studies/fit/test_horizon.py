@@ -55,7 +55,7 @@ def test_standard_deviations_are_estimated_by_column():
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_a_column_that_its_parameters_meet_exactly_keeps_its_standard_deviation(seed):
+def test_an_exactly_fitted_column_keeps_its_deviation(seed):
     """The column has no degree of freedom: its computed variance is round-off of either sign."""
     random = np.random.default_rng(seed)
     slopes = np.zeros((12, 4))
