@@ -34,6 +34,15 @@ def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
     assert counts.get_ydata()[-1] == len(result.impacts)
 
 
+@pytest.mark.parametrize("width", [118, 120, 125])  # [mm]
+def test_the_label_of_the_time_stays_within_the_figure(width):
+    names = [FORCES, "point[1].y", "contact[*].y_min.penetration"]
+    page = simulate("four_link_box").plot(curves=names, around=3, size=(width / 25.4, None))
+    box = page.axes[-1].xaxis.label.get_window_extent()
+    assert 0.0 <= box.x0 < box.x1 <= page.bbox.x1
+    assert page.get_figheight() < 6.0
+
+
 def test_around_an_impact_time_is_that_after_its_onset(result):
     page = result.plot(curves="contact[4].y_min.force", around=2)
     assert page.get_suptitle().endswith(" hits y_min, impact 2 of 2")

@@ -254,10 +254,12 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         numbers = [text.get_window_extent() for text in axes.get_xticklabels() if text.get_text()]
         if isinstance(axes.xaxis.get_major_locator(), MaxNLocator) and any(map(meet, numbers, numbers[1:])):
             axes.locator_params(axis="x", nbins=LEAST_TICKS)
-        label = axes.xaxis.label
-        if label.get_window_extent().width > LONGER * inside.width:
+        label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
+        # the label is centred on its axes, and must not reach beyond the figure
+        longest = min(LONGER * inside.width, 2.0 * middle, 2.0 * (figure.bbox.x1 - middle))
+        if label.get_window_extent().width > longest:
             label.set_text(label.get_text().replace("\n", " "))
-            in_lines(label, LONGER * inside.width, "; ")
+            in_lines(label, longest, "; ")
     return labels_of(figure) != before
 
 

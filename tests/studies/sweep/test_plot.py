@@ -2,12 +2,15 @@
 
 # Tests: studies/sweep/histograms.py, studies/sweep/maps.py, studies/sweep/quantities.py
 
+import itertools
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.dark import contrast
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.histograms import edges_of
@@ -16,6 +19,7 @@ from chain_impact.studies.sweep.plot import COLOURS, fill, usual_size
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers.scenes.stops import knee
+from tests.pictures.pictures import lab
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact")][:10]
@@ -212,6 +216,12 @@ def test_a_force_over_a_logarithmic_stiffness_is_logarithmic():
 def test_a_law_of_which_every_run_failed_is_named_so():
     page = drawn(sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": "hertz,kelvin_voigt"}))
     assert [text.get_text() for text in page.legends[0].get_texts()] == ["hertz", "kelvin_voigt (failed)"]
+
+
+def test_the_colours_differ_and_can_be_seen_on_white():
+    assert all(contrast("white", colour) >= 3.0 for colour in COLOURS)
+    for one, other in itertools.combinations(COLOURS, 2):
+        assert np.linalg.norm(lab(one) - lab(other)) > 25.0
 
 
 @pytest.mark.full("takes long")

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.pictures.dark import SKY
 from chain_impact.pictures.style import INK, give_ticks
 from chain_impact.scene.unit_text import with_unit
 from chain_impact.studies.sweep.maps import NEVER, WIDE_RANGE, spread
@@ -19,7 +20,6 @@ QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """The quantiles that a panel shows, and the styles of their lines."""
 MOST_BINS = 60  # the largest number of bars: with more bars, a panel of usual width shows only noise
 ROUND_OFF = 1e-9  # the relative spread of values below which they share one bar
-COLOUR = "#88ccee"  # light blue of the scheme "muted", see plot.py
 
 
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
@@ -37,7 +37,7 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         logarithmic = spread(values) >= WIDE_RANGE
         axes.set_xscale("log" if logarithmic else "linear")
         edges = edges_of(values, logarithmic=logarithmic, whole=quantity.is_count)
-        axes.hist(values, edges.tolist(), color=COLOUR, edgecolor=INK, linewidth=0.4)
+        axes.hist(values, edges.tolist(), color=SKY, edgecolor=INK, linewidth=0.4)
         low, middle, high = np.quantile(values, list(QUANTILES))
         for quantile, line in zip((low, middle, high), QUANTILES.values(), strict=True):
             axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2)

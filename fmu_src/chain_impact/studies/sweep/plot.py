@@ -22,6 +22,8 @@ from matplotlib.ticker import MaxNLocator
 from chain_impact.pictures.figures import draw_figure, settle
 from chain_impact.pictures.sizes import Size, figure_size
 from chain_impact.pictures.style import (
+    BLACK,
+    PALETTE,
     give_ticks,
     headline,
     is_narrow,
@@ -49,10 +51,7 @@ from chain_impact.studies.sweep.quantities import Quantity, Results, constants, 
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-# P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision
-COLOURS = (
-    "#332288", "#cc6677", "#117733", "#ddcc77", "#88ccee", "#882255", "#44aa99", "#999933", "#aa4499", "0.4",
-)  # fmt: skip
+COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 NAMES, DOTS_WIDTH = 0.9, 2.0  # [inch] width of the names of choices, and smallest width of a panel with dots
 MOST_VARIED = 2  # largest number of parameters that vary
