@@ -31,6 +31,14 @@ DRAWN: Mapping[str, tuple[str, str]] = {
 """Output → the group of the quantity, and its name in the group; a slider is joint 0."""
 GROUPS = tuple(dict.fromkeys(group for group, _ in DRAWN.values()))
 """The groups; an entry of a group has the quantities of one owner."""
+OF_IMPACT = {
+    "speed": "impact_speed",
+    "rebound": "separation_speed",
+    "peak": "peak_force",
+    "jointForce": "joint_force",
+    "depth": "max_penetration",
+}
+"""Quantity of an impact in the pages → its column in a list of impacts."""
 NEEDED = {"contacts": {"force"}, "loads": {"x", "y"}}
 """Group → the quantities without which an entry cannot be drawn."""
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.pages.drawn import drawn_entries
+from chain_impact.pages.drawn import OF_IMPACT, drawn_entries
 from chain_impact.pages.encoding import encoded
 from chain_impact.pages.shared import FINEST, declaration
 from chain_impact.recording.joint_stops import JointRange
@@ -154,13 +154,9 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             "wall": recording.wall_names[impact["wall"]],
             "onset": float(impact["onset"]),
             "end": _known(impact["end"]),
-            "speed": float(impact["impact_speed"]),
             "endSpeed": end_speed,
-            "rebound": _known(impact["separation_speed"]),
-            "peak": _known(impact["peak_force"]),
-            "jointForce": _known(impact["joint_force"]),
             "joint": int(impact["joint"]),
-            "depth": _known(impact["max_penetration"]),
+            **{name: _known(impact[column]) for name, column in OF_IMPACT.items()},
             "atStop": at_stop,
         }
         for impact, end_speed, at_stop in at

@@ -20,7 +20,7 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
-from chain_impact.pages.drawn import GROUPS
+from chain_impact.pages.drawn import GROUPS, OF_IMPACT
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
@@ -82,7 +82,7 @@ def shared() -> dict[str, Any]:
             "STOP_CODES": STOP_CODES,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
         },
-        "drawn": {"GROUPS": GROUPS},
+        "drawn": {"GROUPS": GROUPS, "OF_IMPACT": OF_IMPACT},
         "contactLog": {"REALS": [name for name in LOG_DTYPE.names or () if LOG_DTYPE[name] == np.float64]},
         "packed": {"FINEST": FINEST},
     }

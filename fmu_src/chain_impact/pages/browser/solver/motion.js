@@ -21,9 +21,9 @@ const FEW_FRAMES = 20; // number of frames in an impact below which additional r
 function impactsOf(impacts, scene, valueOf) {
   return impacts.map((impact) => {
     const { point, wall, onset, end, joint } = impact;
-    const { impact_speed: speed, separation_speed: rebound, max_penetration: depth, peak_force: peak, joint_force: jointForce } = impact;
+    const quantities = mapped(SHARED.drawn.OF_IMPACT, (column) => impact[column]);
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
-    const endSpeed = speed * (atStop ? valueOf(`link[${point}].length`) : 1);
+    const endSpeed = quantities.speed * (atStop ? valueOf(`link[${point}].length`) : 1);
     const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
     return {
       point,
@@ -31,7 +31,8 @@ function impactsOf(impacts, scene, valueOf) {
       wall: scene.wallNames[wall],
       onset,
       end: Number.isFinite(end) ? end : null,
-      speed, rebound, endSpeed, peak, jointForce, joint, depth, atStop,
+      endSpeed, joint, atStop,
+      ...quantities,
     };
   });
 }
