@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from certificate import NO_EVENT, ONE_EVENT, UNDECIDED, Step, certify
 from flint import arb
 from scipy.integrate import solve_ivp
 
+from benchmarks.certificate import NO_EVENT, ONE_EVENT, UNDECIDED, Step, certify
 from chain_impact import load_scene
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
