@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact.system import HOST
 from tests.helpers.kernel.own_functions import NAMES, arguments, in_plain_python, lowered, program, run
-from tests.helpers.tools.binaries import ARM_LIBRARIES
+from tests.helpers.tools.binaries import QEMU, on_arm
 
 pytestmark = pytest.mark.full("takes long")
 MANY, SOME = 1_000_000, 50_000
@@ -59,13 +59,10 @@ def assert_same_bits(law, here, platform, folder, command):
     np.testing.assert_array_equal(found, here(**given))
 
 
-@pytest.mark.skipif(
-    not (shutil.which("qemu-aarch64") and ARM_LIBRARIES.is_dir()),
-    reason="needs Debian's qemu-user and libc6-arm64-cross",
-)
+@on_arm
 def test_arm_gives_the_same_bits(law, here, tmp_path):
     def command(*files):
-        subprocess.run(["qemu-aarch64", "-L", ARM_LIBRARIES, *files], check=True)
+        subprocess.run([*QEMU, *files], check=True)
 
     assert_same_bits(law, here, "aarch64-linux", tmp_path, command)
 

@@ -19,7 +19,7 @@ from chain_impact.system import HOST, PLATFORMS
 from tests.fmu.interface import description, unpacked
 from tests.fmu.standard import co_simulation_functions
 from tests.fmu.zig import zig
-from tests.helpers.tools.binaries import ARM_LIBRARIES, binary, oldest_macos, signed_without_identity
+from tests.helpers.tools.binaries import QEMU, binary, oldest_macos, on_arm, signed_without_identity
 
 pytestmark = pytest.mark.full("takes long")
 
@@ -171,12 +171,9 @@ def assert_same(fmu, fmu3, machine, folder, here):
     np.testing.assert_array_equal(other_last, last)
 
 
-@pytest.mark.skipif(
-    not (shutil.which("qemu-aarch64") and ARM_LIBRARIES.is_dir()),
-    reason="needs Debian's qemu-user and libc6-arm64-cross",
-)
+@on_arm
 def test_it_runs_on_arm(fmu, fmu3, here, tmp_path):
-    machine = Machine("aarch64-linux", ("qemu-aarch64", "-L", ARM_LIBRARIES))
+    machine = Machine("aarch64-linux", QEMU)
     assert_same(fmu, fmu3, machine, tmp_path, here)
 
 

@@ -18,6 +18,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, UNLIMITED
 from chain_impact.scene.scene import Scene, scene_from_dict
+from tests.helpers.kernel.columns import Columns
 from tests.helpers.kernel.plain import Plain, Table, record_of
 from tests.helpers.scenes.derivative_scenes import AT_STOPS, pressed_tip
 
@@ -48,23 +49,9 @@ def checked(d: Plain) -> None:
             checked(value)
         elif isinstance(value, Table):
             columns = {column: value[column].view(Checked) for column in value.dtype.names}
-            object.__setattr__(d, name, Columns(columns))
+            object.__setattr__(d, name, Columns(**columns))
         elif isinstance(value, np.ndarray):
             object.__setattr__(d, name, value.view(Checked))
-
-
-class Columns:
-    """The columns of a table."""
-
-    def __init__(self, columns: dict[str, Any]) -> None:
-        self.__dict__.update(columns)
-
-    def __getitem__(self, row: int) -> dict[str, Any]:
-        return {name: column[row] for name, column in vars(self).items()}
-
-    def __setitem__(self, row: int, values: dict[str, Any]) -> None:
-        for name, column in vars(self).items():
-            column[row] = values[name]
 
 
 def fallen(model: str, method: str) -> Scene:

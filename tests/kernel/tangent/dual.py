@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import total_ordering
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import input_course
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
+from tests.helpers.kernel.columns import Columns
 from tests.helpers.scenes.derivative_scenes import Case
 
 
@@ -83,15 +83,8 @@ def dual(number: float, *slopes: float) -> Dual:
     return Dual(number, slopes or (0.0, 0.0))
 
 
-class Duals(SimpleNamespace):
+class Duals(Columns):
     """A record or a table of dual numbers."""
-
-    def __getitem__(self, row: int) -> dict[str, Any]:
-        return {name: column[row] for name, column in vars(self).items()}
-
-    def __setitem__(self, row: int, values: dict[str, Any]) -> None:
-        for name, column in vars(self).items():
-            column[row] = values[name]
 
     def clear(self) -> None:
         for own in vars(self).values():
