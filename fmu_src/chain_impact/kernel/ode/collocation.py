@@ -35,6 +35,7 @@ from chain_impact.kernel.ode.control import (
     conclude,
     largest_errors,
     moment_error,
+    raise_scales,
     refuse,
     set_scales,
 )
@@ -164,6 +165,7 @@ def set_weights(d):
     for j in range(supplied_at(d.links), extended_size(d)):
         weight[j] = math.inf
     set_scales(d, d.step.state_end, weight, compliant(d))
+    raise_scales(d, d.step.state_end, weight, compliant(d))
     for j in range(extended_size(d)):
         weight[j] = 1.0 / (d.solver.tolerance * weight[j])
 

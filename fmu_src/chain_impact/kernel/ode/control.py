@@ -29,7 +29,7 @@ from chain_impact.kernel.forces.contact_force import damping_share
 from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
-from chain_impact.kernel.rows.geometry import along, clearance, normal
+from chain_impact.kernel.rows.geometry import along, clearance, farthest, normal
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 EXPLICIT, IMPLICIT = 0, 1  # step.method: the current method
@@ -183,6 +183,8 @@ def time_scale(d, c):
 # The largest relative error of a penetration, however loose the tolerance is. With an error above some
 # hundredths a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
+# the round-off of a place that is found from coordinates and angles, relative to the largest of them
+ROUND_OFF = 1e-15
 
 
 def set_scales(d, y, scale, contacts):
@@ -208,6 +210,27 @@ def set_scales(d, y, scale, contacts):
         scale[supplied_at(n)] = d.model.energy_scale + abs(y[supplied_at(n)]) + impact_energy(d)
     for k in range(contacts):
         scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
+
+
+def raise_scales(d, y, scale, contacts):
+    """Raise the scales of ``set_scales`` for which the tolerance asks for less than the round-off of places.
+
+    In each step this round-off excites fast motions of a chain at rest. Shorter steps do not reduce these
+    motions, and longer implicit steps damp them. A contact with the frequency ω, about v₀/δ* as in
+    ``penetration_scale``, turns a round-off into ω times a speed.
+    """
+    n, size, turned, fastest = d.links, d.model.size, 0.0, 0.0
+    if contacts == 0:
+        return
+    for i in range(n):
+        turned = max(turned, abs(y[ANGLES + i]))
+    least = ROUND_OFF / d.solver.tolerance * max(farthest(d), size * turned)
+    for k in range(contacts):
+        c = d.touch.active_index[k]
+        scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
+        fastest = max(fastest, d.touch.impact_speed[c] / d.touch.depth_scale[c])
+    for j in range(velocity_at(n), dissipated_at(n)):
+        scale[j] = max(scale[j], fastest * least * (1.0 if j < omega_at(n) else 1.0 / size))
 
 
 def clear_faded(d, y):
