@@ -4,6 +4,11 @@ The package of each side makes instances of the same scenes and its own kernel (
 then run in this process, in turn, and the records ``output`` and ``statistics`` after a run are compared byte
 by byte. A run begins with the initialization, and with a copy of a new record before it if the kernel of that
 commit does not reset all of a used record.
+
+``evaluations`` is the ratio of the numbers of evaluations of the rate in that run, and ``of many`` the median
+ratio of runs that begin with slightly different angles. A different rounding changes the number of one run by
+some percent, and the median of many hardly. If only the first ratio differs from 1, the times of this run
+differ by chance.
 """
 
 from __future__ import annotations
@@ -25,6 +30,7 @@ import numpy as np
 from benchmarks import common
 
 ROUNDS = 15
+WORD = 8  # bytes of an integer in a record
 LINE, PLACE = 64, 16  # bytes: NumPy puts large arrays 16 bytes after the start of a line of the cache
 
 
@@ -37,6 +43,7 @@ class Run:
         first = (PLACE - room.ctypes.data) % LINE
         self.block = room[first : first + len(self.fresh)]
         self.address, self.stop, self.compared = self.block.ctypes.data, side["stop"], side["compared"]
+        self.varied, self.count = side["varied"], side["evaluations"]
         self.kernel = ctypes.CDLL(side["library"])
         pointer, real = ctypes.c_void_p, ctypes.c_double
         self.kernel.initialize.argtypes = self.kernel.advance.argtypes = [pointer, real]
@@ -60,6 +67,18 @@ class Run:
         self()
         self.kernel.observe(self.address)
         return [self.block[start:end].tobytes() for start, end in self.compared]
+
+    def evaluations(self) -> int:
+        """Return the number of evaluations of the last run."""
+        return int(self.block[self.count : self.count + WORD].view(np.int64)[0])
+
+    def evaluations_of_many(self) -> Iterator[int]:
+        """Yield the number of evaluations of each run with other angles at the start."""
+        for instance in self.varied:
+            self.block[:] = np.frombuffer(instance, np.uint8)
+            self.kernel.initialize(self.address, 0.0)
+            self.kernel.advance(self.address, self.stop)
+            yield self.evaluations()
 
 
 @contextmanager
@@ -96,8 +115,12 @@ def compare(scene: str, new: dict[str, Any], old: dict[str, Any]) -> None:
     timings = common.interleave(runs, ROUNDS)
     ratios = common.ratio(timings, "new", "old")
     times = {name: common.median([1e6 * value for value in timings[name]]) for name in runs}
+    one = runs["new"].evaluations() / runs["old"].evaluations()
+    pairs = zip(runs["new"].evaluations_of_many(), runs["old"].evaluations_of_many(), strict=True)
+    many = common.median([new / old for new, old in pairs])
     shown = f"{scene:15}{times['old']:9.1f}{times['new']:9.1f}{ratios['median']:9.3f}{ratios['least']:9.3f}"
-    print(f"{shown}{ratios['largest']:9.3f}  {'equal' if equal else 'different'}", flush=True)
+    shown += f"{ratios['largest']:9.3f}{one:13.3f}{many:9.3f}"
+    print(f"{shown}  {'equal' if equal else 'different'}", flush=True)
 
 
 def main() -> None:
@@ -108,7 +131,9 @@ def main() -> None:
     with worktree(commit) as tree:
         old = sides(tree)
     new = sides(common.ROOT)
-    print(f"{'scene':15}{'old [µs]':>9}{'new [µs]':>9}{'new/old':>9}{'least':>9}{'largest':>9}  bytes")
+    titles = f"{'old [µs]':>9}{'new [µs]':>9}{'new/old':>9}{'least':>9}{'largest':>9}"
+    titles += f"{'evaluations':>13}{'of many':>9}"
+    print(f"{'scene':15}{titles}  bytes")
     for scene in new:
         compare(scene, new[scene], old[scene])
 

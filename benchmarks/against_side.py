@@ -19,6 +19,8 @@ try:
 except ImportError:  # an older commit
     from chain_impact.variables.model import Model as PreparedScene  # type: ignore
 
+VARIED = 60  # further motions of each scene, whose evaluations are counted
+
 
 def chain(height: float) -> Scene:
     """Return ten links, folded and turning, that start at a height [m] above a floor."""
@@ -61,18 +63,28 @@ def scenes() -> dict[str, tuple[Scene, float]]:
     }
 
 
+def varied(scene: Scene) -> list[Scene]:
+    """Return the scene with angles at the start that differ by about 0.02 rad, as often as VARIED says."""
+    angles, chance = np.asarray(scene.initial.angles), np.random.default_rng(0)
+    changes = 0.02 * chance.standard_normal((VARIED, len(angles)))
+    return [with_values(scene, {("initial", "angles"): tuple(angles + change)}) for change in changes]
+
+
 def main() -> None:
-    """Write name → stop time, kernel, bytes of a new instance, and places of the records to compare."""
+    """Write name → stop time, kernel, bytes of new instances, and places in the records of a run."""
     sides = {}
     for name, (scene, stop) in scenes().items():
-        block = PreparedScene(scene).new_instance()
+        block, *others = (PreparedScene(start).new_instance() for start in (scene, *varied(scene)))
         fields: Any = block.dtype.fields
         places = [fields[record][:2] for record in ("output", "statistics")]
+        counts, offset = fields["statistics"][:2]
         sides[name] = {
             "stop": stop,
             "library": str(kernel_library(len(scene.chain.links))),
             "instance": block.tobytes(),
-            "compared": [(offset, offset + kind.itemsize) for kind, offset in places],
+            "varied": [other.tobytes() for other in others],
+            "compared": [(begin, begin + kind.itemsize) for kind, begin in places],
+            "evaluations": offset + counts.fields["rhs_evaluations"][1],
         }
     pickle.dump(sides, sys.stdout.buffer)
 

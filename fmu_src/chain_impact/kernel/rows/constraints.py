@@ -62,9 +62,9 @@ GENTLE = 1e3
 # The least mobility W for which a single constraint is solved directly, relative to 1/(mean mass of a link).
 # A smaller W, as near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
-# The factor on the impedance of sticking elements for one solution in place of SWEEPS iterations, which leave
-# (1 + x)⁻ⁿ of a motion with x = D W and n = SWEEPS. One solution leaves as much with the factor
-# ((1 + x)ⁿ − 1)/x, which is n for small x, and AT_ONCE for x = 0.36. Motions with a larger x are hardly left.
+# The factor on the impedance of sticking elements for one solution in place of n = SWEEPS iterations, which
+# leave (1 + x)⁻ⁿ of a motion with x = D W. With the factor ((1 + x)ⁿ − 1)/x one solution leaves as much; this
+# is n for small x, and AT_ONCE for x = 0.36. Motions with a larger x are hardly left.
 AT_ONCE = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
 # The residual of a constrained motion that may be round-off, relative to the largest motion. If NOISE is much
@@ -168,9 +168,9 @@ def solve_equality(d, scale):
 def iterate(d, scale, impedance):
     """Iterate until the residual is round-off, or no ``impedance`` [kg] reduces it further.
 
-    The iteration always ends: each pass except the last leaves less than SLOW_DECREASE of the residual or
-    makes D grow, and D grows at most twice. Sticking elements without a rigid wall get at most SWEEPS
-    iterations.
+    The iteration always ends: each pass except the last leaves less than SLOW_DECREASE of the residual, makes
+    D grow, or follows one in which D has grown; D grows at most twice. The first pass with a larger D adds
+    round-off, which the next removes. Sticking elements without a rigid wall get at most SWEEPS iterations.
 
     Returns:
         The largest residual.
@@ -179,14 +179,16 @@ def iterate(d, scale, impedance):
     before, worst, iterations = math.inf, find_residual(d), 0
     while worst > round_off or not iterated_enough(d, iterations):
         slow = has_walls and worst > round_off and not worst < SLOW_DECREASE * before
+        before = worst
         if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
+            before = math.inf
             impedance *= STIFFER
             set_impedance(d, impedance)
             factorize_contacts(d, HELD, constraints.impedance)
         elif (slow and iterated_enough(d, iterations)) or (not has_walls and iterations == SWEEPS):
             break
         correct_impulses(d)
-        before, worst, iterations = worst, find_residual(d), iterations + 1
+        worst, iterations = find_residual(d), iterations + 1
     return worst
 
 
