@@ -65,6 +65,7 @@ from chain_impact.kernel.rows.geometry import (
     add_along,
     add_impedance,
     along,
+    any_sticking,
     clear_loads_of,
     clearance,
     constraint,
@@ -120,6 +121,9 @@ def extend_start(d):
         implicit.start[quadrature_at(d, k)] = d.quadrature.state_end[k]
         implicit.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.start, implicit.start_rate)
+    if any_sticking(d):
+        # the limits of friction at the start, not those of a row of outputs, share out the impedance
+        apply_contacts(d, implicit.start)
 
 
 def clearance_rates(d, z, rate):
@@ -134,12 +138,7 @@ def extended_rate(d, z, elapsed, rate):
     if d.inputs.piece.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
-    clear_loads(d)
-    dissipated = 0.0
-    for k in range(compliant(d)):
-        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
-    if d.friction.count > 0:
-        dissipated += apply_friction(d)
+    dissipated = apply_contacts(d, z)
     # this call also sets the rates at the indices of u and time; z has other entries there, set below
     free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
@@ -149,6 +148,17 @@ def extended_rate(d, z, elapsed, rate):
     quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
+
+
+def apply_contacts(d, z):
+    """Set the loads by contacts and friction, with the clearances in z; return the dissipated power [W]."""
+    clear_loads(d)
+    dissipated = 0.0
+    for k in range(compliant(d)):
+        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+    if d.friction.count > 0:
+        dissipated += apply_friction(d)
+    return dissipated
 
 
 def extended_slopes(d, z):
