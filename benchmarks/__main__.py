@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 from benchmarks.common import PORTABLE_CPU, RELEASE, ROOT
 
@@ -17,7 +18,14 @@ SETTINGS = {
 }
 
 if __name__ == "__main__":
-    name, *arguments = sys.argv[1:]
+    programs = sorted(
+        file.stem for file in Path(__file__).parent.glob("[!_]*.py") if "__main__" in file.read_text("utf-8")
+    )
+    name, *arguments = sys.argv[1:] or [""]
+    if name not in programs:
+        given = repr(name) if name else "missing"
+        print(f"NAME is {given}; must be one of {', '.join(programs)}", file=sys.stderr)
+        sys.exit(2)
     command = [sys.executable, "-m", f"benchmarks.{name}", *arguments]
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     sys.exit(subprocess.call(command, env={**os.environ, **SETTINGS, "PYTHONPATH": path}))

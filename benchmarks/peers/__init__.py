@@ -61,7 +61,7 @@ def contenders(
     missing = {}
     for name in dict.fromkeys(families):
         try:
-            family = importlib.import_module(f"peers.{name}")
+            family = importlib.import_module(f"{__name__}.{name}")
             found |= family.contenders(problem, tolerance, stop)
         except (ImportError, MissingError) as reason:
             missing[name] = str(reason)

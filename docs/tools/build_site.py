@@ -91,7 +91,8 @@ def main() -> int:
     write_words()
     zensical = [sys.executable, "-m", "zensical", *command]
     code = subprocess.run(zensical, cwd=DOCS.parent, check=False).returncode
-    finish()
+    if code == 0:
+        finish()
     if code == 0 and command[0] == "build":
         try_it.finish(SITE)
         print(f"{SITE.relative_to(DOCS.parent)}/index.html")

@@ -4,6 +4,8 @@ import importlib
 import json
 import math
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import matplotlib as mpl
@@ -25,6 +27,16 @@ FILES = sorted([*BENCHMARKS.glob("*.py"), *BENCHMARKS.glob("peers/*.py")])
 def charts():
     """Return a function that imports a module of the benchmarks by name."""
     return lambda name: importlib.import_module(f"benchmarks.{name}")
+
+
+@pytest.mark.parametrize("name", [[], ["no_benchmark"], ["common"]])
+def test_a_wrong_name_of_a_benchmark_is_told_in_one_sentence(name):
+    command = [sys.executable, "-m", "benchmarks", *name]
+    done = subprocess.run(command, cwd=BENCHMARKS.parent, check=False, capture_output=True, text=True)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "tables" in line
+    assert "common" not in line.partition("must be")[2]
 
 
 # --- the charts of the docs, drawn from the stored figures --------------------------------------------------

@@ -9,6 +9,7 @@ import tomllib
 import unicodedata
 from html import unescape
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import pytest
@@ -238,6 +239,16 @@ def test_the_scene_reference_has_every_key():
             ("links", "walls", ".wall", ".slider", "signals")
         ):
             assert f"`{key.rpartition('.')[2]}`" in text, key
+
+
+def test_a_site_that_fails_keeps_its_exit_code(tmp_path, monkeypatch):
+    monkeypatch.setattr(build_site, "SITE", tmp_path / "no site")
+    monkeypatch.setattr(build_site, "NOTEBOOKS", [])
+    for module, name in ((build_site, "make_pages"), (build_site, "write_words"), (try_it, "write_page")):
+        monkeypatch.setattr(module, name, lambda *_: None)
+    monkeypatch.setattr(build_site.sys, "argv", ["build_site"])
+    monkeypatch.setattr(build_site.subprocess, "run", lambda *_, **__: SimpleNamespace(returncode=3))
+    assert build_site.main() == 3
 
 
 def test_the_glossary_explains_its_words_on_all_pages(tmp_path, monkeypatch):

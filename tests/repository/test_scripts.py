@@ -6,9 +6,11 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import chain_impact
+from benchmarks import peers
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = (".", ".ci", "benchmarks", "benchmarks/peers", "docs/tools", "models/*", "packaging")
+OURS = ("benchmarks", "chain_impact", "docs", "tests")
 SCRIPTS = sorted(file for folder in FOLDERS for file in ROOT.glob(f"{folder}/*.py"))
 
 
@@ -28,7 +30,7 @@ def names_of(module):
     return names
 
 
-def test_what_scripts_import_from_the_package_and_the_tests_is_there():
+def test_what_scripts_import_from_this_repository_is_there():
     trees = [(file, list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))) for file in SCRIPTS]
     # names of older revisions, after a try with those of today
     older = {
@@ -42,7 +44,7 @@ def test_what_scripts_import_from_the_package_and_the_tests_is_there():
         (file.name, node.module, alias.name)
         for file, tree in trees
         for node in tree
-        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in ("chain_impact", "tests")
+        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in OURS
         if id(node) not in older
         for alias in node.names
     }
@@ -50,6 +52,16 @@ def test_what_scripts_import_from_the_package_and_the_tests_is_there():
     assert [
         name for name in asked if name[2] not in found[name[1]] and not find_spec(".".join(name[1:]))
     ] == []
+
+
+def test_every_family_of_solvers_has_its_module():
+    modules = {name: f"{peers.__name__}.{module}" for name, module in peers.FAMILIES.items()}
+    assert [name for name, module in modules.items() if not find_spec(module)] == []
+
+
+def test_families_are_looked_for_where_they_are():
+    _, missing = peers.contenders(None, 1e-6, 0.0, ["no_family"])
+    assert missing == {"no_family": f"No module named '{peers.__name__}.no_family'"}
 
 
 def test_the_programs_that_write_generated_files_exist():
