@@ -9,6 +9,7 @@ from matplotlib.text import Text
 
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
 from chain_impact.pictures import figures
+from chain_impact.pictures.dark import GLARE, luminance
 from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
@@ -36,6 +37,12 @@ def lab(colour, sight=((1, 0, 0), (0, 1, 0), (0, 0, 1))):
     matrix = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
     x, y, z = np.cbrt(np.array(matrix) @ linear / [0.9505, 1.0, 1.089])
     return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
+
+
+def contrast(first, second):
+    """Return the contrast ratio of two colours, from 1 to 21 (WCAG 2.1, with ``luminance``)."""
+    low, high = sorted((luminance(first), luminance(second)))
+    return (high + GLARE) / (low + GLARE)
 
 
 def write(recording, path):

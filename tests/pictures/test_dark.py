@@ -10,9 +10,9 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from chain_impact.pictures import style
-from chain_impact.pictures.dark import Ground, contrast, is_dark, lighter, luminance
+from chain_impact.pictures.dark import Ground, is_dark, lighter, luminance
 from chain_impact.pictures.style import PALETTE, suit_figure
-from tests.pictures.pictures import lab, recorded
+from tests.pictures.pictures import contrast, lab, recorded
 
 
 def pixels(page):

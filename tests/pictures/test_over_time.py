@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.over_time import MOST_COLOURED, point_groups, without_gap
+from chain_impact.pictures.over_time import MOST_COLOURED, energy_look, point_groups, without_gap
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
@@ -116,6 +116,16 @@ def test_a_gap_of_energy_is_closed_and_reported():
         assert curves[label] == pytest.approx(recording.energies[name] + added, abs=1e-9)
         assert 0.0 <= curves[label].min() < 0.1 * added
     assert curves["kinetic"] == pytest.approx(recording.energies["kinetic"])
+
+
+@pytest.mark.parametrize(
+    ("least", "text"), [(-150.0, "+ 150 J"), (1234.0, "− 1200 J"), (-0.0217, "+ 0.022 J")]
+)
+def test_the_shift_of_an_energy_is_told_in_plain_digits(least, text):
+    potential, kinetic = least + np.linspace(0.0, 0.1 * abs(least), 5), np.linspace(0.0, 1e-2 * abs(least), 5)
+    shown, offset = without_gap({"potential": potential, "kinetic": kinetic})
+    assert shown["potential"] == pytest.approx(potential + offset)
+    assert energy_look("potential", offset)["label"] == f"potential {text}"
 
 
 @pytest.mark.parametrize("model", ["thrown_brick", "four_link_box"])

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.dark import contrast
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.style import LOAD, PALETTE, broken, headline, number
-from tests.pictures.pictures import lab
+from tests.pictures.pictures import contrast, lab
 
 # what readers without one kind of cones see (Machado, Oliveira and Fernandes 2009, severity 1)
 SIGHTS = {

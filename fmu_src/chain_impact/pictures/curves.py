@@ -93,7 +93,8 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         seen = in_view(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
         write_head(figure, recording, title or summary, seen if title else "")
-    panels, zero = clear_panels(curves), always_zero(curves)
+    panels = clear_panels(curves)
+    zero = always_zero(curves, panels)
     if zero:
         write_foot(figure, f"0 in the whole view: {few(zero, MOST_NAMED)}")
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
@@ -203,12 +204,12 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
     return numbers
 
 
-def always_zero(curves: Curves) -> list[str]:
+def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
     """Return the outputs that are not drawn, because they are 0 at all times.
 
     In a panel they are left out only if there are two or more of them, and another curve is drawn.
     """
-    return [name for names in clear_panels(curves) for name in names if name not in drawn_in(curves, names)]
+    return [name for names in panels for name in names if name not in drawn_in(curves, names)]
 
 
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:

@@ -135,12 +135,6 @@ def is_dark(ground: Any) -> bool:
     return to_rgba(ground)[3] > 0.0 and luminance(ground) < DARK
 
 
-def contrast(first: Any, second: Any) -> float:
-    """Return the contrast ratio of two colours, from 1 to 21 (WCAG 2.1, with ``luminance``)."""
-    low, high = sorted((luminance(first), luminance(second)))
-    return (high + GLARE) / (low + GLARE)
-
-
 def least_luminance(ground: Any, ratio: float) -> float:
     """Return the least luminance, at most 1, that has a contrast ratio to a dark ground."""
     return min(1.0, ratio * (luminance(ground) + GLARE) - GLARE)

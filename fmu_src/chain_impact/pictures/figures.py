@@ -133,15 +133,24 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     height = max(LEAST, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
     figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
     lacks = lacking_height(fill, figure, USUAL_SIDE)
-    return figure if lacks <= 0.0 else least_figure(fill, width, height, USUAL_SIDE, lacks)
+    if lacks <= 0.0:
+        return figure
+    return least_figure(fill, width, height, USUAL_SIDE, lacks, free_height=True)
 
 
 def least_figure(
-    fill: Fill, width: float, height: float, mean: float = 0.0, lacks: float = math.inf
+    fill: Fill,
+    width: float,
+    height: float,
+    mean: float = 0.0,
+    lacks: float = math.inf,
+    *,
+    free_height: bool = False,
 ) -> Figure:
     """Return the figure with the least height that has room for all panels; ``height`` [inches] has no room.
 
-    ``mean`` and ``lacks`` are the argument and the result of ``lacking_height`` at the given height.
+    ``mean`` and ``lacks`` are the argument and the result of ``lacking_height`` at the given height;
+    ``free_height`` is as in ``StyledFigure``.
 
     Raises:
         ValueError: when no height is enough.
@@ -155,7 +164,7 @@ def least_figure(
         guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
         k = min(max(guess, low + 1), high - 1)
         height = float(heights[k])
-        figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=mean > 0.0)
+        figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=free_height)
         lacks = lacking_height(fill, figure, mean)
         if lacks > 0.0:
             low = k

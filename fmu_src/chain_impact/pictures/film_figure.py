@@ -199,7 +199,7 @@ class Film:
         ]
         plot_curves(axes, time, curves)
         note = f"; potential, total {offset_text(offset)}" if offset else ""
-        axes.set(xlim=(time[0], time[-1]), xlabel=f"time [s]{note}", ylabel="energy [J]")
+        axes.set(xlim=(time[0], time[-1]), xlabel="time [s]", ylabel=f"energy [J]{note}")
         position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
         axes.legend(**position, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
         self.now = axes.axvline(time[0], color=INK, linewidth=1.0, animated=True)

@@ -141,7 +141,7 @@ def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray],
 
 def offset_text(offset: float) -> str:
     """Return what is added to an energy [J] as text: "+ 22 J"."""
-    return f"{'+' if offset > 0.0 else '−'} {abs(offset):.2g} J"
+    return f"{'+' if offset > 0.0 else '−'} {abs(offset):.10g} J"
 
 
 def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:

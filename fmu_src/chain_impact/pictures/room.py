@@ -30,9 +30,8 @@ STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
 # most this number
 ROUND_OFF = 1e-9
-RIM = np.array(
-    [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]]
-)  # the ends of a disc, relative to its radius
+# the ends of a disc, relative to its radius
+RIM = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
 
 
 class View(NamedTuple):
@@ -87,12 +86,10 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
         if at not in near and beyond > 0.0:
             met[at] = wall
             along = int(np.abs(normal).argmax())
-            if (
-                abs(normal[along]) > STRAIGHT
-            ):  # the view ends ``band`` beyond a wall that is parallel to its edge
-                view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * max(
-                    0.0, beyond - band * width
-                )
+            # the view ends ``band`` beyond a wall that is parallel to its edge
+            if abs(normal[along]) > STRAIGHT:
+                inwards = max(0.0, beyond - band * width)
+                view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * inwards
     return View(view, list(dict.fromkeys(name for name, _ in met)))
 
 

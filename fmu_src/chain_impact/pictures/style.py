@@ -221,13 +221,14 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
     return str(probe.get_text())
 
 
-def write_foot(figure: Figure, text: str, most: float = 0.0) -> Text | None:
+def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
     """Write a text at the foot of a figure, above other texts there.
 
     The texts at the foot take at most the part ``most`` of the figure's height, and by default FREE_FOOT or
     MOST_FOOT; otherwise return None.
     """
-    most = most or (FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT)
+    if most is None:
+        most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
     (width, height), low = figure.get_size_inches(), _foot(figure)
     text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
     foot = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **text_style)

@@ -1,7 +1,7 @@
 """Draw simulations beside measurements, or beside another theory, for docs/models.
 
-``python -m tests.helpers.literature.beside_measurements``. The measured
-values are in models/<model>/measured.csv.
+``python -m tests.helpers.literature.beside_measurements``. The measured values are in
+models/<model>/measured.csv.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ IMAGES = Path(__file__).parents[3] / "docs" / "images"
 SIZE = (8.5, 4.6)
 
 
-def triple_pendulum(page: Figure) -> None:
+def triple_pendulum(figure: Figure) -> None:
     """Draw angles above, and differences below."""
     columns, result = measured("triple_pendulum"), simulate("triple_pendulum")
     time = columns["time"]
-    above, below = page.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     off = []
     for link, colour in zip((1, 2, 3), PALETTE, strict=False):
         angle = columns[f"link[{link}].angle"]
@@ -49,18 +49,18 @@ def triple_pendulum(page: Figure) -> None:
     below.set(xlabel="time [s]", ylabel="difference\n[mrad]", xlim=(0, time[-1]))
     below.grid(visible=True)
     headline(
-        page,
+        figure,
         "Triple pendulum: measured and simulated angles [rad]",
         "of Kaheman et al. 2023, with the parameters that its authors estimated  ·  largest difference: "
         f"{np.abs(off).max():.0f} mrad",
     )
 
 
-def golf_ball(page: Figure) -> None:
+def golf_ball(figure: Figure) -> None:
     """Draw height over time, and the delays of the heard impacts after the simulated impacts."""
     heard, result = heard_impacts(), simulate("golf_ball")
     late = 1000 * (heard - result.impacts["onset"])
-    height, delay = page.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    height, delay = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     height.plot(result.time, result["point[0].y"], color=BLUE, linewidth=1.4)
     height.plot(heard, 0 * heard, "v", color=VERMILLION, markersize=6, clip_on=False, label="heard")
     height.set(ylabel="height [m]", ylim=(0, 0.85))
@@ -69,18 +69,18 @@ def golf_ball(page: Figure) -> None:
     delay.set(xlabel="time [s]", ylabel="delay [ms]", xlim=(0, result.time[-1]), ylim=(0, 80))
     delay.grid(visible=True)
     headline(
-        page,
+        figure,
         "Golf ball: heard and simulated impacts, height [m] and delay [ms]",
         "dropped from 0.8 m, mean of four drops  ·  rigid floor, restitution 0.893 at all impacts  ·  "
         f"ninth impact: {late[-1]:.0f} ms later",
     )
 
 
-def steel_bar(page: Figure) -> None:
+def steel_bar(figure: Figure) -> None:
     """Draw force over time, and the restitution of bars of several lengths."""
     scene, result = load_scene("steel_bar"), simulate("steel_bar", output_step=4e-6)
     times = np.linspace(0.0, scene.simulation.stop_time, 201)
-    force, lengths = page.subplots(1, 2, width_ratios=(3, 2))
+    force, lengths = figure.subplots(1, 2, width_ratios=(3, 2))
     theory, _ = Bar(0.4).impact(times)
     first = result.impacts["onset"][0]
     force.plot(1e3 * result.time, result["contact[0].y_min.force"], color=BLUE, linewidth=1.4)
@@ -96,7 +96,7 @@ def steel_bar(page: Figure) -> None:
     lengths.set(xlabel="length of the bar [m]", ylabel="restitution without vibration", ylim=(0, 1.02))
     lengths.legend(loc="lower left")
     headline(
-        page,
+        figure,
         "Steel bar of 0.4 m: force [N] over time, and restitution over length",
         "12 mm thick, drops flat at 0.5 m/s on an elastic support under one end  ·  "
         f"{len(result.impacts)} contacts",

@@ -10,7 +10,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.dark import contrast
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.histograms import edges_of
@@ -19,7 +18,7 @@ from chain_impact.studies.sweep.plot import COLOURS, fill, usual_size
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers.scenes.stops import knee
-from tests.pictures.pictures import lab
+from tests.pictures.pictures import contrast, lab
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact")][:10]
