@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact.system import HOST
 from tests.helpers.kernel.own_functions import NAMES, arguments, in_plain_python, lowered, program, run
-from tests.helpers.tools.binaries import QEMU, on_arm
+from tests.helpers.tools.processors import ON_ARM, QEMU
 
 pytestmark = pytest.mark.full("takes long")
 MANY, SOME = 1_000_000, 50_000
@@ -59,7 +59,7 @@ def assert_same_bits(law, here, platform, folder, command):
     np.testing.assert_array_equal(found, here(**given))
 
 
-@on_arm
+@ON_ARM
 def test_arm_gives_the_same_bits(law, here, tmp_path):
     def command(*files):
         subprocess.run([*QEMU, *files], check=True)

@@ -19,7 +19,8 @@ from chain_impact.system import HOST, PLATFORMS
 from tests.fmu.interface import description, unpacked
 from tests.fmu.standard import co_simulation_functions
 from tests.fmu.zig import zig
-from tests.helpers.tools.binaries import QEMU, binary, oldest_macos, on_arm, signed_without_identity
+from tests.helpers.tools.binaries import binary, oldest_macos, signed_without_identity
+from tests.helpers.tools.processors import ON_ARM, QEMU
 
 pytestmark = pytest.mark.full("takes long")
 
@@ -171,7 +172,7 @@ def assert_same(fmu, fmu3, machine, folder, here):
     np.testing.assert_array_equal(other_last, last)
 
 
-@on_arm
+@ON_ARM
 def test_it_runs_on_arm(fmu, fmu3, here, tmp_path):
     machine = Machine("aarch64-linux", QEMU)
     assert_same(fmu, fmu3, machine, tmp_path, here)

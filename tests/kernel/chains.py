@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterable, Sequence
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -75,7 +75,7 @@ def chain(
     return scene, begun(scene)
 
 
-@cache
+@lru_cache(256)
 def scene_of(pickled: bytes) -> Scene:
     """Return the scene of a pickled table; many tests use the same chain."""
     return scene_from_dict(pickle.loads(pickled), "chain")

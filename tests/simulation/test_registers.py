@@ -9,7 +9,8 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.simulation.instance import Instance, spans_of
-from tests.helpers.tools.registers import FLUSH, ON_X86, TRAPS, USUAL, WITHOUT_TRAPS, make_library, registers
+from tests.helpers.tools.processors import ON_X86
+from tests.helpers.tools.registers import FLUSH, TRAPS, USUAL, WITHOUT_TRAPS, make_library, registers
 from tests.tiers import needs_compilers
 
 pytestmark = ON_X86

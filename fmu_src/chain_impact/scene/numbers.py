@@ -30,7 +30,10 @@ _TABLES: dict[DataPath, Any] = {
     ("simulation",): Simulation,
     **{("chain", "links", i): Link for i in range(LINKS)},
 }
-"""Path → table with keys that may change alone: each is one number. In ``Initial`` each is a list."""
+"""Path → table with keys that may change alone: each is one number or choice.
+
+In ``Initial`` each is a list.
+"""
 
 
 @functools.cache

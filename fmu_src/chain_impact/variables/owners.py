@@ -16,44 +16,51 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.record.counts import COUNTS
-from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import AT, INPUTS_OF, DataPath
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signals import driven_by
+from chain_impact.scene.signals import Driven
 from chain_impact.variables.kind import ALWAYS
 
 
+class Parts(NamedTuple):
+    """A scene, its candidates, and the inputs that its signals drive."""
+
+    scene: Scene
+    pairs: Sequence[tuple[int, int]]
+    signals: Sequence[Driven]
+
+
 class Fact(NamedTuple):
-    """A fact of a scene: its meaning, and the function that returns it for a scene."""
+    """A fact of a scene: its meaning, and the function that returns it for the parts of the scene."""
 
     meaning: str
-    of: Callable[[Scene], int]
+    of: Callable[[Parts], int]
 
 
 FACTS = {
     ALWAYS: Fact("all scenes have this", lambda _: True),
-    "free": Fact("no base holds the chain", lambda scene: scene.chain.base == "free"),
-    "pinned": Fact("the base is pinned", lambda scene: scene.chain.base == "pinned"),
-    "slider": Fact("the base is on a slider", lambda scene: scene.chain.base == "slider"),
+    "free": Fact("no base holds the chain", lambda of: of.scene.chain.base == "free"),
+    "pinned": Fact("the base is pinned", lambda of: of.scene.chain.base == "pinned"),
+    "slider": Fact("the base is on a slider", lambda of: of.scene.chain.base == "slider"),
     "skewed": Fact(
-        "the centre of mass of some link lies beside the link's line", lambda scene: scene.chain.is_skewed
+        "the centre of mass of some link lies beside the link's line", lambda of: of.scene.chain.is_skewed
     ),
-    "contact_friction": Fact("a contact may have dry friction", lambda scene: scene.has_contact_friction),
-    "joint_friction": Fact("a joint has dry friction", lambda scene: bool(scene.friction_joints)),
+    "contact_friction": Fact("a contact may have dry friction", lambda of: of.scene.has_contact_friction),
+    "joint_friction": Fact("a joint has dry friction", lambda of: bool(of.scene.friction_joints)),
     "slider_friction": Fact(
         "the slider has dry friction",
-        lambda scene: scene.chain.slider is not None and scene.chain.slider.friction > 0.0,
+        lambda of: of.scene.chain.slider is not None and of.scene.chain.slider.friction > 0.0,
     ),
-    "own_stop_law": Fact("stops have another law than walls", lambda scene: scene.stops.model is not None),
-    "has_limits": Fact("a drive has a largest torque or force", lambda scene: scene.chain.has_limits),
+    "own_stop_law": Fact("stops have another law than walls", lambda of: of.scene.stops.model is not None),
+    "has_limits": Fact("a drive has a largest torque or force", lambda of: of.scene.chain.has_limits),
     "pairs": Fact(
         "the number of pairs of a point and a wall that can touch",
-        lambda scene: len(candidates(scene)) - len(scene.chain.stops) - len(scene.slider_stops),
+        lambda of: len(of.pairs) - len(of.scene.chain.stops) - len(of.scene.slider_stops),
     ),
-    "stops": Fact("the number of stops in joints", lambda scene: len(scene.chain.stops)),
-    "slider_stops": Fact("the number of stops of the slider", lambda scene: len(scene.slider_stops)),
+    "stops": Fact("the number of stops in joints", lambda of: len(of.scene.chain.stops)),
+    "slider_stops": Fact("the number of stops of the slider", lambda of: len(of.scene.slider_stops)),
     "knots": Fact(
-        "the number of knots of all signals", lambda scene: sum(driven.knots for driven in driven_by(scene))
+        "the number of knots of all signals", lambda of: sum(driven.knots for driven in of.signals)
     ),
 }
 """Name → each fact of a scene. The keys of [inputs] and [outputs] are facts, too, as

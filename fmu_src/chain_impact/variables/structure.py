@@ -14,7 +14,7 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import Driven, driven_by
 from chain_impact.scene.tables import Inputs, Outputs
-from chain_impact.variables.owners import FACTS, Owner, owners_of, with_conditions
+from chain_impact.variables.owners import FACTS, Owner, Parts, owners_of, with_conditions
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ class Structure:
 def structure_of(scene: Scene) -> Structure:
     """Return the structure of a scene."""
     chain, pairs, signals = scene.chain, candidates(scene), driven_by(scene)
-    joints, dry = chain.joints, scene.friction_joints
+    joints, dry, parts = chain.joints, scene.friction_joints, Parts(scene, pairs, signals)
     facts = {
         **_flags("inputs", scene.inputs),
         **_flags("outputs", scene.outputs),
-        **{name: fact.of(scene) for name, fact in FACTS.items()},
+        **{name: fact.of(parts) for name, fact in FACTS.items()},
     }
     at_walls = facts["pairs"]
     lists: dict[str, list[dict[str, Any]]] = {

@@ -238,12 +238,12 @@ def run(kind: str, seed: int, lasting: float) -> Run:
         instance = Instance(one)
     except SimulationError as error:
         return Run(kind, seed, error.status, 0.0, False, 0.0, 0, 0.0)
-    times, reached = np.linspace(0.0, lasting, ROWS + 1)[1:], 0
+    times, done = np.linspace(0.0, lasting, ROWS + 1)[1:], 0
     rows = np.zeros(ROWS, instance.record.dtype["output"])
-    while reached < ROWS and instance.status == OK:
-        reached += instance.trajectory(times[reached:], rows[reached:])
+    while done < ROWS and instance.status == OK:
+        done += instance.trajectory(times[done:], rows[done:])
         instance.collect()
-    late = rows[: max(reached, 1)][reached // 2 :]
+    late = rows[: max(done, 1)][done // 2 :]
     size = max(part.length for part in one.chain.links)
     speeds = max(np.abs(late["angular_velocity"]).max() * size, np.abs(late["point_velocity"]).max())
     settled = late[len(late) // 2 :]  # the step in which the chain comes to rest may be long
@@ -255,7 +255,7 @@ def run(kind: str, seed: int, lasting: float) -> Run:
         seed,
         instance.status,
         instance.time,
-        bool(reached == ROWS and speeds < AT_REST * size),
+        bool(done == ROWS and speeds < AT_REST * size),
         float(np.ptp(balance)) / scale,
         instance.statistics["steps"],
         time.perf_counter() - began,
@@ -290,7 +290,7 @@ def main() -> None:
             slow = one if slow is None or one.seconds > slow.seconds else slow
         took = time.perf_counter() - began
         print(f"{kind}: {dict(ends)}, {still} at rest, drift {worst:.1e}, {took:.0f} s", flush=True)
-        print(*(f"  {seed}" for seed in early[:20]), f"  slowest {slow}", sep="\n", flush=True)
+        print(*(f"  {ended}" for ended in early[:20]), f"  slowest {slow}", sep="\n", flush=True)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 from unittest import mock
 
@@ -29,7 +29,7 @@ class Table(np.ndarray):
 
     def __getattr__(self, name: str) -> Any:
         """Return a column, and remember it."""
-        if name not in self.dtype.names:
+        if name not in (self.dtype.names or ()):
             raise AttributeError(name)
         column = self.__dict__[name] = self[name].view(np.ndarray)
         return column
@@ -99,8 +99,12 @@ def record_of(scene: Scene) -> Plain:
     return Plain(PreparedScene(scene).new_instance()[0])
 
 
-_BEGUN: dict[bytes, np.ndarray] = {}
-"""Pickled scene → its record at the start of its run, which tests copy."""
+@lru_cache(256)
+def _begun(pickled: bytes) -> np.ndarray:
+    """Return the record of a pickled scene at the start of its run, which tests copy."""
+    block = PreparedScene(pickle.loads(pickled)).new_instance()
+    assert initialize(Plain(block[0]), 0.0) == OK
+    return block
 
 
 def begun(scene: Scene) -> Plain:
@@ -108,14 +112,8 @@ def begun(scene: Scene) -> Plain:
 
     Equal scenes are initialized once, but in a test that replaces functions (tests/kernel/conftest.py).
     """
-    pickled = pickle.dumps(scene)
-    block = _BEGUN.get(pickled) if begun.is_shared else None
-    if block is None:
-        block = PreparedScene(scene).new_instance()
-        assert initialize(Plain(block[0]), 0.0) == OK
-        if begun.is_shared:
-            _BEGUN[pickled] = block
-    return Plain(block.copy()[0])
+    begin = _begun if begun.is_shared else _begun.__wrapped__
+    return Plain(begin(pickle.dumps(scene)).copy()[0])
 
 
 begun.is_shared = True

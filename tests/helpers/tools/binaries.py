@@ -1,13 +1,10 @@
 """The symbols and libraries that a shared library needs and offers, read from its file."""
 
 import hashlib
-import shutil
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-
-import pytest
 
 
 @dataclass(frozen=True)
@@ -143,12 +140,3 @@ def _macho(data: bytes) -> Binary:
                         _text(data, texts + name).removeprefix("_")
                     )
     return found
-
-
-_ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")  # Debian's libc6-arm64-cross
-QEMU = ("qemu-aarch64", "-L", str(_ARM_LIBRARIES))
-"""The beginning of a command that runs a program of 64-bit ARM."""
-on_arm = pytest.mark.skipif(
-    not (shutil.which(QEMU[0]) and _ARM_LIBRARIES.is_dir()),
-    reason="needs Debian's qemu-user and libc6-arm64-cross",
-)

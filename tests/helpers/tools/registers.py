@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-
-import pytest
 
 from tests.fmu.zig import zig
 
@@ -17,9 +14,6 @@ ROUNDINGS = [USUAL + way * ROUNDING for way in range(4)]
 WITHOUT_TRAPS = [*ROUNDINGS, *(rounding | FLUSH for rounding in ROUNDINGS)]
 # the traps of Fortran's -ffpe-trap=invalid,zero,overflow; a trap for inexact results would end Python itself
 TRAPS = USUAL & ~(0x80 | 0x200 | 0x400)
-ON_X86 = pytest.mark.skipif(
-    platform.machine() not in {"x86_64", "AMD64"}, reason="these are the registers of x86-64"
-)
 _SOURCE = """unsigned registers(void) { return __builtin_ia32_stmxcsr(); }
 void set_registers(unsigned value) { __builtin_ia32_ldmxcsr(value); }
 """
